@@ -29,7 +29,7 @@ class CallbackRunner final : public elastin::TaskRunner {
 
 struct elastin_body {
   elastin::Body body;
-  mutable elastin::Cells<3> surface = {};  ///< as it was last asked for
+  mutable elastin::Cells<3> surface = {};  ///< as it was last requested
 };
 
 struct elastin_simulation {
@@ -74,7 +74,7 @@ T& given(T* pointer, const char* name) {
 }
 
 /// A caller's structure as the present header has it: what an older one did not have is zero. Throws InputError where
-/// its size says that it is none.
+/// its size says that there is no such structure.
 template <class T>
 T checked_copy(const T* structure, const char* name) {
   given(structure, name);

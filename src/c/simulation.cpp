@@ -8,7 +8,7 @@ namespace {
 
 /// What a step said, as the caller's structure; a status.
 template <class Result>
-elastin_status told(const Result& result, int substeps, elastin_step_result* out) {
+elastin_status reported(const Result& result, int substeps, elastin_step_result* out) {
   if (out) {
     const elastin_step_result values{0, static_cast<int>(result.outcome), substeps, result.newton_iterations,
                                      result.linear_iterations};
@@ -68,7 +68,7 @@ elastin_status elastin_step(elastin_simulation* simulation, double dt, elastin_s
     elastin_simulation& handle = given(simulation, "simulation");
     if (result) elastin::c::checked_copy(result, "elastin_step_result");
     const elastin::StepResult reached = handle.simulation.step(dt);
-    return elastin::c::told(reached, reached.substeps, result);
+    return elastin::c::reported(reached, reached.substeps, result);
   });
 }
 
@@ -92,7 +92,7 @@ elastin_status elastin_settle(elastin_simulation* simulation, elastin_step_resul
   return guarded([&] {
     elastin_simulation& handle = given(simulation, "simulation");
     if (result) elastin::c::checked_copy(result, "elastin_step_result");
-    return elastin::c::told(handle.simulation.settle(), 1, result);
+    return elastin::c::reported(handle.simulation.settle(), 1, result);
   });
 }
 

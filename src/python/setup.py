@@ -1,5 +1,5 @@
 """A wheel of what CMake builds. With ELASTIN_BUILD_DIR in the environment it is taken from there; else the module is built
-now, which takes some minutes, in build-wheel beside the other builds."""
+now, which takes some minutes, in build-wheel next to the other builds."""
 
 import os
 import re

@@ -1,8 +1,8 @@
 #pragma once
 #include "elastin/c/elastin.h"
 
-/* What the lab in a browser needs beside the C API: a scene's body from the bytes that the command has put into the
- * page, simulations of it under a hand, and the tension test of the laboratory. The rules of elastin.h hold. */
+/* What the lab in a browser needs in addition to the C API: a scene's body from the bytes that the command has put into
+ * the page, simulations of it under a hand, and the tension test of the laboratory. The rules of elastin.h hold. */
 
 #ifdef __cplusplus
 extern "C" {

@@ -9,7 +9,7 @@ using elastin::c::given;
 using elastin::c::guarded;
 using namespace elastin;
 
-/// One way to load the body, step by step.
+/// A method to load the body, step by step.
 struct Drawing {
   Simulation simulation;
   std::unique_ptr<lab::StaticExperiment> experiment;

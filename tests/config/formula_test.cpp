@@ -125,8 +125,9 @@ TEST_CASE("a formula that is nested too deeply is refused where it stands", "[sc
     CHECK_THAT(refusal("= " + repeated("abs(", depth) + "1" + repeated(")", depth)), Contains(message));
     std::string chain = "values: {";
     for (int i = 0; i < depth; ++i) chain += "a" + std::to_string(i) + ": = a" + std::to_string(i + 1) + ", ";
-    CHECK_THROWS_WITH(open_scene(SceneSource::of_text("a.yaml", chain + "a" + std::to_string(depth) + ": 1}\n"), {}, 1e6),
-                      StartsWith("a.yaml:1:") && Contains(message));
+    CHECK_THROWS_WITH(
+        open_scene(SceneSource::of_text("a.yaml", chain + "a" + std::to_string(depth) + ": 1}\n"), {}, 1e6),
+        StartsWith("a.yaml:1:") && Contains(message));
     CHECK_THROWS_WITH(open_scene(SceneSource::of_text("a.yaml", kValues), {"x== " + deep(depth)}, 1e6),
                       StartsWith("--set: x: the formula") && Contains(message));
     CHECK_THROWS_WITH(open_scene(SceneSource::of_text("a.yaml", kValues), {"x" + repeated(".x", depth) + "=1"}, 1e6),

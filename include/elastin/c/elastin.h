@@ -84,7 +84,7 @@ ELASTIN_API elastin_status elastin_lattice(const int counts[3], const double spa
 /* A mesh file (.msh, .vtk, .vtu, .obj, .stl, .ply) whose numbers are in `length_unit` [m]: 1e-3 of millimetres. */
 ELASTIN_API elastin_status elastin_body_from_mesh(const char* path, double length_unit, double density,
                                                   double thickness, elastin_body** body);
-ELASTIN_API void elastin_body_free(elastin_body* body); /* null is none */
+ELASTIN_API void elastin_body_free(elastin_body* body); /* null is allowed */
 
 /* A part of a body that is put together from several. */
 typedef struct elastin_part {
@@ -111,7 +111,7 @@ ELASTIN_API elastin_status elastin_body_positions(const elastin_body* body, cons
 ELASTIN_API elastin_status elastin_body_connections(const elastin_body* body, const int** molecules, size_t* count);
 ELASTIN_API elastin_status elastin_body_triangles(const elastin_body* body, const int** molecules, size_t* count);
 /* The same of its surface, triangles counter-clockwise seen from outside: the faces of its tetrahedra, else of its
- * cubes (each cut in two), and its triangles. Found anew by each call, which ends what the last one showed. */
+ * cubes (each cut in two), and its triangles. Found again by each call, which ends what the last one showed. */
 ELASTIN_API elastin_status elastin_body_surface(const elastin_body* body, const int** molecules, size_t* count);
 
 /* ---- materials and strategies ---- */
@@ -182,9 +182,9 @@ typedef struct elastin_options {
   const elastin_value* parameters; /* of the strategy */
   size_t parameter_count;
   int threads;           /* of loops over large bodies; 0 = as elastin_set_threads says. Bitwise identical with any */
-  elastin_run_tasks run; /* who runs them instead; null: nobody */
+  elastin_run_tasks run; /* runs them instead; null: nothing does */
   void* run_context;
-  int run_width;                          /* into how many tasks loops are parted, >= 1 */
+  int run_width;                          /* number of tasks that a loop is split into, >= 1 */
   const elastin_value* scheme_parameters; /* "newton_iterations" of an implicit one … */
   size_t scheme_parameter_count;
   /* By the clock, what a step may take [s]; 0: any. Of schemes that take a number of sweeps or iterations: each step
@@ -200,7 +200,7 @@ ELASTIN_API elastin_status elastin_simulate(const elastin_body* body, const char
 ELASTIN_API elastin_status elastin_simulate_parts(const elastin_body* body, const char* strategy,
                                                   const elastin_material* const* materials, size_t material_count,
                                                   const elastin_options* options, elastin_simulation** simulation);
-ELASTIN_API void elastin_simulation_free(elastin_simulation* simulation); /* null is none */
+ELASTIN_API void elastin_simulation_free(elastin_simulation* simulation); /* null is allowed */
 
 /* What acts on it, at any time between steps: a row of the table "loads" by name, as scenes have it under `loads`. A
  * vector's numbers go by NAME_x, NAME_y, NAME_z (0 where they are left out): gravity takes acceleration_z; of
@@ -218,9 +218,9 @@ typedef struct elastin_step_result {
  * nothing after the first step, prints nothing, locks nothing. result may be null. */
 ELASTIN_API elastin_status elastin_step(elastin_simulation* simulation, double dt, elastin_step_result* result);
 /* Sweeps or iterations of the last step; 0 where the scheme takes no number of them. With a budget it differs from step
- * to step and from machine to machine: who records it can give it again. */
+ * to step and from machine to machine: record it and pass it to set_effort to reproduce the run. */
 ELASTIN_API elastin_status elastin_effort(const elastin_simulation*, int* effort);
-/* From now on so many (>= 1), whatever the budget says: steps are then bitwise the same again. */
+/* From now on this count (>= 1), whatever the budget says: steps are then bitwise identical again. */
 ELASTIN_API elastin_status elastin_set_effort(elastin_simulation*, int effort);
 /* What so few of them would do to a next step by dt > 0 [s], which is tried and taken back: the largest distance of a
  * molecule from where backward Euler's balance to the end has it, and the largest distance that it goes there [m]. NaN
@@ -294,13 +294,13 @@ ELASTIN_API elastin_status elastin_contact_force(const elastin_simulation*, size
 /* ---- topology ---- */
 typedef struct elastin_topology_report {
   size_t size; /* sizeof(elastin_topology_report) */
-  int changed; /* 0: nothing was parted */
+  int changed; /* 0: nothing was split */
   int split_molecules, removed_connections, removed_cells;
   size_t molecules, connections; /* of the body now */
 } elastin_topology_report;
 /* These part the body in its present positions, between its cells, or between molecules where it has none: a body of
  * tetrahedra, a lattice, a sheet of triangles, springs. Volume and mass stay. Molecules keep their numbers, those that
- * were split off come last. Views must be asked for anew: those from before are no longer there. The next step takes
+ * were split off come last. Views must be requested again: earlier ones are no longer valid. The next step takes
  * longer. report may be null. ELASTIN_WRONG_INPUT, and nothing changed, where something cannot follow: the message says
  * what. */
 ELASTIN_API elastin_status elastin_cut_plane(elastin_simulation*, const double point[3], const double normal[3],
@@ -315,7 +315,7 @@ ELASTIN_API elastin_status elastin_cut_triangles(elastin_simulation*, const doub
 /* Parts it where it is strained above `strain` > 0; a crack through cells grows by one molecule a call. */
 ELASTIN_API elastin_status elastin_tear(elastin_simulation*, double strain, elastin_topology_report* report);
 /* Removes connections and cells by number, with the cells' mass; molecules that lose all are gone, and those behind
- * them count anew. */
+ * them are renumbered. */
 ELASTIN_API elastin_status elastin_remove(elastin_simulation*, const int* connections, size_t connection_count,
                                           const int* cells, size_t cell_count, elastin_topology_report* report);
 /* Of each molecule its number in the body that the simulation was made of: a view. */
@@ -323,7 +323,7 @@ ELASTIN_API elastin_status elastin_origin(const elastin_simulation*, const int**
 /* A copy of the body as it is now, to be freed: what a renderer draws after a cut. */
 ELASTIN_API elastin_status elastin_current_body(const elastin_simulation*, elastin_body** body);
 
-/* Calls `see` after every so many steps that went well, with the simulation and the context; it must not step. */
+/* Calls `see` after every `every` steps that succeeded, with the simulation and the context; it must not step. */
 typedef void (*elastin_observer)(void* context, const elastin_simulation* simulation);
 ELASTIN_API elastin_status elastin_observe(elastin_simulation*, int every, elastin_observer see, void* context);
 
@@ -338,7 +338,7 @@ typedef struct elastin_result elastin_result;
 /* A scene file with overrides "key.path=value", as the command's --set. */
 ELASTIN_API elastin_status elastin_scene_load(const char* path, const char* const* overrides, size_t override_count,
                                               elastin_scene** scene);
-ELASTIN_API void elastin_scene_free(elastin_scene* scene); /* null is none */
+ELASTIN_API void elastin_scene_free(elastin_scene* scene); /* null is allowed */
 /* Its experiment with a strategy by name (calibrated:angles, lattice+volume); null = the scene's own. A run that
  * stopped is a result: see its outcome. */
 ELASTIN_API elastin_status elastin_scene_run(elastin_scene* scene, const char* strategy, elastin_result** result);
@@ -347,7 +347,7 @@ ELASTIN_API elastin_status elastin_scene_run(elastin_scene* scene, const char* s
 ELASTIN_API elastin_status elastin_scene_simulate(elastin_scene* scene, const char* strategy,
                                                   const elastin_options* options, elastin_simulation** simulation);
 
-ELASTIN_API void elastin_result_free(elastin_result* result); /* null is none */
+ELASTIN_API void elastin_result_free(elastin_result* result); /* null is allowed */
 /* Why it stopped, "" if it did not; both outputs may be null. */
 ELASTIN_API elastin_status elastin_result_outcome(const elastin_result*, elastin_outcome* outcome, const char** cause);
 /* Measures by number, and one by name; a name that was not measured is ELASTIN_WRONG_INPUT. */

@@ -42,8 +42,8 @@ struct StaticProblem {
 /// follow the body, runs in time.
 StaticProblem problem_of(const Scene& scene);
 
-/// Components that hold the whole body in what the problem leaves free of its three ways and three turns; they bear no
-/// force. Programs that factor the stiffness need them.
+/// Components that hold the whole body in those of its three translations and three rotations that the problem leaves
+/// free; they bear no force. Programs that factor the stiffness need them.
 std::vector<DrivenComponent> missing_supports(const StaticProblem& problem);
 
 }  // namespace elastin::lab

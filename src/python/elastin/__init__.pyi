@@ -69,8 +69,8 @@ class Body:
     @staticmethod
     def from_meshio(mesh: Any, length_unit: Literal["m", "cm", "mm", "um", "nm"] = "m", **options: Any) -> Body:
         """The body of a meshio.Mesh, or of a file that meshio reads, in length_unit "m", "cm", "mm", "um" or "nm". Its
-        solid cells; where there are none its surface cells; where there are none its lines as connections. Points
-        that nothing uses are left out. Options go to Body: density, thickness."""
+        solid cells; without such cells its surface cells; without these its lines as connections. Points that
+        nothing uses are left out. Options go to Body: density, thickness."""
     def plot(self, ax: Any = None, **options: Any) -> Any:
         """The body at rest in 3D. Options go to Line3DCollection."""
     def to_vtu(self, path: Path) -> None:
@@ -145,7 +145,7 @@ class Row:
     def parameters(self) -> list[Parameter]: ...
 
 class Strategy:
-    """One way to give a body's connections their stiffness."""
+    """A method that gives a body's connections their stiffness."""
     def __init__(self, name: str, constants: Callable[..., ArrayLike], *, summary: str = "", source: str = "",
                  parameters: Sequence[Parameter] = ...,
                  unsuited: Callable[[Body], str | None] | None = None) -> None:
@@ -264,8 +264,8 @@ class Simulation:
         """[m/s], (n, 3): a view that changes with each step."""
     @property
     def forces(self) -> Floats:
-        """All forces of the state reached [N], (n, 3): a view. Asking for it fills it: a view that was asked for before
-        a step shows that earlier state until someone asks again."""
+        """All forces of the state reached [N], (n, 3): a view. Asking for it fills it: a view that was requested before
+        a step shows that earlier state until it is requested again."""
     @property
     def tensions(self) -> Floats:
         """Of each connection [N], pulling is positive, (m,): a view, as forces."""
@@ -279,16 +279,16 @@ class Simulation:
         """Goes to the equilibrium of all that acts now, at rest: a start. Raises StepError where none is found, unless
         check=False."""
     def observe(self, see: Callable[[Simulation], object], every: int = 1) -> None:
-        """Calls see(simulation) after every so many steps that went well. It must not step; what it raises ends the
+        """Calls see(simulation) after every `every` steps that succeeded. It must not step; what it raises ends the
         step() that it came from."""
     def save(self) -> SimulationState:
         """The state to go on from, with the same bits."""
     @property
     def effort(self) -> int:
         """Sweeps or iterations of the last step; 0 where the scheme takes no number of them. With a budget it differs
-        from step to step and from machine to machine: who records it can give it to set_effort again."""
+        from step to step and from machine to machine: record it and pass it to set_effort to reproduce the run."""
     def set_effort(self, effort: int) -> None:
-        """From now on so many, whatever the budget says: steps then have the same bits again."""
+        """From now on this count, whatever the budget says: steps are then bitwise identical again."""
     def iteration_error(self, dt: float) -> tuple[float, float]:
         """What so few sweeps or iterations would do to a next step by dt [s], which is tried and taken back: the
         largest distance of a molecule from where backward Euler's balance to the end has it, and the largest
@@ -307,7 +307,7 @@ class Simulation:
         """Parts the body where it is strained above `strain`; a crack through cells grows by one molecule a call."""
     def remove(self, connections: Sequence[int] = ..., cells: Sequence[int] = ...) -> TopologyReport:
         """Removes connections and cells by number, with the cells' mass; molecules that lose all are gone, and those
-        behind them count anew."""
+        behind them are renumbered."""
     @property
     def origin(self) -> list[int]:
         """Of each molecule its number in the body that the simulation was made of."""
@@ -328,7 +328,7 @@ class Simulation:
     def fix(self, molecule: int, free: str | ArrayLike = "") -> None:
         """Holds a molecule where it is, but in the directions that `free` names: 'z', 'xy', or a 3 x 3 projector."""
     def release(self, molecule: int) -> None:
-        """Lets a held molecule go."""
+        """Releases a fixed molecule."""
     def move_to(self, molecule: int, position: ArrayLike) -> None:
         """Where a held molecule is to be at the end of the next step [m]."""
     def reaction(self, molecule: int) -> Floats:
@@ -352,7 +352,7 @@ class Simulation:
         Line3DCollection."""
 
 class Result:
-    """What came of one strategy on a scene; SI units."""
+    """Result of one strategy on a scene; SI units."""
     @property
     def scene(self) -> str: ...
     @property
@@ -410,8 +410,8 @@ class Result:
     def plot(self, ax: Any = None, **options: Any) -> Any:
         """The body in its last state, its connections coloured by their tension. Options go to Line3DCollection."""
     def plot_curve(self, x: str | None = None, y: str | None = None, ax: Any = None, **options: Any) -> Any:
-        """One measure of the curve over another: by default the stress–strain curve, or what there is over the load or
-        time."""
+        """One measure of the curve over another: by default the stress–strain curve, or another measure over the load
+        or time."""
     @property
     def states(self) -> list[tuple[float, Floats]]:
         """Where the molecules were at rest and after each load step or frame: pairs (load factor or time [s], positions
@@ -431,9 +431,9 @@ class Result:
         """A pyvista.UnstructuredGrid of the last state, with displacements and tensions."""
 
 class Laboratory:
-    """A scene, read, checked and built: the path of a file, a dict as its YAML would be, or a Body. Beside a dict or a
-    Body `experiment` (elastin.Tension(…)), `material` and all other keys of a scene may stand: contact={…},
-    loads=[…], time={…}. `set` changes keys, as the command's --set: {"material.youngs_modulus": 5e3,
+    """A scene, read, checked and built: the path of a file, a dict as its YAML would be, or a Body. In addition to a
+    dict or a Body `experiment` (elastin.Tension(…)), `material` and all other keys of a scene may stand:
+    contact={…}, loads=[…], time={…}. `set` changes keys, as the command's --set: {"material.youngs_modulus": 5e3,
     "experiment.force": "1 mN"}. With a Catalog, strategies of one's own may be named."""
     def __init__(self, scene: Scene, *, experiment: Experiment | Mapping[str, Any] | None = None,
                  material: Material | Mapping[str, Any] | None = None, set: Changes = None,
@@ -468,7 +468,7 @@ class Laboratory:
     def run(self, strategy: str = "", *, progress: Callable[[str], object] | None = None,
             keep_states: bool = False) -> Result:
         """Runs the experiment with a strategy by name ('calibrated:angles', 'lattice+volume'); '' takes the scene's
-        own. progress(doing) is told before each load step or frame; what it raises ends the run. keep_states: the
+        own. progress(doing) is called before each load step or frame; what it raises ends the run. keep_states: the
         result has the positions of each load step or frame. Numerical trouble is an outcome in the result."""
     def simulation(self, strategy: str = "", *, scheme: str = "symplectic_euler", safety: float = 0.8,
                    max_substeps: int = 1000, scheme_parameters: Mapping[str, float] = ...,
@@ -477,7 +477,7 @@ class Laboratory:
         and loaded in full at once, to be stepped."""
 
 class Verdicts(list[dict[str, Any]]):
-    """What came of scenes against what they expect: a list of dicts that shows itself as a table."""
+    """Results of scenes compared with what they expect: a list of dicts that shows itself as a table."""
     @property
     def passed(self) -> bool:
         """Whether nothing failed."""
@@ -485,7 +485,7 @@ class Verdicts(list[dict[str, Any]]):
         """A pandas DataFrame, one row an expectation."""
 
 class Comparison(list[Result]):
-    """Results of one scene, a strategy each: a list that can be asked by name, and shows itself as a table."""
+    """Results of one scene, a strategy each: a list that can be indexed by name, and shows itself as a table."""
     def __getitem__(self, key: Any) -> Any: ...
     def to_frame(self) -> Any:
         """A pandas DataFrame, one row a strategy: its outcome, measures, errors (error_MEASURE) and seconds."""
@@ -551,13 +551,14 @@ def law(name: str, energy: Callable[..., Any], *, summary: str = "", source: str
 
         elastin.law("mine", lambda I1, J, mu, lam: mu / 2 * (I1 - 3) - mu * numpy.log(J) + lam / 2 * (J - 1)**2)
 
-    The names of the function's arguments say what they are: of the right Cauchy-Green tensor C the invariants I1 =
-    tr C, I2, I3 = J^2, J and those of J^(-2/3) C, I1_bar and I2_bar, all at the rest values 3, 3, 1; of the material
-    E, nu, mu, lam and kappa [Pa]. Every other argument is a parameter that a scene may set and has a default, a
-    number or a Parameter. The function is called once, with values that record what it computes by + - * / **,
-    numpy's functions and elastin.where; slopes and second slopes follow by the rules of differentiation, so they are
-    exact, and run in C++. With membrane=True it is a law of membranes, which thin so that there is no stress across.
-    Raises InputError where W has a stress at rest, or is unstable there, as soon as the law meets a material."""
+    The names of the function's arguments determine their meaning: of the right Cauchy-Green tensor C the invariants
+    I1 = tr C, I2, I3 = J^2, J and those of J^(-2/3) C, I1_bar and I2_bar, all at the rest values 3, 3, 1; of the
+    material E, nu, mu, lam and kappa [Pa]. Every other argument is a parameter that a scene may set and has a
+    default, a number or a Parameter. The function is called once, with values that record what it computes by + - *
+    / **, numpy's functions and elastin.where; slopes and second slopes follow by the rules of differentiation, so
+    they are exact, and run in C++. With membrane=True it is a law of membranes, which thin so that there is no
+    stress across. Raises InputError where W has a stress at rest, or is unstable there, as soon as the law meets a
+    material."""
 def where(condition: Any, one: Any, other: Any) -> Any:
     """In an energy of elastin.law: `one` where the condition holds (J < 1), else `other`. Elsewhere as numpy.where."""
 def run(scene: Scene, strategy: str | Strategy = "", *, experiment: Experiment | Mapping[str, Any] | None = None,
@@ -565,9 +566,9 @@ def run(scene: Scene, strategy: str | Strategy = "", *, experiment: Experiment |
         set: Changes = None, catalog: Catalog | None = None, progress: Callable[[str], object] | None = None,
         keep_states: bool = False, **keys: Any) -> Result:
     """Runs a scene with a strategy (a name, or a Strategy; "" is the scene's own) and gives its Result. The scene is a
-    file, a dict or a Body, with what may stand beside it, as for Laboratory. Numbers equal those of the command to
-    the last bit. reference: "computed" computes first what errors are measured against; keep_states: the result has
-    the positions of every load step or frame."""
+    file, a dict or a Body, with further keys, as for Laboratory. Numbers equal those of the command to the last bit.
+    reference: "computed" first computes the values that errors refer to; keep_states: the result has the positions
+    of every load step or frame."""
 def compare(scene: Scene, strategies: Sequence[str | Strategy] | None = None, *,
             experiment: Experiment | Mapping[str, Any] | None = None,
             material: Material | Mapping[str, Any] | None = None, reference: Literal["", "computed", "none"] = "",
@@ -593,8 +594,8 @@ def sweep(scene: Scene, key: str | Mapping[str, Iterable[Any]], values: Iterable
 
     With a `client` its workers compute the rows: a dask.distributed.Client, or an executor of concurrent.futures.
     The rows are the same to the last bit but for times. A scene file must be there under the same path for all
-    workers. Of a dask.distributed.Client a row whose worker dies goes to another one. `progress` is told what a row
-    is doing, or with a client how many rows are there."""
+    workers. Of a dask.distributed.Client a row whose worker dies goes to another one. `progress` is called with what
+    a row is doing, or with a client how many rows are there."""
 def identify(scene: Scene, data: Mapping[str, Path] | None = None, *, tests: Sequence[str] = (),
              laws: Sequence[str] = (), strategies: Sequence[str] = (), set: Changes = None,
              progress: Callable[[str], object] | None = None, **keys: Any) -> Any:
@@ -614,7 +615,7 @@ def loads() -> list[Row]:
 def material_laws() -> list[Row]:
     """What Material takes as its law."""
 def measures() -> list[tuple[str, str, str]]:
-    """Every measure that an experiment can take: (name, SI unit, what it is)."""
+    """Every measure that an experiment can take: (name, SI unit, description)."""
 def set_threads(threads: int) -> None:
     """How many threads loops over large bodies take; 0 = one a core. Results are bitwise identical with any."""
 def threads() -> int:

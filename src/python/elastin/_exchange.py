@@ -166,7 +166,7 @@ def result_to_pyvista(result):
 
 def body_from_meshio(mesh, length_unit="m", **options):
     """The body of a meshio.Mesh, or of a file that meshio reads, in length_unit "m", "cm", "mm", "um" or "nm". Its solid
-    cells; where there are none its surface cells; where there are none its lines as connections. Points that nothing
+    cells; without such cells its surface cells; without these its lines as connections. Points that nothing
     uses are left out. Options go to Body: density, thickness."""
     if isinstance(mesh, (str, os.PathLike)):
         mesh = package("meshio", "from_meshio()").read(mesh)

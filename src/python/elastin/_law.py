@@ -180,7 +180,7 @@ def law(name, energy, *, summary="", source="", membrane=False):
 
         elastin.law("mine", lambda I1, J, mu, lam: mu / 2 * (I1 - 3) - mu * numpy.log(J) + lam / 2 * (J - 1)**2)
 
-    The names of the function's arguments say what they are: of the right Cauchy-Green tensor C the invariants I1 = tr C,
+    The names of the function's arguments determine their meaning: of the right Cauchy-Green tensor C the invariants I1 = tr C,
     I2, I3 = J^2, J and those of J^(-2/3) C, I1_bar and I2_bar, all at the rest values 3, 3, 1; of the material E, nu, mu,
     lam and kappa [Pa]. Every other argument is a parameter that a scene may set and has a default, a number or a
     Parameter. The function is called once, with values that record what it computes by + - * / **, numpy's functions and
@@ -209,7 +209,7 @@ def law(name, energy, *, summary="", source="", membrane=False):
 
 
 def _made(name, operations, parameters, summary, source, dimensions):
-    """The law of what it is pickled to."""
+    """The law that a pickle describes."""
     described = [Parameter(one, default, low=low, high=high, text=text) for one, default, low, high, text in parameters]
     strategy = _elastin._energy_law(name, operations, described, summary, source, dimensions)
     strategy._made_by = (_made, (name, operations, parameters, summary, source, dimensions))

@@ -1,4 +1,4 @@
-"""Plots; matplotlib is loaded when the first is asked for."""
+"""Plots; matplotlib is loaded by the first."""
 
 import numpy
 
@@ -84,9 +84,9 @@ def curve(result, x, y, ax, options):
     columns = result.curve
     if not columns:
         raise ValueError(f"there is no curve to show: {result.outcome}: {result.cause}")
-    told = "strain" in columns and "stress" in columns
-    x = x or ("strain" if told else "at")
-    y = y or ("stress" if told else next((name for name in result.main if name in columns), "energy"))
+    strained = "strain" in columns and "stress" in columns
+    x = x or ("strain" if strained else "at")
+    y = y or ("stress" if strained else next((name for name in result.main if name in columns), "energy"))
     for name in (x, y):
         if name not in columns:
             raise KeyError(_elastin._missing_measure(name, list(columns)))

@@ -16,7 +16,7 @@ def sweep(scene, key, values=None, *, strategy="", set=None, catalog=None, progr
 
     With a `client` its workers compute the rows: a dask.distributed.Client, or an executor of concurrent.futures. The
     rows are the same to the last bit but for times. A scene file must be there under the same path for all workers. Of
-    a dask.distributed.Client a row whose worker dies goes to another one. `progress` is told what a row is doing, or with
+    a dask.distributed.Client a row whose worker dies goes to another one. `progress` is called with what a row is doing, or with
     a client how many rows are there."""
     axes = {key: values} if values is not None else dict(key)
     axes = {name: list(wanted) for name, wanted in axes.items()}

@@ -40,7 +40,7 @@ class Table:
 
 
 def with_picture(table, picture):
-    """HTML of a table with a picture beside it."""
+    """HTML of a table with a picture next to it."""
     return (f'<div style="display:flex;gap:1.5em;align-items:flex-start;flex-wrap:wrap">{table.html()}'
             f"<div>{picture}</div></div>")
 
@@ -66,10 +66,10 @@ def of_verdicts(cases):
     rows = []
     for case in cases:
         worst = max(case["expectations"], key=lambda one: abs(one["difference"]) if one["judged"] else -1, default=None)
-        told = case["cause"]
-        if worst and worst["measure"] and not told:
-            told = f"{worst['measure']} {percent(worst['difference'])}"
-        rows.append([f"{case['scene']}, {case['strategy']}", case["verdict"], readable_seconds(case["seconds"]), told])
+        detail = case["cause"]
+        if worst and worst["measure"] and not detail:
+            detail = f"{worst['measure']} {percent(worst['difference'])}"
+        rows.append([f"{case['scene']}, {case['strategy']}", case["verdict"], readable_seconds(case["seconds"]), detail])
     passed = sum(case["verdict"] == "passed" for case in cases)
     return Table(["case", "verdict", "seconds", ""], rows, f"{passed} of {len(cases)} passed")
 

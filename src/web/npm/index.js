@@ -9,12 +9,12 @@ const patterns = {axis: 1, face: 2, space: 4}, axes = {x: 1, y: 2, z: 4};
 /** Bits of names: `what` says of what in messages. */
 function bits(names, known, what) {
   return [].concat(names).reduce((sum, name) => {
-    if (!(name in known)) throw new ElastinError(`${what}: '${name}' is none of ${Object.keys(known).join(', ')}`);
+    if (!(name in known)) throw new ElastinError(`${what}: '${name}' is unknown; allowed: ${Object.keys(known).join(', ')}`);
     return sum | known[name];
   }, 0);
 }
 
-/** Refuses what is not among the known keys: a slip is no default. */
+/** Refuses what is not among the known keys: a misspelt one must not become a default. */
 function checked(given, known, what) {
   for (const key of Object.keys(given))
     if (!known.includes(key)) throw new ElastinError(`${what} has no '${key}'; it has: ${known.join(', ')}`);

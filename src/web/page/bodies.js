@@ -1,7 +1,7 @@
 // Several bodies side by side as one that a viewer draws, each moved aside by its own offset. Needs viewer.js, body.js, colours.js.
 'use strict';
 
-/** So many copies of a body, beside each other along x. */
+/** Copies of a body, next to each other along x. */
 function side_by_side(body, count) {
   const molecules = body.radius.length, low = [Infinity, Infinity, Infinity], high = [-Infinity, -Infinity, -Infinity];
   body.rest.forEach((v, i) => {

@@ -1,7 +1,7 @@
 // A plot that grows while one looks: lines in a figure, with the classes of the report's plots. Needs colours.js.
 'use strict';
 
-/** About so many round numbers from low to high. */
+/** Round numbers from low to high, about this many. */
 function ticks_between(low, high, about) {
   const step = round_down((high - low) / about * 1.001) || 1, ticks = [];
   for (let i = Math.ceil(low / step - 1e-9); i * step <= high + 1e-9 * step; ++i) ticks.push(i * step);

@@ -17,7 +17,7 @@ class Memory {
     this.held = [];
   }
 
-  /** Room for so many bytes until release(), a multiple of 8. */
+  /** Memory of this many bytes until release(), a multiple of 8. */
   room(bytes) {
     const at = this.module._malloc(Math.max(8, bytes));
     if (!at) throw new ElastinError('there is not enough memory for this');
@@ -63,7 +63,7 @@ class Memory {
   }
 }
 
-/** Calls a C function with room for what it needs; throws what it said. */
+/** Calls a C function with the memory that it needs; throws its message. */
 function call(module, name, arrange) {
   const memory = new Memory(module);
   try {

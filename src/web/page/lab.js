@@ -93,7 +93,7 @@ class Lab {
       select.value = names.includes(wanted) ? wanted : i ? '' : first.strategy;
     });
     // What conserves energy in steps of the scene's length may gain it where a hand pulls or springs fold: then the page begins
-    // with what never does.
+    // with something that never does.
     const schemes = scene.schemes.map(one => one.name), own = scene.schemes.find(one => one.name === first.scheme);
     part('scheme').value = schemes.includes(hash.scheme) ? hash.scheme : own?.newton ? 'backward_euler' : own?.name ?? (scene.cells ? 'backward_euler' : 'symplectic_euler');
     part('one-iteration').checked = hash.one !== undefined ? hash.one === '1' : (first.iterations ?? 1) === 1;
@@ -130,13 +130,13 @@ class Lab {
     }));
     this.second = strategies.length > 1 ? '' : ['standard', ...scene.strategies.map(one => one.name)].find(name => name !== strategies[0] &&
       scene.strategies.some(one => one.name === name));
-    part('beside').textContent = strategies.length > 1 ? 'Back to one body' : `Put ${this.second} beside it`;
+    part('beside').textContent = strategies.length > 1 ? 'Back to one body' : `Compare with ${this.second}`;
     part('beside').closest('li').hidden = strategies.length < 2 && !this.second;
   }
 
   get strategies() { return all('.strategy').map(select => select.value).filter(Boolean); }
 
-  /** What the worker is told. */
+  /** The messages to the worker. */
   settings() {
     const value = name => this.sliders[name].value, scheme = scene.schemes.find(one => one.name === part('scheme').value);
     const tilt = value('tilt') * Math.PI / 180, g = first.gravity, size = Math.hypot(...g);
@@ -153,7 +153,7 @@ class Lab {
     for (const [name, slider] of Object.entries(this.sliders))
       slider.input.addEventListener('input', () => {
         slider.exact = undefined;
-        slider.tell();
+        slider.show();
         if (!['strain', 'stiffness', 'probe'].includes(name)) this.change(slider.kind.rebuild);
       });
     all('.strategy').forEach(select => select.addEventListener('change', () => this.choose_bodies()));
@@ -384,7 +384,7 @@ class Lab {
     }
     this.drawn = positions;
     if (gone > 0) this.keep_energies(bodies, gone);
-    this.tell(bodies, gone, passed);
+    this.show_status(bodies, gone, passed);
   }
 
   /** Whether these positions are drawn already, but for what rounding moves, with the marks and colours of now. */
@@ -476,22 +476,22 @@ class Lab {
   }
 
   /** Numbers in words, four times a second. */
-  tell(bodies, gone, passed) {
+  show_status(bodies, gone, passed) {
     this.sum = {gone: (this.sum?.gone ?? 0) + gone, passed: (this.sum?.passed ?? 0) + passed};
     const now = performance.now();
-    if (now - (this.told ?? 0) < 250) return;
-    this.told = now;
+    if (now - (this.status_time ?? 0) < 250) return;
+    this.status_time = now;
     this.keep_in_view();
-    const forces = bodies.map(body => body.force).filter(Boolean), asked = +part('speed').value;
-    const rare = asked * this.sum.passed < 2 * bodies[0].step;  // in slow motion steps may be rarer than these words
-    const ratio = rare ? asked : this.sum.passed > 0 ? this.sum.gone / this.sum.passed : 0;
+    const forces = bodies.map(body => body.force).filter(Boolean), wanted = +part('speed').value;
+    const rare = wanted * this.sum.passed < 2 * bodies[0].step;  // in slow motion steps may be rarer than these words
+    const ratio = rare ? wanted : this.sum.passed > 0 ? this.sum.gone / this.sum.passed : 0;
     this.sum = undefined;
-    const words = [`t = ${bodies[0].time.toFixed(2 + Math.max(0, Math.ceil(-Math.log10(asked))))} s`, this.playing ? `${short(ratio)} × real time` : 'paused'];
+    const words = [`t = ${bodies[0].time.toFixed(2 + Math.max(0, Math.ceil(-Math.log10(wanted))))} s`, this.playing ? `${short(ratio)} × real time` : 'paused'];
     if (forces.length) words.push('hand ' + forces.map(force => with_prefix(Math.hypot(...force), 'N')).join(' / '));
     if (this.probe) words.push('probe ' + bodies.map(body => with_prefix(Math.hypot(...(body.push ?? [0, 0, 0])), 'N')).join(' / '));
     part('readout').textContent = words.join(' · ');
     const stopped = bodies.find(body => body.stopped) ?? bodies.find(body => body.energies[1] > this.sliders.E.value * this.body.size ** 3);
-    const slow = this.playing && ratio < 0.8 * asked && !stopped;
+    const slow = this.playing && ratio < 0.8 * wanted && !stopped;
     const cause = this.pace.core > this.pace.drawing ? 'each step costs too much here' : 'this browser takes long to draw';
     part('readout').textContent += slow ? ` · slower than chosen: ${cause}` : '';
     const trouble = !stopped ? '' : stopped.stopped ? `A body stands still: ${stopped.stopped}. Reset it, or choose an implicit stepper.`
@@ -601,7 +601,7 @@ class Lab {
 
   play(on) {
     this.playing = on;
-    this.told = 0;
+    this.status_time = 0;
     part('play').textContent = on ? 'Pause' : 'Play';
     said(on ? 'running' : 'paused');
   }

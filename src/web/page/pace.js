@@ -35,6 +35,6 @@ class Pace {
   /** It is drawing that keeps pictures below 25 a second. */
   get slow() { return this.drawing > 0.04; }
 
-  /** [s] that stepping may take of the next picture: most of one at 60 a second, or of what drawing takes beside it. */
+  /** [s] that stepping may take of the next picture: most of one at 60 a second, or of the time that drawing takes in addition. */
   get budget() { return Math.min(0.1, Math.max(0.012, 0.7 * this.drawing)); }
 }

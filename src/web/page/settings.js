@@ -2,7 +2,7 @@
 // scale. Needs colours.js.
 'use strict';
 
-/** Sliders by name: {least, most} of a plain one; {decades} of one that goes so many powers of ten to both sides of where
+/** Sliders by name: {least, most} of a plain one; {decades} of one that covers this number of powers of ten on both sides of where
  *  the scene begins; {from, decades, zero} of one that goes up from `from` and is 0 at its left end. */
 const slider_kinds = {
   E: {unit: 'Pa', decades: 2, rebuild: true},
@@ -47,11 +47,11 @@ class Slider {
   set value(value) {
     this.exact = value;
     this.input.value = this.place(value);
-    this.tell();
+    this.show();
   }
 
-  /** In words: beside it and for a screen reader. */
-  tell() {
+  /** In words: next to it and for a screen reader. */
+  show() {
     const {unit, decades} = this.kind, value = this.value;
     this.text = decades ? with_prefix(value, unit) : `${+value.toFixed(3)}${unit && unit !== '°' && unit !== '%' ? ' ' : ''}${unit}`;
     if (unit === 'kg/m³') this.text = `${+value.toPrecision(4)} kg/m³`;

@@ -78,7 +78,7 @@ function advance(wanted, budget, single) {
   return {gone, steps, dt};
 }
 
-/** What a colour needs beside the positions: numbers of connections or of molecules. */
+/** What a colour needs in addition to the positions: numbers of connections or of molecules. */
 function colour_values(body, colour, connections) {
   const {simulation} = body;
   if (colour === 'tension') return Float32Array.from(simulation.view('tensions').subarray(0, connections));
@@ -153,7 +153,7 @@ const answers = {
     make_bodies(false);
     return {kind: 'settled'};
   },
-  /** Grips a molecule, moves the hand, or lets go. */
+  /** Grips a molecule, moves the hand, or releases the molecule. */
   hand({hand}) {
     const same = core.hand && hand && hand.molecule === core.hand.molecule && hand.stiffness === core.hand.stiffness;
     core.hand = hand;
