@@ -135,9 +135,16 @@ class Key {
 /// Keys that stand in each other's place.
 template <class Setup>
 struct KeyGroup {
-  std::vector<Key<Setup>> keys;
-  std::string message;  ///< where none of them is given
+  std::vector<Key<Setup>> keys = {};
+  std::string message = {};  ///< of a map with none of them
   bool only_one = true;
+  std::string several = message;  ///< of a map with two of them; empty: the second one is refused for the first
+
+  /// The second of two is refused for the first: the message does not name them all.
+  KeyGroup naming_the_second() && {
+    several.clear();
+    return std::move(*this);
+  }
 };
 
 /// Exactly one of these keys is given.
@@ -175,12 +182,15 @@ class Keys {
         : keys_{Key<Setup>(key)} {}
     Entry(std::vector<Key<Setup>> keys) : keys_(std::move(keys)) {}
     Entry(KeyGroup<Setup> group)
-        : keys_(std::move(group.keys)), message_(std::move(group.message)), only_one_(group.only_one) {}
+        : keys_(std::move(group.keys)),
+          message_(std::move(group.message)),
+          several_(std::move(group.several)),
+          only_one_(group.only_one) {}
 
    private:
     friend class Keys;
     std::vector<Key<Setup>> keys_;
-    std::string message_ = {};
+    std::string message_ = {}, several_ = {};
     bool only_one_ = false;
   };
 
@@ -209,6 +219,8 @@ class Keys {
   /// The same of a map that has other keys too: the caller finishes it, and then calls `check`.
   void read_into(Reader& map, Setup& setup, const Frame& frame = {}) const {
     for (const Entry& entry : entries_)
+      for (const Key<Setup>& key : entry.keys_) map.refuse_old_name(key.name());
+    for (const Entry& entry : entries_)
       for (const Key<Setup>& key : entry.keys_)
         if (key.belongs_to(setup))
           key.read(key.is_needed(setup) ? std::optional(map.at(key.name())) : map.find(key.name()), setup, frame);
@@ -224,8 +236,10 @@ class Keys {
       for (const Key<Setup>& key : entry.keys_) {
         if (!key.belongs_to(setup)) continue;
         const std::optional<Reader> value = map.find(key.name());
-        if (value && entry.only_one_ && !given.empty())
+        if (value && entry.only_one_ && !given.empty()) {
+          if (!entry.several_.empty()) map.fail(entry.several_);
           value->fail("there is a " + given + " already; give one of them");
+        }
         if (value) given = key.name();
         if (!key.fault()) continue;
         if (const std::string fault = key.fault()(setup); !fault.empty()) (value ? *value : map).fail(fault);

@@ -87,7 +87,6 @@ std::optional<Reader> Reader::find(const std::string& key) {
   return value_of(key, key);
 }
 
-/// Fails where the map has this key under the name that it once had.
 void Reader::refuse_old_name(const std::string& key) const {
   for (const RenamedKey& renamed : kRenamedKeys) {
     if (key != renamed.name) continue;

@@ -61,6 +61,8 @@ class Reader {
   Reader at(const std::string& key);
   /// Throws InputError where the map has the key under a name that it had in older scenes.
   std::optional<Reader> find(const std::string& key);
+  /// Throws InputError where the map has this key under the name that it had in older scenes.
+  void refuse_old_name(const std::string& key) const;
   /// The section of the key reference that lists this map's keys: of maps that stand under several keys, or whose keys
   /// depend on their kind. Without it the section is the path of keys.
   void set_section(const std::string& section) { section_ = section; }
@@ -155,7 +157,6 @@ class Reader {
   SourceLocation location_of_key(const std::string& key) const;
   std::string instead_of(const std::string& key, const YAML::Node& value, const std::vector<std::string>& known) const;
   SourceLocation location_of(const YAML::Node& node) const;
-  void refuse_old_name(const std::string& key) const;
   std::optional<Reader> value_of(const std::string& given, const std::string& key) const;
   bool is_override() const;
   void note_unit() const;

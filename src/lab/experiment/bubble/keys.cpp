@@ -103,7 +103,8 @@ ExperimentInfo bubble_row() {
                 read_pressures},
                {{"measured", "list of pairs, or file beside the scene", "Pa, m", "> 0", "",
                  "`[pressure, height]`, ascending; a file has one pair in each line, with units"},
-                [](const Reader& value, BubbleKeys& setup, const Frame&) { read_measured(value, setup); }}}),
+                [](const Reader& value, BubbleKeys& setup, const Frame&) { read_measured(value, setup); }}})
+              .naming_the_second(),
           load_steps_key(&BubbleKeys::load_steps).refused_for([](const BubbleKeys& setup) {
             return setup.load_steps > 1 && !setup.last_pressure ? "a list of pressures has a load step for each" : "";
           }),

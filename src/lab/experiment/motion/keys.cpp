@@ -48,7 +48,7 @@ ExperimentInfo release_row() {
                  .summary = "a loaded body is released, or loaded at once: free vibration, its frequency and damping",
                  .source = ""},
                 MotionKind::release, "how the body is fixed, and loaded before it is released",
-                {key::choice("load", &MotionSetup::released, {{"removed", true}, {"applied", false}},
+                {key::choice("load", &MotionSetup::applied, {{"removed", false}, {"applied", true}},
                              "whether the load is taken away at time 0, or put on at once")});
 }
 

@@ -32,7 +32,7 @@ class Motion final : public TimedExperiment {
     const bool driven = setup_.kind == MotionKind::relaxation || setup_.kind == MotionKind::cyclic;
     if (driven && response_.resistance.empty())
       throw InputError("fixture: needs a displacement that is given, as that of tension, shear or torsion");
-    const bool applied = setup_.kind == MotionKind::creep || (setup_.kind == MotionKind::release && !setup_.released);
+    const bool applied = setup_.kind == MotionKind::creep || (setup_.kind == MotionKind::release && setup_.applied);
     if (applied && !response_.resistance.empty())
       throw InputError("fixture: a load that is put on at once must be a force, not a displacement");
     if (setup_.kind != MotionKind::motion && response_.displacement.empty())
@@ -65,10 +65,12 @@ class Motion final : public TimedExperiment {
 
  private:
   friend class MotionRig;
+  /// Whether the load is there before time 0 and gone from then on.
+  bool released() const { return setup_.kind == MotionKind::release && !setup_.applied; }
   /// Balances mean nothing in motion, and moduli nothing once the load is gone.
   bool tells(const std::string& name) const {
     const bool modulus = name.ends_with("modulus") || name.ends_with("stiffness") || name == "poissons_ratio";
-    return name != "reaction_balance" && !(setup_.released && modulus);
+    return name != "reaction_balance" && !(released() && modulus);
   }
 
   /// The slowest part alone: from where a twentieth of the fall is left, faster ones are gone; at least the last
@@ -161,7 +163,7 @@ class MotionRig final : public TimedRig {
       if (result.outcome != Outcome::converged) return result;
       start_ = {state.positions, result.reactions};
     }
-    if (setup_.released) return load_and_release(state, options);
+    if (experiment_.released()) return load_and_release(state, options);
     fixture_->set_load(setup_.load.value(0));
     if (setup_.load.constant()) return result;
     model_.drive = [this](double time, std::vector<Support>&) {

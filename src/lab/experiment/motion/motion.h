@@ -22,9 +22,9 @@ struct MotionSetup {
   MotionKind kind = MotionKind::motion;
   std::unique_ptr<const StaticExperiment> fixture;  ///< null: the body is free; only `motion` allows that
   TimeFunction load;                                ///< what the experiment's load is multiplied with
-  bool released = false;                            ///< the load is there before time 0 and gone from then on
-  double ramp = 0;                                  ///< [s] after which a relaxation begins
-  double frequency = 0;                             ///< [Hz] of what is cyclic
+  bool applied = false;  ///< of a release: the load is put on at time 0, and not gone from then on
+  double ramp = 0;       ///< [s] after which a relaxation begins
+  double frequency = 0;  ///< [Hz] of what is cyclic
 };
 
 /// Starts in the equilibrium of the scene's own loads (a free body: at rest). Throws InputError if the inner experiment

@@ -18,7 +18,7 @@ ExperimentInfo shake_row() {
        .of_shares = true},
       Keys<S>{key::direction("axis", &S::axis, "from the clamped end to the far one"),
               key::direction("direction", &S::oscillates, "direction of the oscillation").otherwise("`axis`"),
-              one_of<S>("key 'amplitude' is missing", {amplitude.begin(), amplitude.end()}),
+              one_of<S>("key 'amplitude' is missing", {amplitude.begin(), amplitude.end()}).naming_the_second(),
               Key<S>(key::quantity("frequency", &ShakeSetup::frequency, {0, 0, -1}, "frequency of the oscillation",
                                    kPositive)
                          .needed()),

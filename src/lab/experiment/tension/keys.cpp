@@ -37,7 +37,8 @@ Keys<TensionSetup> bar_keys(bool compression) {
                           "gravity", &S::gravity, dimension::acceleration,
                           "acceleration by which the body's own weight is the load: under tension it hangs from its "
                           "fixed end, under compression it stands on it; not 0"),
-                      &S::gravity)}),
+                      &S::gravity)})
+          .naming_the_second(),
       grip_key("fixed_grip", &S::fixed_grip, grip),
       grip_key("loaded_grip", &S::loaded_grip, grip),
       key::choice("load_sharing", &S::sharing, {{"area", LoadSharing::area}, {"molecules", LoadSharing::molecules}},
