@@ -22,7 +22,7 @@ struct Placed : Shape {
 };
 
 /// {by: [0, 0, -1 mm], in_time: {ramp: …}}
-struct MotionSetup {
+struct ObstacleMotion {
   Vector3 by = Vector3::Zero();
   std::optional<TimeFunction> in_time;
 };
@@ -32,7 +32,7 @@ struct ObstacleSetup : contact::Obstacle {
   std::string kind;  ///< the shape's name
   std::optional<Vector3> at, velocity, spin;
   Matrix3 turn = Matrix3::Identity();
-  std::optional<MotionSetup> motion;
+  std::optional<ObstacleMotion> motion;
 };
 
 Positions read_convex(const Reader& list) {
@@ -126,11 +126,11 @@ const Keys<ObstacleSetup>& obstacle_keys() {
       key::quantity("friction", &S::friction, dimension::none, "coefficient of friction of this obstacle", kNotNegative)
           .otherwise("the contact's"),
       key::map("motion", &ObstacleSetup::motion,
-               Keys<MotionSetup>{key::vector("by", &MotionSetup::by, dimension::length,
-                                             "displacement under the whole load; in time with `in_time`")
-                                     .needed(),
-                                 time_function_key("in_time", &MotionSetup::in_time, "factor of the displacement")
-                                     .otherwise("needed in time")}),
+               Keys<ObstacleMotion>{key::vector("by", &ObstacleMotion::by, dimension::length,
+                                                "displacement under the whole load; in time with `in_time`")
+                                        .needed(),
+                                    time_function_key("in_time", &ObstacleMotion::in_time, "factor of the displacement")
+                                        .otherwise("needed in time")}),
       key::vector("velocity", &S::velocity, dimension::velocity, "steady velocity in time; not with `motion`")
           .otherwise("0")
           .refused_for([=](const S& setup) { return after_motion(setup.velocity.has_value(), setup); }),
