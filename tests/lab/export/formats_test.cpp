@@ -223,7 +223,7 @@ TEST_CASE("CalculiX, where it is installed, finds what the same cells find", "[e
                              "{kind: tension, axis: z, strain: 10 %, fixed_grip: clamped, loaded_grip: clamped}",
                              "{displacements: small}"}
                          .load(folder);
-  const OtherRun other = run_calculix(*scene, kCatalog, {});
+  const OtherRun other = run_calculix(*scene, kCatalog, {}, {});
   INFO(other.run.cause);
   REQUIRE(other.run.suited);
   REQUIRE(other.run.outcome == Outcome::converged);
