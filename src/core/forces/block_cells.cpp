@@ -122,6 +122,11 @@ class BlockCells final : public NodalForces, public LocalElasticity, public LawH
     return sum_over_cells([&](int cell) { return energy_of(positions, cell); });
   }
 
+  double stored_energy(const Positions& positions) const override {
+    if (!has_energy() || !relaxing_) return energy(positions);
+    return relaxing_.stored_energy(sum_over_cells([&](int cell) { return elastic_energy_of(positions, cell); }));
+  }
+
   void add_forces(const Positions& positions, const Graph&, Positions& forces, Workspace& workspace) const override {
     add_cells(forces, workspace, [&](int cell, NodeVectors& own) {
       Stresses now;
@@ -265,6 +270,19 @@ class BlockCells final : public NodalForces, public LocalElasticity, public LawH
 
   double energy_of(const Positions& positions, int cell) const {
     Strains now;
+    double sum = elastic_energy_of(positions, cell, now);
+    if (!relaxing_ || std::isinf(sum)) return sum;
+    sum *= relaxing_.factor();
+    for (int g = 0; g < points_; ++g)
+      sum += rest(cell, g).weight / 2 * left_stress(cell, g).cwiseProduct(now.A[g]).sum();
+    return sum;
+  }
+  double elastic_energy_of(const Positions& positions, int cell) const {
+    Strains now;
+    return elastic_energy_of(positions, cell, now);
+  }
+  /// Without relaxation.
+  double elastic_energy_of(const Positions& positions, int cell, Strains& now) const {
     set_strains(positions, cell, now);
     if (d == 3 && now.inverted) return std::numeric_limits<double>::infinity();
     std::array<double, kMostPoints> weights;
@@ -277,10 +295,6 @@ class BlockCells final : public NodalForces, public LocalElasticity, public LawH
         const Pressures theta = projected_swelling(cell, now);
         for (int g = 0; g < points_; ++g) sum += rest(cell, g).weight * volume_of(cell).energy(at_point(theta, g));
       }
-    if (!relaxing_) return sum;
-    sum *= relaxing_.factor();
-    for (int g = 0; g < points_; ++g)
-      sum += rest(cell, g).weight / 2 * left_stress(cell, g).cwiseProduct(now.A[g]).sum();
     return sum;
   }
 
@@ -453,9 +467,9 @@ class BlockCells final : public NodalForces, public LocalElasticity, public LawH
     }
     return tensor;
   }
-  /// S of all points, with the cells' pressures, without relaxation.
+  /// S of all points, with the cells' pressures, without relaxation, and their strains.
   void set_relaxing_stresses(const Positions& positions) {
-    double* all = relaxing_.now().data();
+    double *all = relaxing_.now().data(), *strains = relaxing_.strain().data();
     parallel_for(
         block_.size(),
         [&](int cell) {
@@ -467,8 +481,11 @@ class BlockCells final : public NodalForces, public LocalElasticity, public LawH
                 const Dilatation shape(now.A[g]);
                 now.S[g] += now.p[g] * shape.J() * shape.inverse;
               }
-            Eigen::Map<Components<d>>(all + static_cast<std::ptrdiff_t>(cell * points_ + g) * kComponents) =
-                components_of(now.S[g]);
+            const std::ptrdiff_t first = static_cast<std::ptrdiff_t>(cell * points_ + g) * kComponents;
+            Eigen::Map<Components<d>>(all + first) = components_of(now.S[g]);
+            // 2E, those off the diagonal twice: both of their places in the product with a stress.
+            const Square strain = rest(cell, g).weight * (2 * now.A[g] - Square(now.A[g].diagonal().asDiagonal()));
+            Eigen::Map<Components<d>>(strains + first) = components_of(strain);
           }
         },
         kCellThreshold);

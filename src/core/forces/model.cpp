@@ -192,6 +192,12 @@ double Model::elastic_energy(const Positions& positions) const {
   return energy;
 }
 
+double Model::stored_energy(const Positions& positions) const {
+  double energy = 0;
+  for (const auto& term : has_complete_rows() ? counted_ : elasticity_) energy += term->stored_energy(positions);
+  return energy;
+}
+
 double Model::load_energy(const State& state) const {
   double energy = 0;
   for (const auto& load : loads_) energy += load->energy(state);

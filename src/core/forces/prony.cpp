@@ -51,6 +51,11 @@ class Prony final : public EdgeDensities, public LawHistory {
     }
     return sum;
   }
+  double stored_energy(const Positions& positions) const override {
+    double elastic = 0;
+    for (const auto& term : elastic_) elastic += term->energy(positions);
+    return relaxing_.stored_energy(elastic);
+  }
   void add_force_densities(const Positions& positions, VectorX& force_densities, Workspace& workspace) const override {
     VectorX& own = workspace.relaxing;
     own.setZero(relaxing_.fixed().size());
@@ -76,6 +81,11 @@ class Prony final : public EdgeDensities, public LawHistory {
   void commit_step(const std::string& name, State& state) override {
     relaxing_.now().setZero();
     for (const auto& term : elastic_) term->add_force_densities(state.positions, relaxing_.now(), workspace_);
+    for (int c = 0; c < body_.connections.size(); ++c) {
+      const auto& [a, b] = body_.connections.ends[c];
+      const double rest = body_.connections.rest_length[c];
+      relaxing_.strain()[c] = (state.positions.col(b) - state.positions.col(a)).squaredNorm() - rest * rest;
+    }
     relaxing_.commit_step(name, state);
     for_each_history(name, [&](LawHistory& term, const std::string& own) { term.commit_step(own, state); });
   }

@@ -1,4 +1,5 @@
 #pragma once
+#include <algorithm>
 #include <cmath>
 #include <string>
 #include <vector>
@@ -10,11 +11,19 @@ namespace elastin {
 
 /// Numbers that relax, v(t) = ∫ G(t − s) dvᵉ(s) + θ dvᵉ/dt: force densities, or stresses at points. Within a step
 /// v = factor vᵉ + fixed; see make_prony.
+///
+/// What is stored: a term is a spring behind a dashpot. Its spring is strained by eᵢ, which relaxes as its force does,
+/// eᵢ(t) = ∫ e^(−(t−s)/τᵢ) dε(s), and holds ¼ gᵢ Qᵢ eᵢ [J] where ε is a squared length beyond that at rest, or 2E at a
+/// point times its weight. Of a law that is linear in ε that is exact; of others ¼ vᵉ ε is not quite W, and the terms'
+/// sum is taken as many times larger as W is.
 class Relaxing {
  public:
   Relaxing() = default;
   Relaxing(const Relaxation& relaxation, Eigen::Index size)
-      : long_term_(relaxation.long_term()), fixed_(VectorX::Zero(size)), now_(VectorX::Zero(size)) {
+      : long_term_(relaxation.long_term()),
+        fixed_(VectorX::Zero(size)),
+        now_(VectorX::Zero(size)),
+        strain_(VectorX::Zero(size)) {
     for (const auto& [share, time] : relaxation.terms) terms_.push_back({share, time});
     if (relaxation.retardation > 0) terms_.push_back({relaxation.retardation, 0});
     for (std::size_t i = 0; i < terms_.size(); ++i) factor_ += part(i, 0).of_change;
@@ -24,17 +33,25 @@ class Relaxing {
   explicit operator bool() const { return !terms_.empty(); }
   double factor() const { return factor_; }        ///< g₀ + Σ gᵢ hᵢ + θ/Δ
   const VectorX& fixed() const { return fixed_; }  ///< what the past has left
-  /// Memory for vᵉ in the state that was reached.
+  /// Memory for vᵉ and ε in the state that was reached.
   VectorX& now() { return now_; }
+  VectorX& strain() { return strain_; }
 
-  /// The time, vᵉ then, and each term's own.
+  /// The time, vᵉ then and each term's own, ε then and each term's own.
   std::vector<HistoryBlock> history(const std::string& name) const {
-    return {{name, std::vector<double>(1 + (1 + terms_.size()) * static_cast<std::size_t>(fixed_.size()), 0)}};
+    return {{name, std::vector<double>(1 + 2 * (1 + terms_.size()) * static_cast<std::size_t>(fixed_.size()), 0)}};
+  }
+
+  /// Energy [J] stored in the state that was reached, whose elastic energy is W.
+  double stored_energy(double elastic) const {
+    const double larger = linear_ > 0 && elastic > 0 ? std::clamp(elastic / linear_, 0.5, 2.) : 1;
+    return long_term_ * elastic + larger * in_terms_;
   }
 
   void begin_step(const std::string& name, const State& from, double time) {
     const HistoryBlock* block = from.find_history(name);
     const double step = time - (block ? block->values[0] : from.time);
+    if (!(step > 0)) note_stored(block);
     factor_ = long_term_;
     fixed_.setZero();
     for (std::size_t i = 0; i < terms_.size(); ++i) {
@@ -44,21 +61,23 @@ class Relaxing {
     }
   }
 
-  /// now() is vᵉ of the state.
+  /// now() and strain() are those of the state.
   void commit_step(const std::string& name, State& state) {
     HistoryBlock* block = state.find_history(name);
     if (!block) return;
     const double step = state.time - block->values[0];
     for (std::size_t i = 0; i < terms_.size(); ++i) {
-      Eigen::Map<VectorX> own(block->values.data() + 1 + (1 + static_cast<Eigen::Index>(i)) * fixed_.size(),
-                              fixed_.size());
+      auto own = values(*block, 1 + i), strained = values(*block, strain_row() + 1 + i);
       const Part now = part(i, step);
-      if (step > 0)
+      if (step > 0) {
         own = now.left * own + now.of_change * (now_ - values(*block, 0));
-      else
-        own.setZero();
+        strained = now.left * strained + now.of_change / terms_[i].share * (strain_ - values(*block, strain_row()));
+      } else {
+        own.setZero(), strained.setZero();
+      }
     }
-    std::copy(now_.begin(), now_.end(), block->values.begin() + 1);
+    values(*block, 0) = now_;
+    values(*block, strain_row()) = strain_;
     block->values[0] = state.time;
     begin_step(name, state, state.time);
   }
@@ -80,13 +99,25 @@ class Relaxing {
     const double x = step / time;
     return {std::exp(-x), x > 0 ? -std::expm1(-x) / x * share : share};
   }
+  std::size_t strain_row() const { return 1 + terms_.size(); }
   Eigen::Map<const VectorX> values(const HistoryBlock& block, std::size_t row) const {
     return {block.values.data() + 1 + static_cast<Eigen::Index>(row) * fixed_.size(), fixed_.size()};
   }
+  Eigen::Map<VectorX> values(HistoryBlock& block, std::size_t row) const {
+    return {block.values.data() + 1 + static_cast<Eigen::Index>(row) * fixed_.size(), fixed_.size()};
+  }
+  void note_stored(const HistoryBlock* block) {
+    in_terms_ = linear_ = 0;
+    if (!block) return;
+    linear_ = values(*block, 0).dot(values(*block, strain_row())) / 4;
+    for (std::size_t i = 0; i < terms_.size(); ++i)
+      if (terms_[i].time > 0) in_terms_ += values(*block, 1 + i).dot(values(*block, strain_row() + 1 + i)) / 4;
+  }
 
   double long_term_ = 1, factor_ = 0;
+  double in_terms_ = 0, linear_ = 0;  ///< Σ ¼ gᵢ Qᵢ eᵢ and ¼ vᵉ ε, in the state that was reached [J]
   std::vector<Term> terms_;
-  VectorX fixed_, now_;
+  VectorX fixed_, now_, strain_;
 };
 
 }  // namespace elastin

@@ -34,6 +34,10 @@ double work_of(const Body& body, const Positions& a, const Positions& b, const P
 Ledger::Ledger(const Model& model, const State& start) : positions_(start.positions), time_(start.time) {
   open_ = model.drive || !model.viscosity().empty() || any_load(model, resists) || any_load(model, drives);
   if (open_) last_ = border(model, start);
+  follows_ = model.dissipates() || !model.has_energy();
+  if (!follows_) return;
+  if (model.has_energy()) taken = model.stored_energy(start.positions);
+  law_forces_ = model.elastic_forces(start.positions);
 }
 
 Ledger::Border Ledger::border(const Model& model, const State& state) const {
@@ -78,9 +82,30 @@ double resisted_work(const Body& body, const Positions& before, const Positions&
 
 }  // namespace
 
+/// Over a step the force of a law is f(x) + (1 − θ) (f₀ − f(x₀)), θ from 0 to 1 on the way from x₀ to x: f is the law
+/// as it stands at the end, f₀ the force at the beginning. Where f has an energy its work is known, of others to the
+/// order of Simpson's rule. A scheme whose own sum differs from that makes energy.
+void Ledger::record_laws(const Model& model, const State& state, const Positions& displacement) {
+  const Positions before = model.elastic_forces(positions_);
+  Positions after = model.elastic_forces(state.positions);
+  const int owned = owned_molecules(model.body());
+  const auto along = [&](const Positions& forces) {
+    return ordered_sum(owned, [&](int i) { return forces.col(i).dot(displacement.col(i)); });
+  };
+  if (model.has_energy())
+    taken += model.elastic_energy(state.positions) - model.elastic_energy(positions_);
+  else
+    taken -= (along(before) + 4 * along(model.elastic_forces(positions_ + displacement / 2)) + along(after)) / 6;
+  if (model.dissipates()) taken -= (along(law_forces_) - along(before)) / 2;
+  law_forces_ = std::move(after);
+}
+
 void Ledger::record(const Model& model, const State& state) {
-  if (!open_) return;
+  if (!open_ && !follows_) return;
   const Positions displacement = state.positions - positions_;
+  if (follows_) record_laws(model, state, displacement);
+  positions_ = state.positions;
+  if (!open_) return;
   Border now = border(model, state);
   const Body& body = model.body();
   dissipated -= resisted_work(body, last_.resisting, now.resisting, displacement);
@@ -93,7 +118,6 @@ void Ledger::record(const Model& model, const State& state) {
       return mass[i] > 0 ? step * step * (now.driving.col(i) - last_.driving.col(i)).squaredNorm() / (2 * mass[i]) : 0;
     });
   }
-  positions_ = state.positions;
   time_ = state.time;
   last_ = std::move(now);
 }
@@ -103,10 +127,13 @@ Energies Ledger::energies(const Model& model, const State& state) const {
   const int n = owned_molecules(model.body());
   Energies found;
   found.kinetic = ordered_sum(n, [&](int i) { return mass[i] * state.velocities.col(i).squaredNorm() / 2; });
-  found.elastic = model.elastic_energy(state.positions);
+  if (model.has_energy())
+    found.elastic = model.stored_energy(state.positions);
+  else
+    found.in_laws = taken;
   for (const auto& load : model.loads())
     if (load->acts_at_rest() && load->steady()) found.potential += load->energy(state);
-  found.dissipated = dissipated;
+  found.dissipated = dissipated + (follows_ && model.has_energy() ? taken - found.elastic : 0);
   found.work = work;
   found.momentum = ordered_sum<Vector3>(
       n, [&](int i) -> Vector3 { return mass[i] * state.velocities.col(i); }, Vector3(Vector3::Zero()));
@@ -117,11 +144,11 @@ Energies Ledger::energies(const Model& model, const State& state) const {
       },
       Vector3(Vector3::Zero()));
   if (!model.body().share) return found;
-  Eigen::Matrix<double, 11, 1> sums;
-  sums << found.kinetic, found.elastic, found.potential, found.dissipated, found.work, found.momentum,
+  Eigen::Matrix<double, 12, 1> sums;
+  sums << found.kinetic, found.elastic, found.in_laws, found.potential, found.dissipated, found.work, found.momentum,
       found.angular_momentum;
-  sum_over(model.body(), {sums.data(), 11});
-  return {sums[0], sums[1], sums[2], sums[3], sums[4], sums.segment<3>(5), sums.segment<3>(8)};
+  sum_over(model.body(), {sums.data(), 12});
+  return {sums[0], sums[1], sums[2], sums[3], sums[4], sums[5], sums.segment<3>(6), sums.segment<3>(9)};
 }
 
 }  // namespace elastin

@@ -64,6 +64,11 @@ class SteppedCells final : public NodalForces, public LawHistory {
     for (const auto& cells : cells_) sum += cells->internal_force(positions);
     return sum;
   }
+  double stored_energy(const Positions& positions) const override {
+    double sum = 0;
+    for (const auto& cells : cells_) sum += cells->stored_energy(positions);
+    return sum;
+  }
   void add_forces(const Positions& positions, const Graph& graph, Positions& forces,
                   Workspace& workspace) const override {
     const auto add = [&](const Positions& x) {

@@ -14,7 +14,7 @@ namespace elastin::lab {
 namespace {
 
 constexpr std::string_view kName = "elastin-restart-";
-constexpr const char* kHead = "elastin-restart-5";  // another format, or another meaning of a number, counts on
+constexpr const char* kHead = "elastin-restart-6";  // another format, or another meaning of a number, counts on
 constexpr std::string_view kEnd = "\nend\n";
 
 std::string hex(std::uint64_t value) {
@@ -43,7 +43,7 @@ void visit(Archive& archive, RestartPoint& point) {
   auto& m = point.memory;
   for (int* value : {&point.frame, &m.steps, &m.rejected, &point.newton_iterations, &point.linear_iterations})
     archive.whole(*value);
-  for (double* value : {&point.dissipated, &point.work, &point.jumps, &m.wanted, &m.first_bound, &m.stable, &m.critical,
+  for (double* value : {&point.dissipated, &point.work, &point.taken, &point.jumps, &m.wanted, &m.first_bound, &m.stable, &m.critical,
                         &m.frequency, &m.shortest, &m.last})
     visit(archive, *value);
   visit(archive, point.state);

@@ -12,7 +12,7 @@ namespace elastin::lab {
 struct RestartPoint {
   int frame = 0;
   State state;
-  double dissipated = 0, work = 0, jumps = 0;  ///< [J], of the ledger
+  double dissipated = 0, work = 0, taken = 0, jumps = 0;  ///< [J], of the ledger
   StepControl::Memory memory;
   int newton_iterations = 0, linear_iterations = 0;
   std::vector<CurvePoint> curve, history;  ///< of the frames; of steps too

@@ -56,8 +56,7 @@ class TimedRun {
         begin_(state_.positions),
         ledger_(model, state_),
         control_(model, state_, *options.time, scheme, options.statics),
-        mass_(sum_over(model.body(), model.body().mass.head(owned_molecules(model.body())).sum())),
-        energies_(model.has_energy() && !model.dissipates()) {}
+        mass_(sum_over(model.body(), model.body().mass.head(owned_molecules(model.body())).sum())) {}
 
   void resume() {
     const std::string& path = options_.restart_path;
@@ -69,7 +68,7 @@ class TimedRun {
     state_ = point.state;
     model_.begin_step(state_, state_.time);
     if (model_.drive) model_.drive(state_.time, model_.supports);
-    begin_ledger(point.dissipated, point.work, point.jumps);
+    begin_ledger({point.dissipated, point.work, point.taken, point.jumps});
     control_.memory = point.memory;
     run_.newton_iterations = point.newton_iterations;
     run_.linear_iterations = point.linear_iterations;
@@ -109,10 +108,14 @@ class TimedRun {
   }
 
  private:
+  /// Of the ledger [J].
+  struct Account {
+    double dissipated, work, taken, jumps;
+  };
   /// What a frame began with.
   struct Before {
     State state;
-    double dissipated, work, jumps;  ///< [J], of the ledger
+    Account account;
     StepControl::Memory memory;
     std::size_t history;
   };
@@ -120,8 +123,7 @@ class TimedRun {
   bool advance_frame(double until) {
     const int steps = control_.memory.steps;
     std::optional<Before> before;
-    if (options_.stop)
-      before = {state_, ledger_.dissipated, ledger_.work, ledger_.jumps, control_.memory, history_.size()};
+    if (options_.stop) before = {state_, account(), control_.memory, history_.size()};
     const StepResult stepped = control_.advance(model_, state_, until, [&](const State& now) {
       ledger_.record(model_, now);
       if (now.time < until && is_sampled()) history_.push_back(read({}));
@@ -183,13 +185,21 @@ class TimedRun {
       run_.contact = contact->report(state_);
       note_contact(*run_.contact, experiment_.copies(), m);
     }
-    if (energies_) {
-      m.set("energy", e.elastic);
-      const Measures& first = first_measures(m);
-      m.set("energy_balance",
-            e.balance() - first.get("kinetic_energy") - first.get("energy") - first.get("potential_energy"));
-    }
+    if (model_.has_energy()) m.set("energy", e.elastic);
+    const Measures& first = first_measures(m);
+    m.set("energy_balance", e.balance() - first.get("kinetic_energy") - stored(first) - first.get("potential_energy"));
     return row;
+  }
+
+  /// Energy stored [J]; of laws that have none 0.
+  static double stored(const Measures& m) { return std::isfinite(m.get("energy")) ? m.get("energy") : 0; }
+  /// What laws without an energy have given since the start [J]: what is in no other account. 0 where they took some.
+  double given_by_laws(const Measures& m) const {
+    if (model_.has_energy()) return 0;
+    const Measures& first = first_measures(m);
+    return std::max(0., m.get("kinetic_energy") + m.get("potential_energy") + m.get("dissipated_energy") -
+                            m.get("work") - m.get("energy_balance") - first.get("kinetic_energy") -
+                            first.get("potential_energy"));
   }
 
   /// Mass times the way of the centre [kg m].
@@ -208,7 +218,7 @@ class TimedRun {
   /// False if the row shows that energy came from nowhere.
   bool keep_row(CurvePoint row) {
     row = read(std::move(row));
-    if (energies_ && !is_accounted_for(row.measures)) return false;
+    if (!is_accounted_for(row.measures)) return false;
     history_.push_back(row);
     run_.curve.push_back(std::move(row));
     return true;
@@ -217,9 +227,9 @@ class TimedRun {
   bool is_accounted_for(const Measures& m) {
     const Measures& first = first_measures(m);
     const double released = std::abs(m.get("potential_energy") - first.get("potential_energy"));
-    const double available = first.get("kinetic_energy") + first.get("energy") + released + std::abs(m.get("work")) +
-                             sum_over(model_.body(), ledger_.jumps) + rounding_energy();
-    const double now = m.get("kinetic_energy") + m.get("energy");
+    const double available = first.get("kinetic_energy") + stored(first) + released + std::abs(m.get("work")) +
+                             given_by_laws(m) + sum_over(model_.body(), ledger_.jumps) + rounding_energy();
+    const double now = m.get("kinetic_energy") + stored(m);
     available_ = std::max(available_, available);
     if (!(m.get("energy_balance") > kEnergyLost * available_)) return true;
     fail(Outcome::diverged, "the steps make energy from nothing: " + number(now, 4) + " J where " +
@@ -237,9 +247,10 @@ class TimedRun {
   void keep_snapshot() { lab::keep_snapshot(model_, state_, state_.time, frame_, options_, run_); }
 
   void save() const {
-    options_.checkpoint(restart_text({frame_, state_, ledger_.dissipated, ledger_.work, ledger_.jumps, control_.memory,
-                                      run_.newton_iterations, run_.linear_iterations, run_.curve, history_},
-                                     identity_));
+    options_.checkpoint(
+        restart_text({frame_, state_, ledger_.dissipated, ledger_.work, ledger_.taken, ledger_.jumps, control_.memory,
+                      run_.newton_iterations, run_.linear_iterations, run_.curve, history_},
+                     identity_));
   }
 
   bool is_stopped() const { return options_.stop && any_over(model_.body(), options_.stop()); }
@@ -247,16 +258,19 @@ class TimedRun {
   /// To the frame that was begun: whoever goes on takes the same steps as a run that nobody stopped.
   void go_back(const Before& before) {
     state_ = before.state;
-    begin_ledger(before.dissipated, before.work, before.jumps);
+    model_.begin_step(state_, state_.time);
+    begin_ledger(before.account);
     control_.memory = before.memory;
     history_.resize(before.history);
   }
 
-  void begin_ledger(double dissipated, double work, double jumps) {
+  Account account() const { return {ledger_.dissipated, ledger_.work, ledger_.taken, ledger_.jumps}; }
+  void begin_ledger(const Account& account) {
     ledger_ = Ledger(model_, state_);
-    ledger_.dissipated = dissipated;
-    ledger_.work = work;
-    ledger_.jumps = jumps;
+    ledger_.dissipated = account.dissipated;
+    ledger_.work = account.work;
+    ledger_.taken = account.taken;
+    ledger_.jumps = account.jumps;
   }
 
   void interrupt() {
@@ -293,8 +307,8 @@ class TimedRun {
     double largest = 0, drift = 0, made = 0;
     for (const CurvePoint& row : history_) {
       const Measures& m = row.measures;
-      largest = std::max(
-          {largest, m.get("kinetic_energy") + m.get("energy"), std::abs(m.get("work")), m.get("dissipated_energy")});
+      largest = std::max({largest, m.get("kinetic_energy") + stored(m), std::abs(m.get("work")),
+                          m.get("dissipated_energy"), given_by_laws(m)});
       drift = std::max(drift, std::abs(row.measures.get("energy_balance")));
       made = std::max(made, m.get("energy_balance"));
     }
@@ -318,7 +332,6 @@ class TimedRun {
   double available_ = 0;  ///< the most energy that there has been [J]
   StepControl control_;
   double mass_;  ///< of the whole [kg]
-  bool energies_;
   int frame_ = 0;
 };
 

@@ -317,9 +317,9 @@ TEST_CASE("a restart file of another run, or a damaged one, is refused", "[time]
   };
   refuse("nothing of the kind", kRelease + time, "this is no restart file");
   std::string older = kept;  // there the contact's multipliers had another unit
-  REQUIRE(older.starts_with("elastin-restart-5 "));
+  REQUIRE(older.starts_with("elastin-restart-6 "));
   older[std::string("elastin-restart-").size()] = '4';
-  refuse(older, kRelease + time, "of another version of the program ('elastin-restart-4', here 'elastin-restart-5')");
+  refuse(older, kRelease + time, "of another version of the program ('elastin-restart-5', here 'elastin-restart-6')");
   refuse(kept.substr(0, kept.size() / 2), kRelease + time, "cut off");
   refuse(kept, kRelease + "time: {duration: 2 s, frames: 4}\n", "of another run");
   refuse(kept, kRelease + "time: {duration: 1 s, frames: 4, integrator: newmark}\n", "newmark");

@@ -76,6 +76,8 @@ class Model {
   bool feels_velocity() const;
   /// Elastic energy [J], +infinity where a cell is flat or inverted; on a share of what this process computes.
   double elastic_energy(const Positions& positions) const;
+  /// What laws have stored in the state reached last, see Elasticity::stored_energy.
+  double stored_energy(const Positions& positions) const;
   /// Potential energy of the loads [J].
   double load_energy(const State& state) const;
   /// Force density of each connection [N/m], on a share after keep_all_elements() those of its own molecules; of cells
