@@ -1,5 +1,7 @@
 #include "elastin/core/simulation/fibres.h"
 
+#include <cmath>
+
 #include "core/laws/solids/fibre.h"
 #include "core/laws/springs/patch.h"
 #include "elastin/core/forces/cells.h"
@@ -23,8 +25,25 @@ std::string fibres_unsuited(const Strategy& strategy, const Body& body, const Ma
   return reason.empty() ? "" : "the material's fibres as springs: " + reason;
 }
 
+namespace {
+
+/// Nodal volumes have one modulus; cells that keep their own volume have one each.
+std::string volume_unsuited(const Strategy& strategy, const Body& body, const Material& material) {
+  if (!strategy.volume_modulus || !material.field || (has_blocks(body, 3) && strategy.make_mixed)) return "";
+  const double modulus = strategy.volume_modulus(material);
+  for (int molecule = 0; molecule < body.size(); ++molecule)
+    if (std::abs(strategy.volume_modulus(local_material(material, body.rest.col(molecule))) - modulus) >
+        1e-9 * std::abs(modulus))
+      return "needs one Poisson's ratio for its volumes, and the material has another from place to place; hexahedra "
+             "and cells of second order have volumes of their own with neo_hookean+volume";
+  return "";
+}
+
+}  // namespace
+
 std::string material_unsuited(const Strategy& strategy, const Body& body, const Material& material) {
-  const std::string reason = strategy.unsuited_material(material);
+  std::string reason = strategy.unsuited_material(material);
+  if (reason.empty()) reason = volume_unsuited(strategy, body, material);
   return reason.empty() ? fibres_unsuited(strategy, body, material) : reason;
 }
 

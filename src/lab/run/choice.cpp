@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "elastin/core/base/error.h"
+#include "elastin/core/simulation/fibres.h"
 
 namespace elastin::lab {
 namespace {
@@ -18,7 +19,10 @@ std::optional<StrategyChoice> applicable_with_volume(const StrategyChoice& choic
   try {
     StrategyChoice with = with_volume(choice);
     if (!with.strategy.unsuited(body).empty()) return std::nullopt;
-    for (const Material& material : materials) with.strategy.volume_modulus(material);
+    for (const Material& material : materials) {
+      with.strategy.volume_modulus(material);
+      if (!material_unsuited(with.strategy, body, material).empty()) return std::nullopt;
+    }
     return with;
   } catch (const InputError&) {
     return std::nullopt;

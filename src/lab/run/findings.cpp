@@ -97,11 +97,19 @@ std::vector<std::string> findings_at_start(const Specimen& specimen, const Model
   return found;
 }
 
+double largest_poissons_ratio(const Material& material, const Body& body) {
+  double most = material.poissons_ratio;
+  for (int molecule = 0; material.field && molecule < body.size(); ++molecule)
+    most = std::max(most, local_material(material, body.rest.col(molecule)).poissons_ratio);
+  return most;
+}
+
 namespace {
 
-double largest_poissons_ratio(const Specimen& specimen) {
-  double most = specimen.material.poissons_ratio;
-  for (const Material& material : specimen.materials) most = std::max(most, material.poissons_ratio);
+double largest_in(const Specimen& specimen) {
+  double most = largest_poissons_ratio(specimen.material, specimen.body);
+  for (const Material& material : specimen.materials)
+    most = std::max(most, largest_poissons_ratio(material, specimen.body));
   return most;
 }
 
@@ -109,14 +117,14 @@ double largest_poissons_ratio(const Specimen& specimen) {
 
 bool may_lock(const Specimen& specimen, const Strategy& strategy) {
   return strategy.kind == StrategyKind::cell_law && strategy.dimensions == 3 && !strategy.volume_modulus &&
-         largest_poissons_ratio(specimen) > kLocking;
+         largest_in(specimen) > kLocking;
 }
 
 std::string locking_finding(const Specimen& specimen, const Strategy& strategy) {
   const bool can = strategy.make_without_volume || strategy.make_mixed, blocks = has_blocks(specimen.body, 3);
   if (!may_lock(specimen, strategy) || (!can && blocks)) return "";
   const std::string with = "stiffness: " + strategy.name + "+volume",
-                    found = "nu = " + number(largest_poissons_ratio(specimen), 4) +
+                    found = "nu = " + number(largest_in(specimen), 4) +
                             ": cells without a volume term may lock, and are then too stiff; ";
   if (strategy.make_without_volume || (strategy.make_mixed && blocks)) return found + "write " + with;
   if (strategy.make_mixed) return found + "write `order: 2` in the body and " + with;

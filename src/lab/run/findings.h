@@ -15,6 +15,9 @@ std::vector<std::string> findings_at_start(const Specimen& specimen, const Model
 /// From this Poisson's ratio on cells need pressures of their own, or they lock: they are too stiff.
 inline constexpr double kLocking = 0.4;
 
+/// The largest ν of a material on a body: its own, or where it has fields that at some molecule.
+double largest_poissons_ratio(const Material& material, const Body& body);
+
 /// Whether this is a law of solids without a volume term, and one of the specimen's materials has ν > kLocking.
 bool may_lock(const Specimen& specimen, const Strategy& strategy);
 

@@ -43,8 +43,8 @@ void visit(Archive& archive, RestartPoint& point) {
   auto& m = point.memory;
   for (int* value : {&point.frame, &m.steps, &m.rejected, &point.newton_iterations, &point.linear_iterations})
     archive.whole(*value);
-  for (double* value : {&point.dissipated, &point.work, &point.taken, &point.jumps, &m.wanted, &m.first_bound, &m.stable, &m.critical,
-                        &m.frequency, &m.shortest, &m.last})
+  for (double* value : {&point.dissipated, &point.work, &point.taken, &point.jumps, &m.wanted, &m.first_bound,
+                        &m.stable, &m.critical, &m.frequency, &m.shortest, &m.last})
     visit(archive, *value);
   visit(archive, point.state);
   visit_all(archive, point.curve);

@@ -18,6 +18,7 @@
 #include "elastin/core/shapes/arrays.h"
 #include "elastin/core/shapes/orders.h"
 #include "elastin/core/shapes/refinement.h"
+#include "elastin/core/simulation/fibres.h"
 #include "elastin/hull/delaunay.h"
 #include "lab/report/files.h"
 #include "lab/report/ranking.h"
@@ -141,12 +142,12 @@ std::string own_law(const Scene& scene, const Catalog& catalog, const Body& doma
     try {
       const StrategyChoice choice = choose_strategy(catalog, label);
       if (choice.strategy.volume_modulus) choice.strategy.volume_modulus(material);
-      return choice.strategy.unsuited(domain).empty();
+      return choice.strategy.unsuited(domain).empty() && material_unsuited(choice.strategy, domain, material).empty();
     } catch (const InputError&) {
       return false;
     }
   };
-  return material.poissons_ratio > kLocking && suits(law + "+volume") ? law + "+volume" : law;
+  return largest_poissons_ratio(material, domain) > kLocking && suits(law + "+volume") ? law + "+volume" : law;
 }
 
 /// One body of the sequence, solved.

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "lab/report/records.h"
+#include "lab/run/findings.h"
 #include "support/temporary_folder.h"
 
 using namespace elastin;
@@ -233,6 +234,30 @@ TEST_CASE("constants of a law that differ from place to place", "[scene][fields]
   CHECK(measured(folder, bar_of(kBodies[1], plain + "0.1, fields: {poissons_ratio: {expression: 0.4}}"),
                  "poissons_ratio") ==
         Approx(measured(folder, bar_of(kBodies[1], plain + "0.4"), "poissons_ratio")).epsilon(1e-10));
+}
+
+TEST_CASE("a Poisson's ratio that differs from place to place reaches the volume term, or is refused there",
+          "[scene][fields]") {
+  const TemporaryFolder folder;
+  const std::string plain = "youngs_modulus: 10 kPa, poissons_ratio: ",
+                    field = ", fields: {poissons_ratio: {expression: ";
+  for (const std::string& body : {kBodies[1], kBodies[2], kBodies[3]})
+    CHECK(
+        measured(folder, bar_of(body, plain + "0.1" + field + "0.45}}", "neo_hookean+volume"), "poissons_ratio") ==
+        Approx(measured(folder, bar_of(body, plain + "0.45", "neo_hookean+volume"), "poissons_ratio")).epsilon(1e-10));
+  const std::string lattice = "lattice: {kind: cubic, molecules: [3, 3, 5], spacing: 5 mm, connections: [axis, face]}";
+  for (const auto& [body, strategy] : {std::pair{kBodies[0], "neo_hookean+volume"}, {lattice, "lattice+volume"}}) {
+    const auto scene =
+        scene_of(folder, bar_of(body, plain + "0.1" + field + "0.1 + 0.3 * floor(z / 1 cm)}}", strategy));
+    const Run run = run_strategy(scene->specimen, *scene->experiment, scene->stiffness, {.statics = scene->statics});
+    CHECK_FALSE(run.suited);
+    CHECK_THAT(run.cause, Contains("needs one Poisson's ratio for its volumes"));
+  }
+  // One that is the same at every place is one.
+  CHECK(measured(folder, bar_of(kBodies[0], plain + "0.4" + field + "0.4}}", "neo_hookean+volume"), "elongation") ==
+        measured(folder, bar_of(kBodies[0], plain + "0.4", "neo_hookean+volume"), "elongation"));
+  const auto scene = scene_of(folder, bar_of(kBodies[0], plain + "0.1" + field + "0.1 + 0.2 * floor(z / 1 cm)}}"));
+  CHECK(may_lock(scene->specimen, kCatalog.find("neo_hookean")));
 }
 
 TEST_CASE("directions that differ from place to place", "[scene][fields]") {
