@@ -11,7 +11,7 @@ const Later& later() {
   static const Later* const found = [] {
     void* module = dlopen(ELASTIN_LATER, RTLD_NOW | RTLD_LOCAL);
     const void* table = module ? dlsym(module, "elastin_later") : nullptr;
-    if (!table) throw InputError(std::string("a part of elastin cannot be loaded: ") + dlerror());
+    if (!table) throw InputError(std::string("cannot load the module " ELASTIN_LATER ": ") + dlerror());
     return static_cast<const Later*>(table);
   }();
   return *found;
@@ -20,7 +20,8 @@ const Later& later() {
 }  // namespace
 }  // namespace elastin::command
 
-// In the program these stand before the libraries' own functions, which are then not linked, and so not what they need.
+// The linker takes these in place of the functions of the same names in the static libraries, and so the program does
+// not need FCL, Assimp and Ceres, which those functions call.
 
 using elastin::command::later;
 

@@ -6,7 +6,7 @@
 
 namespace elastin::command {
 
-/// What the module has.
+/// The functions of the module.
 struct Later {
   decltype(&contact::find_overlaps) find_overlaps;
   decltype(&contact::triangles_cross) triangles_cross;

@@ -37,9 +37,9 @@ struct StaticProblem {
   const Body& body() const { return scene->specimen.body; }
 };
 
-/// The problem of a scene with its own strategy. Throws InputError, with the scene's path, for what no other program is
-/// told of: springs, membranes, contact, ties, cables, fibres, muscle, regions, supports askew to the axes, loads that
-/// follow the body, runs in time.
+/// The problem of a scene with its own strategy. Throws InputError, with the scene's path, for what is
+/// not exported: springs, membranes, contact, ties, cables, fibres, muscle, regions, supports askew to the axes, loads
+/// that follow the body, runs in time.
 StaticProblem problem_of(const Scene& scene);
 
 /// Components that hold the whole body in those of its three translations and three rotations that the problem leaves

@@ -407,10 +407,10 @@ class Lab {
   marks(bodies, positions) {
     const {viewer, shown: {offsets, molecules}} = this;
     const place = (copy, molecule) => Array.from(positions.subarray(3 * (copy * molecules + molecule), 3 * (copy * molecules + molecule) + 3));
-    const beside = (at, copy) => [at[0] + offsets[copy], at[1], at[2]];
-    viewer.lines = this.hand ? bodies.map((body, copy) => ({from: place(copy, this.hand.molecule), to: beside(this.hand.target, copy),
+    const shifted = (at, copy) => [at[0] + offsets[copy], at[1], at[2]];
+    viewer.lines = this.hand ? bodies.map((body, copy) => ({from: place(copy, this.hand.molecule), to: shifted(this.hand.target, copy),
       text: body.force ? with_prefix(Math.hypot(...body.force), 'N') : ''})) : [];
-    viewer.probes = this.probe ? bodies.map((_, copy) => ({place: beside(this.probe.centre, copy), radius: this.probe.radius})) : [];
+    viewer.probes = this.probe ? bodies.map((_, copy) => ({place: shifted(this.probe.centre, copy), radius: this.probe.radius})) : [];
     viewer.pins = bodies.flatMap((_, copy) => [...this.pins].map(molecule => place(copy, molecule)));
     viewer.names = bodies.length > 1 ? this.strategies : [];
   }
@@ -540,7 +540,7 @@ class Lab {
   save_csv(name, text) { save_file(`${scene.name}-${name}.csv`, 'data:text/csv;charset=utf-8,' + encodeURIComponent(text)); }
 
   // --- hand -----------------------------------------------------------------------------------------------------------
-  /** Which molecule of the one body a drawn one is, and a place beside it in the first body's axes. */
+  /** Which molecule of the one body a drawn one is, and a place next to it in the first body's axes. */
   own(molecule, place) {
     const {molecules, offsets} = this.shown, copy = Math.floor(molecule / molecules);
     return {molecule: molecule % molecules, place: place && [place[0] - offsets[copy], place[1], place[2]]};
