@@ -93,7 +93,7 @@ std::vector<Key<ObstacleSetup>> shape_keys() {
                                      [](const Reader& value, Convex& convex) { convex.points = read_convex(value); })
                              .needed()}),
       {Mesh::name,
-       {{"mesh.file", "file beside the scene", "", "", "needed", "a closed surface of triangles"},
+       {{"mesh.file", "file next to the scene", "", "", "needed", "a closed surface of triangles"},
         {"mesh.length_unit", kLengthUnits, "", "", "needed", "unit of the file's coordinates"}},
        [](const Reader& value, ObstacleSetup& setup) {
          setup.kind = Mesh::name;

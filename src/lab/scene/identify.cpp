@@ -9,9 +9,13 @@
 namespace elastin::lab {
 namespace {
 
-LaterQuantity later(const std::optional<Reader>& reader) {
-  if (!reader) return {};
-  return [reader = *reader](const Dimension& unit) { return reader.quantity(unit); };
+/// A quantity whose unit is known when the data are read.
+template <class Setup>
+Key<Setup> later_key(const std::string& name, LaterQuantity Setup::*member, const std::string& unit,
+                     const std::string& fallback, const std::string& text) {
+  return {{name, "quantity", unit, "", fallback, text}, [member](const Reader& value, Setup& setup) {
+            setup.*member = [value](const Dimension& dimension) { return value.quantity(dimension); };
+          }};
 }
 
 /// Whether a value, or one below it, is a number with its unit.
@@ -35,11 +39,12 @@ std::function<void(const std::string&)> failure_at(const Reader& reader) {
   return [reader](const std::string& message) { reader.fail(message); };
 }
 
-std::vector<std::pair<std::string, std::string>> read_texts(const std::optional<Reader>& reader) {
-  std::vector<std::pair<std::string, std::string>> texts;
-  if (!reader) return texts;
-  for (const auto& [key, value] : reader->entries()) texts.emplace_back(key, value.text());
-  return texts;
+template <class Setup>
+Key<Setup> texts_by_name_key(const std::string& name, std::vector<std::pair<std::string, std::string>> Setup::*member,
+                             const std::string& fallback, const std::string& text) {
+  return {{name, "map", "", "", fallback, text}, [member](const Reader& value, Setup& setup) {
+            for (const auto& [key, entry] : value.entries()) (setup.*member).emplace_back(key, entry.text());
+          }};
 }
 
 std::string beside(const Reader& reader) {
@@ -52,39 +57,61 @@ std::vector<std::pair<std::string, HomogeneousTest>> homogeneous_names() {
   return names;
 }
 
-bool read_residuals(const Reader& reader) { return reader.choice<bool>({{"relative", true}, {"absolute", false}}); }
+template <class Setup>
+Key<Setup> residuals_key(bool Setup::*member, const std::string& text) {
+  return key::choice("residuals", member, {{"relative", true}, {"absolute", false}}, text);
+}
 
-DataTest read_test(Reader reader, bool relative) {
-  DataTest test;
-  test.fail = failure_at(reader);
+const Keys<DataTest>& data_test_keys() {
+  using S = DataTest;
+  const auto is_relaxation = [](const S& test) { return test.kind->in_time; };
+  const auto of_strain = [](const S& test) { return test.kind->in_time && !test.scene; };
   std::vector<std::pair<std::string, const DataTestKind*>> kinds;
   for (const DataTestKind& kind : data_test_kinds()) kinds.emplace_back(kind.name, &kind);
-  test.kind = reader.at("kind").choice<const DataTestKind*>(kinds);
-  const auto name = reader.find("name");
-  test.name = name ? name->text() : test.kind->name;
-  test.file = beside(reader.at("file"));
-  test.rows = read_texts(reader.find("rows"));
-  test.columns = read_texts(reader.find("columns"));
-  test.from = later(reader.find("from"));
-  test.to = later(reader.find("to"));
-  if (auto weight = reader.find("weight")) test.weight = weight->quantity(dimension::none, kNotNegative);
-  const auto residuals = reader.find("residuals");
-  test.relative = residuals ? read_residuals(*residuals) : relative;
-  if (auto area = reader.find("cross_section")) test.cross_section = area->quantity(dimension::area, kPositive);
-  if (auto length = reader.find("length")) test.length = length->quantity(dimension::length, kPositive);
-  if (const auto scene = test.kind->homogeneous ? std::nullopt : reader.find("scene"))
-    test.scene = reader.source().other(beside(*scene));
-  if (test.kind->in_time && test.scene) {
-    if (auto ramp = reader.find("ramp")) test.ramp = ramp->quantity(dimension::time, kNotNegative);
-  } else if (test.kind->in_time) {
-    if (auto held = reader.find("held")) test.held = held->choice<HomogeneousTest>(homogeneous_names());
-    test.strain = reader.at("strain").quantity(dimension::none);
-    if (auto ramp = reader.find("ramp")) test.ramp = ramp->quantity(dimension::time, kNotNegative);
-  } else if (!test.kind->homogeneous) {
-    if (!test.scene) test.scene = reader.source();
-  }
-  reader.finish();
+  static const Keys<S> keys{
+      key::choice("kind", &S::kind, kinds, "which test it is").needed(),
+      key::text("name", &S::name, "how tables call it").otherwise("its kind"),
+      Key<S>({"file", "text", "", "", "", "the CSV file, relative to the scene"},
+             [](const Reader& value, S& test) { test.file = beside(value); })
+          .needed(),
+      texts_by_name_key("rows", &S::rows, "all", "only the rows with this text in this column: `{region: cortex}`"),
+      texts_by_name_key("columns", &S::columns, "none", "what a head of the file means: `{Load: force [N]}`"),
+      later_key("from", &S::from, "the column's", "none", "least of what is prescribed that counts"),
+      later_key("to", &S::to, "the column's", "none", "largest of what is prescribed that counts"),
+      key::quantity("weight", &S::weight, dimension::none, "of its squares; 0: predicted and not fitted", kNotNegative),
+      residuals_key(&S::relative, "of this test").otherwise("as above"),
+      key::quantity("cross_section", &S::cross_section, dimension::area, "of a homogeneous test", kPositive)
+          .otherwise("needed with `force`"),
+      key::quantity("length", &S::length, dimension::length, "of a homogeneous test", kPositive)
+          .otherwise("needed with `displacement`"),
+      Key<S>(
+          {"scene", "text", "", "", "this scene",
+           "of `specimen`: body, grips and load; the material is the fitted one. Of `relaxation`: the specimen whose "
+           "load is kept, in the place of `held` and `strain`"},
+          [](const Reader& value, S& test) { test.scene = value.source().other(beside(value)); })
+          .when([](const S& test) { return !test.kind->homogeneous; }),
+      key::choice("held", &S::held, homogeneous_names(), "of `relaxation`: the state that is kept").when(of_strain),
+      key::quantity("strain", &S::strain, dimension::none, "of `relaxation`: that is kept")
+          .needed_when(of_strain, "needed for `relaxation` without `scene`"),
+      key::quantity("ramp", &S::ramp, dimension::time, "of `relaxation`: time in which the strain grows", kNotNegative)
+          .when(is_relaxation)};
+  return keys;
+}
+
+DataTest read_test(const Reader& reader, bool relative) {
+  DataTest test;
+  test.relative = relative;
+  test = data_test_keys().read(reader, {}, std::move(test));
+  test.fail = failure_at(reader);
+  if (test.name.empty()) test.name = test.kind->name;
+  if (!test.kind->in_time && !test.kind->homogeneous && !test.scene) test.scene = reader.source();
   return test;
+}
+
+Keys<UnknownChoice> unknown_keys() {
+  return {later_key("low", &UnknownChoice::low, "its own", "the law's", "least value"),
+          later_key("high", &UnknownChoice::high, "its own", "the law's", "largest value"),
+          later_key("start", &UnknownChoice::start, "its own", "the material's", "where the search begins")};
 }
 
 std::vector<UnknownChoice> read_unknowns(const Reader& reader) {
@@ -95,45 +122,67 @@ std::vector<UnknownChoice> read_unknowns(const Reader& reader) {
   }
   for (auto& [name, value] : reader.entries()) {
     value.set_section("identify.unknowns");
-    UnknownChoice unknown{name, {}, {}, {}, failure_at(value)};
     if (!value.is_map()) value.fail("write {low: …, high: …, start: …}, or {} for all values that the law admits");
-    unknown.low = later(value.find("low")), unknown.high = later(value.find("high"));
-    unknown.start = later(value.find("start"));
-    value.finish();
-    unknowns.push_back(std::move(unknown));
+    unknowns.push_back(unknown_keys().read(value, {}, {name, {}, {}, {}, failure_at(value)}));
   }
   return unknowns;
 }
 
-void read_published(Reader reader, IdentifyTask& task) {
+struct IdentifySetup : IdentifyTask {
+  bool relative = true;  ///< residuals of tests that do not say it
+};
+
+void read_published(Reader reader, IdentifySetup& task) {
   task.published_source = reader.at("source").text();
-  for (auto& [name, value] : reader.entries())
-    if (name != "source") task.published.push_back({name, later(value), failure_at(value)});
+  for (const auto& [name, value] : reader.entries())
+    if (name != "source")
+      task.published.push_back(
+          {name, [value = value](const Dimension& unit) { return value.quantity(unit); }, failure_at(value)});
   if (task.published.empty()) reader.fail("names no number; write for example {source: …, mu_1: 1.4 kPa}");
 }
 
-void read_identify(Reader reader, IdentifyTask& task) {
-  const auto residuals = reader.find("residuals");
-  const bool relative = !residuals || read_residuals(*residuals);
-  for (const Reader& item : reader.at("tests").items()) {
-    DataTest test = read_test(item, relative);
+void read_tests(const Reader& reader, IdentifySetup& task) {
+  for (const Reader& item : reader.items()) {
+    DataTest test = read_test(item, task.relative);
     for (const DataTest& other : task.tests)
       if (other.name == test.name) item.fail("there is a test '" + test.name + "' already; give this one a name");
     task.tests.push_back(std::move(test));
   }
-  if (task.tests.empty()) reader.at("tests").fail("names no test");
-  if (auto unknowns = reader.find("unknowns")) task.unknowns = read_unknowns(*unknowns);
-  if (auto fixed = reader.find("fixed"))
-    for (const Reader& item : fixed->items()) task.fixed.push_back(item.text());
-  if (auto published = reader.find("published")) read_published(*published, task);
-  if (auto starts = reader.find("starts")) task.starts = starts->whole(1, 1000);
-  if (auto laws = reader.find("laws")) {
-    if (laws->is_text())
-      task.laws = {laws->choice<std::string>({{"all", "all"}})};
-    else
-      for (const Reader& item : laws->items()) task.laws.push_back(item.text());
-  }
-  reader.finish();
+  if (task.tests.empty()) reader.fail("names no test");
+}
+
+const Keys<IdentifySetup>& identify_map_keys() {
+  using S = IdentifySetup;
+  static const Keys<S> keys{
+      residuals_key(&S::relative, "difference over each measured value, or over the largest one of the test"),
+      Key<S>({"tests", "list of maps", "", "", "", "the tests, below"}, read_tests).needed(),
+      Key<S>(
+          {"unknowns", "list, or map", "", "", "all numbers of the law but `bulk_modulus`; of E and ν, E",
+           "names of the numbers that are to be found, or a map with their bounds, below: of a law, a term (`mu_1`), "
+           "a curve (`stress_1`, `c_0` …) or relaxation (`g_1`, `tau_1`), of a spring rule its parameters, of contact "
+           "`friction`"},
+          [](const Reader& value, S& task) { task.unknowns = read_unknowns(value); }),
+      key::texts("fixed", &S::fixed, "names of numbers that stay as the material states them"),
+      Key<S>("published",
+             {{"published", "map", "", "", "none",
+               "numbers of the material that others found, by name, and the `source`: shown next to those found"},
+              {"published.source", "text", "", "", "needed in `published`", "who found them"}},
+             read_published),
+      key::whole("starts", &S::starts, 1, 1000, "searches from the material's own numbers and from others around them")
+          .otherwise("8"),
+      Key<S>({"laws", "list, or `all`", "", "", "the material's",
+              "laws that are compared; `yeoh/2` is yeoh with two terms"},
+             [](const Reader& value, S& task) {
+               if (value.is_text())
+                 task.laws = {value.choice<std::string>({{"all", "all"}})};
+               else
+                 for (const Reader& item : value.items()) task.laws.push_back(item.text());
+             })};
+  return keys;
+}
+
+void read_identify(const Reader& reader, IdentifyTask& task) {
+  task = identify_map_keys().read(reader, {}, IdentifySetup{std::move(task)});
 }
 
 }  // namespace
@@ -211,61 +260,18 @@ void check_identify(const Reader& reader) {
 }
 
 std::vector<KeySection> identify_keys() {
-  std::vector<std::string> kinds, tests, quantities;
-  for (const DataTestKind& kind : data_test_kinds()) kinds.push_back(kind.name);
-  for (const HomogeneousTest test : kHomogeneousTests) tests.push_back(name_of(test));
+  std::vector<std::string> quantities;
   for (const DataQuantity& quantity : data_quantities()) quantities.push_back(quantity.name);
-  const std::string unknowns = "identify.unknowns";
-  return {
-      {"identify",
-       "Identification",
-       "The section `identify` says which measured tests `elastin identify` fits the material to. A scene of "
-       "homogeneous tests alone needs no body, stiffness and experiment.",
-       {{"tests", "list of maps", "", "", "needed", "the tests, below"},
-        {"unknowns", "list, or map", "", "", "all numbers of the law but `bulk_modulus`; of E and ν, E",
-         "names of the numbers that are to be found, or a map with their bounds, below: of a law, a term (`mu_1`), a "
-         "curve "
-         "(`stress_1`, `c_0` …) or relaxation (`g_1`, `tau_1`), of a spring rule its parameters, of contact "
-         "`friction`"},
-        {"fixed", "list", "", "", "none", "names of numbers that stay as the material states them"},
-        {"published", "map", "", "", "none",
-         "numbers of the material that others found, by name, and the `source`: shown beside those found"},
-        {"published.source", "text", "", "", "needed in `published`", "who found them"},
-        {"residuals", "`relative`, `absolute`", "", "", "`relative`",
-         "difference over each measured value, or over the largest one of the test"},
-        {"starts", "whole", "", "1 … 1000", "8",
-         "searches from the material's own numbers and from others around them"},
-        {"laws", "list, or `all`", "", "", "the material's",
-         "laws that are compared; `yeoh/2` is yeoh with two terms"}}},
-      {unknowns,
-       "",
-       "Each of `unknowns` may have:",
-       {{"low", "quantity", "its own", "", "the law's", "least value"},
-        {"high", "quantity", "its own", "", "the law's", "largest value"},
-        {"start", "quantity", "its own", "", "the material's", "where the search begins"}}},
-      {"identify.tests",
-       "",
-       "Each of `tests` is a CSV file with two columns, whose heads say what they hold with its unit, such as `force "
-       "[N]`, of " +
-           words_text(quantities) + ":",
-       {{"kind", words_text(kinds), "", "", "needed", "which test it is"},
-        {"name", "text", "", "", "its kind", "how tables call it"},
-        {"file", "text", "", "", "needed", "the CSV file, relative to the scene"},
-        {"rows", "map", "", "", "all", "only the rows with this text in this column: `{region: cortex}`"},
-        {"columns", "map", "", "", "none", "what a head of the file means: `{Load: force [N]}`"},
-        {"from", "quantity", "the column's", "", "none", "least of what is prescribed that counts"},
-        {"to", "quantity", "the column's", "", "none", "largest of what is prescribed that counts"},
-        {"weight", "number", "", "≥ 0", "1", "of its squares; 0: predicted and not fitted"},
-        {"residuals", "`relative`, `absolute`", "", "", "as above", "of this test"},
-        {"cross_section", "quantity", "m^2", "> 0", "needed with `force`", "of a homogeneous test"},
-        {"length", "quantity", "m", "> 0", "needed with `displacement`", "of a homogeneous test"},
-        {"scene", "text", "", "", "this scene",
-         "of `specimen`: body, grips and load; the material is the fitted one. Of `relaxation`: the specimen whose "
-         "load is kept, in the place of "
-         "`held` and `strain`"},
-        {"held", words_text(tests), "", "", "`uniaxial`", "of `relaxation`: the state that is kept"},
-        {"strain", "number", "", "", "needed for `relaxation` without `scene`", "of `relaxation`: that is kept"},
-        {"ramp", "quantity", "s", "≥ 0", "0", "of `relaxation`: time in which the strain grows"}}}};
+  return {{"identify", "Identification",
+           "The section `identify` says which measured tests `elastin identify` fits the material to. A scene of "
+           "homogeneous tests alone needs no body, stiffness and experiment.",
+           identify_map_keys().rows()},
+          {"identify.unknowns", "", "Each of `unknowns` may have:", unknown_keys().rows()},
+          {"identify.tests", "",
+           "Each of `tests` is a CSV file with two columns, whose heads say what they hold with its unit, such as "
+           "`force [N]`, of " +
+               words_text(quantities) + ":",
+           data_test_keys().rows()}};
 }
 
 }  // namespace elastin::lab

@@ -64,8 +64,8 @@ std::vector<KeySection> key_sections(const Catalog& catalog, const ExperimentCat
                                initial_keys(),
                                contact_keys(),
                                solver_keys(catalog),
-                               expectation_keys(),
-                               study_keys(),
+                               expectation_keys(catalog),
+                               study_keys(catalog),
                                identify_keys()})
     all.insert(all.end(), sections.begin(), sections.end());
   return all;

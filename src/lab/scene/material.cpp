@@ -315,13 +315,7 @@ std::optional<Reader> find_named(Reader& reader) {
   if (name && !file) name->fail("names a material of a file: key 'file' is missing");
   if (!file) return std::nullopt;
   if (!name) reader.fail("key 'name' is missing: which material of '" + file->text() + "'?");
-  const auto path = std::filesystem::path(file->file_path()).parent_path() / file->text();
-  Reader library = file->located([&] {
-    std::error_code ignored;
-    if (!std::filesystem::exists(path, ignored))
-      throw InputError("'" + file->text() + "': " + missing_file(path.string()));
-    return file->open(path.string());
-  });
+  Reader library = file->located([&] { return file->open(file->existing_file()); });
   read_preamble(library);
   std::vector<std::string> names = library.keys();
   std::erase_if(names, [](const std::string& key) { return key == "extends" || key == "values" || key == "title"; });
@@ -373,7 +367,7 @@ Keys<MaterialSetup> all_material_keys(const Table<MaterialLaw>& laws) {
     if (material.derived()) value.fail("follows from the constants of the law; leave it out");
   };
   return {
-      key::text("file", &S::file, "a YAML file of materials by name; the keys here count before the material's"),
+      key::file("file", &S::file, "a YAML file of materials by name; the keys here count before the material's"),
       key::text("name", &S::name, "which of them").otherwise("needed with `file`"),
       KeyGroup<S>{{Key<S>("curve",
                           key::rows_below("curve", "map",

@@ -92,7 +92,7 @@ StrategyChoice read_strategy(Reader reader, const Catalog& catalog) {
     for (const Reader& item : reader.items())
       if (item.is_text()) names += (names.empty() ? "" : ", ") + item.text();
     reader.fail("is a list, and names one strategy: a word, or {strategy: NAME, …}; several are for `compare`, as " +
-                ("strategies: [" + names) + "] beside it or --strategies");
+                ("strategies: [" + names) + "] next to it or --strategies");
   }
   reader.set_section("stiffness");
   return strategy_map_keys(catalog).read(reader);

@@ -15,6 +15,9 @@
 
 namespace elastin::lab {
 
+struct Expectation;
+struct Scene;
+
 /// The parts of a scene, each from its own key. All throw InputError with position and key.
 /// What it leaves out is that of `base`, if there is one.
 Material read_material(Reader reader, const elastin::Table<MaterialLaw>& laws, const Material* base = nullptr);
@@ -84,11 +87,16 @@ std::vector<Key<Setup>> parameter_keys(const Rows& rows, ParameterValues Setup::
 /// A length above 0 [m].
 double read_length(Reader& reader, const char* key);
 StrategyChoice read_strategy(Reader reader, const Catalog& catalog);
+/// `strategies` are those of the scene: an expectation may name one by its label.
+Expectation read_expectation(const Reader& reader, const std::vector<StrategyChoice>& strategies,
+                             const Catalog& catalog);
+/// computed, none, {computed: {…}}, one stated value, or a list of stated values and `computed`.
+void read_references(const Reader& reader, const Catalog& catalog, Scene& scene);
 /// {vary: [{KEY.PATH: [value, …], …}, …], repeats: 5, threads: [1, 2], own_reference: STRATEGY}
-Study read_study(Reader reader, const std::vector<StrategyChoice>& known);
+Study read_study(const Reader& reader, const std::vector<StrategyChoice>& known);
 /// Reads the section for its faults alone; see load_identify_task.
 void check_identify(const Reader& reader);
-StepperStudy read_stepper_study(Reader reader, const elastin::Table<Stepper>& steppers);
+StepperStudy read_stepper_study(const Reader& reader, const elastin::Table<Stepper>& steppers);
 /// Contact, and which obstacles' motions follow the load, and which the time.
 struct SceneContact : contact::ContactOptions {
   std::vector<Reader> by_load, by_time;
@@ -128,7 +136,7 @@ std::vector<std::pair<std::string, double>> length_units();
 
 /// The keys that these functions read, for the key reference.
 std::vector<KeySection> scene_keys();
-std::vector<KeySection> expectation_keys();
+std::vector<KeySection> expectation_keys(const Catalog& catalog);
 std::vector<KeySection> body_keys();
 std::vector<KeySection> surface_keys();
 std::vector<KeySection> fill_keys();
@@ -143,6 +151,6 @@ std::vector<KeySection> time_keys(const Catalog& catalog);
 std::vector<KeySection> load_keys(const Catalog& catalog);
 std::vector<KeySection> initial_keys();
 std::vector<KeySection> contact_keys();
-std::vector<KeySection> study_keys();
+std::vector<KeySection> study_keys(const Catalog& catalog);
 
 }  // namespace elastin::lab

@@ -21,92 +21,6 @@
 namespace elastin::lab {
 namespace {
 
-/// A run that must stop: how, and words that must stand in its cause.
-Expectation read_stop(Reader& reader, Expectation expectation) {
-  const Reader outcome = reader.at("outcome");
-  std::vector<std::pair<std::string, bool>> stops{{kUnsuited, true}};
-  for (const Outcome stop : {Outcome::limit_reached, Outcome::inverted, Outcome::diverged, Outcome::mechanism})
-    stops.emplace_back(name_of(stop), true);
-  outcome.choice(stops);
-  expectation.outcome = outcome.text();
-  const Reader cause = reader.at("cause");
-  expectation.cause = cause.text();
-  if (expectation.cause.empty()) cause.fail("name the cause: words that the cause of the run must contain");
-  reader.finish();
-  return expectation;
-}
-
-/// `strategies` are those of the scene: an expectation may name one by its label.
-Expectation read_expectation(Reader reader, const std::vector<StrategyChoice>& strategies, const Catalog& catalog) {
-  Expectation expectation;
-  if (auto strategy = reader.find("strategy")) {
-    expectation.strategy = strategy->text();
-    if (!find_strategy(strategies, expectation.strategy))
-      strategy->located([&] { return choose_strategy(catalog, expectation.strategy); });
-  }
-  expectation.source = reader.at("source").text();
-  if (reader.has("outcome")) return read_stop(reader, std::move(expectation));
-  const Reader measure = reader.at("measure");
-  const MeasureInfo info = measure.located([&] { return find_measure(measure.text()); });
-  expectation.measure = info.name;
-  expectation.value = reader.at("value").quantity(info.unit);
-  if (auto tolerance = reader.find("tolerance")) expectation.relative = tolerance->quantity(dimension::none, kPositive);
-  if (auto tolerance = reader.find("absolute")) expectation.absolute = tolerance->quantity(info.unit, kPositive);
-  if (auto why = reader.find("not_reproduced")) expectation.not_reproduced = why->text();
-  reader.finish();
-  const bool judged = expectation.not_reproduced.empty();
-  if (judged && expectation.relative == 0 && expectation.absolute == 0)
-    reader.fail(
-        "an expectation needs a tolerance (relative), an absolute tolerance, or not_reproduced with the reason");
-  return expectation;
-}
-
-Reference read_reference(Reader reader) {
-  Reference reference;
-  const Reader measure = reader.at("measure");
-  const MeasureInfo info = measure.located([&] { return find_measure(measure.text()); });
-  reference.measure = info.name;
-  reference.value = reader.at("value").quantity(info.unit);
-  reference.source = reader.at("source").text();
-  if (auto uncertainty = reader.find("uncertainty"))
-    reference.uncertainty = uncertainty->quantity(dimension::none, kPositive);
-  reader.finish();
-  return reference;
-}
-
-/// computed, none, {computed: {…}}, one stated value, or a list of stated values and `computed`.
-void read_references(const Reader& reader, const Catalog& catalog, Scene& scene) {
-  using When = ComputedReference::When;
-  const auto read_item = [&](Reader item) {
-    if (item.is_text()) {
-      scene.computed.when = item.choice<When>({{"computed", When::always}, {"none", When::never}});
-      return;
-    }
-    const auto computed = item.find("computed");
-    if (!computed) {
-      scene.references.push_back(read_reference(item));
-      return;
-    }
-    scene.computed.when = When::always;
-    Reader keys = *computed;
-    if (auto value = keys.find("uncertainty"))
-      scene.computed.uncertainty = value->quantity(dimension::none, {1e-6, 0.05, false});
-    if (auto value = keys.find("most_cells")) scene.computed.most_cells = value->whole(1, 100000000);
-    if (auto value = keys.find("seconds")) scene.computed.seconds = value->quantity(dimension::time, kPositive);
-    if (auto value = keys.find("strategy")) {
-      scene.computed.strategy = value->text();
-      value->located([&] { return choose_strategy(catalog, scene.computed.strategy); });
-    }
-    keys.finish();
-    item.finish();
-  };
-  if (reader.is_text() || reader.is_map()) return read_item(reader);
-  for (const Reader& item : reader.items()) {
-    if (item.is_text() && item.text() == "none") item.fail("stands alone: reference: none");
-    read_item(item);
-  }
-}
-
 std::vector<StrategyChoice> read_strategies(std::optional<Reader> reader, const StrategyChoice& stiffness,
                                             const Catalog& catalog, const Specimen& specimen) {
   if (!reader) return {stiffness};
@@ -182,11 +96,57 @@ void warn_of_pieces(const Body& body, const std::string& name, std::vector<std::
 
 using BodyChange = std::function<void(Body&, const Material&)>;
 
+/// A key of the scene itself.
+struct TopKey {
+  SceneKey row;
+  bool of_problem = false;  ///< whether scenes in which it differs are different problems
+};
+
+const std::vector<TopKey>& top_keys() {
+  static const std::vector<TopKey> keys{
+      {{"title", "text", "", "", "the file's name", "heading of tables and pages"}},
+      {{"extends", "file next to the scene", "", "", "none",
+        "a scene whose keys count where this one has none; an empty value takes a key away, another `kind` the whole "
+        "map"}},
+      {{"values", "map of quantities", "", "", "none", "names for [formulas](#formulas): `spacing: = side / 9`"}},
+      {{"body", "map", "", "", "needed, or `bodies`", "[the body](#body)"}},
+      {{"bodies", "list of maps", "", "", "none", "[several bodies](#bodies)"}},
+      {{"ties", "list of maps", "", "", "none", "[joints between bodies](#bodies)"}},
+      {{"material", "map", "", "", "needed", "[the material](#material)"}, true},
+      {{"stiffness", "word, or map", "", "", "needed", "[the strategy](#stiffness) of `run`"}},
+      {{"strategies", "list, or `all`", "", "", "`stiffness`",
+        "the strategies of `compare`; `all` in the list adds those not named before it, with `+volume` where "
+        "the body's cells and Poisson's ratio allow it"}},
+      {{"experiment", "map", "", "", "needed", "[the experiment](#experiment)"}, true},
+      {{"calibrate", "map", "", "", "the scene's own",
+        "`experiment`: the [experiment](#experiment) at rest in which `calibrated:` rules are calibrated, so that "
+        "what "
+        "the scene measures is a test of them"}},
+      {{"supports", "list of maps", "", "", "none",
+        "[planes of symmetry, rims and others](#supports) that stay; with experiments at rest"},
+       true},
+      {{"time", "map", "", "", "needed in time", "[duration, steps and frames](#time) of an experiment in time"}},
+      {{"loads", "list of maps", "", "", "none", "[loads](#loads) besides the experiment's"}, true},
+      {{"initial", "map", "", "", "rest", "[where the search or the run begins](#initial-state)"}, true},
+      {{"rotate", "rotation", "", "", "none", "turns the whole scene"}, true},
+      {{"contact", "map", "", "", "none", "[contact](#contact)"}, true},
+      {{"solver", "map", "", "", "Newton's method", "[the solver](#solver) of equilibria"}},
+      {{"reference", "list of maps, `computed`, or `none`", "", "",
+        "`computed` where nothing shows the material's values",
+        "[values](#reference) that errors are computed against: from elsewhere, or the solid's own limit"}},
+      {{"expect", "list of maps", "", "", "none", "[what must come out](#expectations); exit code 1 if one fails"}},
+      {{"study", "map", "", "", "none", "[what `compare` varies](#study)"}},
+      {{"identify", "map", "", "", "none", "[measured tests](#identification) that `identify` fits the material to"}},
+      {{"steppers", "map", "", "", "none", "[steppers to compare in place of strategies](#steppers)"}}};
+  return keys;
+}
+
 /// What makes the scene's problem, but for its body.
 std::string problem_text(Reader& reader, const Scene& scene) {
   std::string text = scene.statics.linear ? "small" : "large";
-  for (const char* key : {"material", "experiment", "supports", "loads", "rotate", "contact", "initial"})
-    if (const auto value = reader.find(key)) text += std::string("\n") + key + ": " + value->content();
+  for (const TopKey& key : top_keys())
+    if (const auto value = key.of_problem ? reader.find(key.row.name) : std::nullopt)
+      text += "\n" + key.row.name + ": " + value->content();
   if (scene.specimen.body.cell_stiffness.size()) text += "\nbody: " + reader.at("body").content();
   return text;
 }
@@ -488,83 +448,14 @@ std::unique_ptr<Scene> load_scene_on(const SceneSource& source, const Catalog& c
 }
 
 std::vector<KeySection> scene_keys() {
-  return {
-      {"",
-       "Scene",
-       "",
-       {{"title", "text", "", "", "the file's name", "heading of tables and pages"},
-        {"extends", "file beside the scene", "", "", "none",
-         "a scene whose keys count where this one has none; an empty value takes a key away, another `kind` the whole "
-         "map"},
-        {"values", "map of quantities", "", "", "none", "names for [formulas](#formulas): `spacing: = side / 9`"},
-        {"body", "map", "", "", "needed, or `bodies`", "[the body](#body)"},
-        {"bodies", "list of maps", "", "", "none", "[several bodies](#bodies)"},
-        {"ties", "list of maps", "", "", "none", "[joints between bodies](#bodies)"},
-        {"material", "map", "", "", "needed", "[the material](#material)"},
-        {"stiffness", "word, or map", "", "", "needed", "[the strategy](#stiffness) of `run`"},
-        {"strategies", "list, or `all`", "", "", "`stiffness`",
-         "the strategies of `compare`; `all` in the list adds those not named before it, with `+volume` where "
-         "the body's cells and Poisson's ratio allow it"},
-        {"experiment", "map", "", "", "needed", "[the experiment](#experiment)"},
-        {"calibrate", "map", "", "", "the scene's own",
-         "`experiment`: the [experiment](#experiment) at rest in which `calibrated:` rules are calibrated, so that "
-         "what "
-         "the scene measures is a test of them"},
-        {"supports", "list of maps", "", "", "none",
-         "[planes of symmetry, rims and others](#supports) that stay; with experiments at rest"},
-        {"time", "map", "", "", "needed in time", "[duration, steps and frames](#time) of an experiment in time"},
-        {"loads", "list of maps", "", "", "none", "[loads](#loads) besides the experiment's"},
-        {"initial", "map", "", "", "rest", "[where the search or the run begins](#initial-state)"},
-        {"rotate", "rotation", "", "", "none", "turns the whole scene"},
-        {"contact", "map", "", "", "none", "[contact](#contact)"},
-        {"solver", "map", "", "", "Newton's method", "[the solver](#solver) of equilibria"},
-        {"reference", "list of maps, `computed`, or `none`", "", "",
-         "`computed` where nothing shows the material's values",
-         "[values](#reference) that errors are computed against: from elsewhere, or the solid's own limit"},
-        {"expect", "list of maps", "", "", "none", "[what must come out](#expectations); exit code 1 if one fails"},
-        {"study", "map", "", "", "none", "[what `compare` varies](#study)"},
-        {"identify", "map", "", "", "none", "[measured tests](#identification) that `identify` fits the material to"},
-        {"steppers", "map", "", "", "none", "[steppers to compare in place of strategies](#steppers)"}}},
-      {"rotation",
-       "",
-       "A *rotation*:",
-       {{"axis", "direction", "", "", "needed", "axis of the rotation"},
-        {"angle", "angle", "", "", "needed", "angle of the rotation, right-handed"}}}};
-}
-
-std::vector<KeySection> expectation_keys() {
-  return {
-      {"reference",
-       "Reference",
-       "`reference` is `none`, `computed`, one map, or a list of maps and `computed`. An item states a value, or has "
-       "the key "
-       "`computed` alone. A stated value counts before a computed one. Without the key the reference is computed where "
-       "the grips clamp or the body is no prism:",
-       {{"measure", "word", "", "", "needed", "name of a measure; `elastin list` prints all"},
-        {"value", "quantity", "the measure's", "", "needed", "what the measure is"},
-        {"source", "text", "", "", "needed", "where the value comes from"},
-        {"uncertainty", "number", "", "> 0", "none", "relative uncertainty of the value; beyond 5 % it ranks nothing"},
-        {"computed.uncertainty", "number", "", "1e-06 … 0.05", "0.001",
-         "the body's cells are refined until the main measures are known to this"},
-        {"computed.most_cells", "whole", "", "1 … 100000000", "1000000", "no body of more cells is solved"},
-        {"computed.seconds", "quantity", "s", "> 0", "120",
-         "no body is solved that would probably take longer, and one that does is given up"},
-        {"computed.strategy", "word", "", "", "the material's own law",
-         "the law that is refined; by default `neo_hookean` or `curve`, with `+volume` where ν > 0.4, of membranes "
-         "`neo_hookean_membrane` or `curve_membrane`"}}},
-      {"expect",
-       "Expectations",
-       "Each item of `expect` names a measure with its value, or the outcome with which a run must stop:",
-       {{"strategy", "word", "", "", "every one", "name or label of the strategy that it is about"},
-        {"source", "text", "", "", "needed", "where the value comes from"},
-        {"measure", "word", "", "", "needed, or `outcome`", "name of a measure; `elastin list` prints all"},
-        {"value", "quantity", "the measure's", "", "needed with `measure`", "what the measure must be"},
-        {"tolerance", "number", "", "> 0", "this, `absolute` or both", "relative difference that is allowed"},
-        {"absolute", "quantity", "the measure's", "> 0", "0", "difference that is allowed besides `tolerance`"},
-        {"not_reproduced", "text", "", "", "judged", "why the value is printed but not judged"},
-        {"outcome", "`unsuited`, `limit_reached`, `inverted`, `diverged`, `mechanism`", "", "", "needed, or `measure`",
-         "how the run must stop"},
-        {"cause", "text", "", "", "needed with `outcome`", "words that the cause must contain"}}}};
+  std::vector<SceneKey> rows;
+  for (const TopKey& key : top_keys()) rows.push_back(key.row);
+  return {{"", "Scene", "", std::move(rows)},
+          {"rotation",
+           "",
+           "A *rotation*:",
+           {{"axis", "direction", "", "", "needed", "axis of the rotation"},
+            {"angle", "angle", "", "", "needed", "angle of the rotation, right-handed"}}}};
 }
 
 }  // namespace elastin::lab

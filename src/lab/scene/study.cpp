@@ -56,22 +56,61 @@ StudyAxis read_axis(const std::string& text) {
   return axis_of(Reader(std::make_shared<SceneFile>(SceneFile{what, {}, {}}), node, ""));
 }
 
-Study read_study(Reader reader, const std::vector<StrategyChoice>& known) {
-  Study study;
-  if (auto vary = reader.find("vary")) {
-    for (const Reader& item : vary->items()) study.axes.push_back(axis_of(item));
-    vary->located([&] { check_runs(study.axes); });
-  }
-  if (auto repeats = reader.find("repeats")) study.repeats = repeats->whole(1, 1000);
-  if (auto threads = reader.find("threads"))
-    for (const Reader& item : threads->items()) study.threads.push_back(item.whole(1, 4096));
-  if (auto own = reader.find("own_reference")) {
-    study.own_reference = own->text();
-    if (!find_strategy(known, study.own_reference))
-      own->fail("'" + study.own_reference + "' is no strategy of this scene");
-  }
-  reader.finish();
-  return study;
+namespace {
+
+Keys<Study> comparison_keys(const std::vector<StrategyChoice>& known) {
+  return {Key<Study>({"vary", "list of maps", "", "", "none",
+                      "`KEY.PATH: [value, …]`; keys of one item change together, items multiply to at most 1e5 "
+                      "combinations"},
+                     [](const Reader& value, Study& study) {
+                       for (const Reader& item : value.items()) study.axes.push_back(axis_of(item));
+                       value.located([&] { check_runs(study.axes); });
+                     }),
+          key::whole("repeats", &Study::repeats, 1, 1000, "how often everything runs, in turn"),
+          key::wholes("threads", &Study::threads, 1, 4096, "numbers of threads: everything runs with each")
+              .otherwise("the command's"),
+          Key<Study>({"own_reference", "word", "", "", "none",
+                      "a strategy whose own values under refinement are extrapolated to the reference"},
+                     [&known](const Reader& value, Study& study) {
+                       study.own_reference = value.text();
+                       if (!find_strategy(known, study.own_reference))
+                         value.fail("'" + study.own_reference + "' is no strategy of this scene");
+                     })};
+}
+
+Keys<StepperStudy> stepper_study_keys(const elastin::Table<Stepper>& steppers) {
+  using S = StepperStudy;
+  const auto read_schemes = [&steppers](const Reader& value, S& study) {
+    if (value.is_text()) {
+      study.schemes = value.located([&] { return read_steppers(value.text(), steppers); });
+      return;
+    }
+    for (Reader item : value.items()) {
+      item.set_section("time.integrator");
+      TimeOptions options;
+      read_integrator(item, steppers, options);
+      study.schemes.push_back({*options.scheme, options.parameters});
+    }
+    if (study.schemes.empty()) value.fail("names no scheme; write a list of them, or all");
+  };
+  return {Key<S>({"schemes", "`all`, or list of words or maps", "", "", "`all`",
+                  "schemes, each as `time.integrator` has them; what a map gives is not varied"},
+                 read_schemes, [&steppers](S& study, const Frame&) { study.schemes = read_steppers("all", steppers); }),
+          key::wholes("iterations", &S::iterations, 1, 1000,
+                      "sweeps, iterations or solves of each step; Newton's method has 1 and as many as it takes")
+              .otherwise("1, 4, 16, 64")
+              .then([](const Reader& value, const S& study) {
+                if (study.iterations.empty()) value.fail("names no number of iterations");
+              }),
+          key::quantities("steps", &S::steps, dimension::time,
+                          "time steps; the period is that of the loaded shape, by Rayleigh's quotient", kPositive)
+              .otherwise("1/25 and 1/100 of the period")};
+}
+
+}  // namespace
+
+Study read_study(const Reader& reader, const std::vector<StrategyChoice>& known) {
+  return comparison_keys(known).read(reader);
 }
 
 std::vector<std::vector<std::pair<std::string, std::string>>> combinations(const std::vector<StudyAxis>& axes) {
@@ -103,50 +142,15 @@ std::vector<StepperChoice> read_steppers(const std::string& names, const elastin
   return choices;
 }
 
-StepperStudy read_stepper_study(Reader reader, const elastin::Table<Stepper>& steppers) {
-  StepperStudy study;
-  if (const auto schemes = reader.find("schemes"); schemes && !schemes->is_text()) {
-    for (Reader item : schemes->items()) {
-      item.set_section("time.integrator");
-      TimeOptions options;
-      read_integrator(item, steppers, options);
-      study.schemes.push_back({*options.scheme, options.parameters});
-    }
-    if (study.schemes.empty()) schemes->fail("names no scheme; write a list of them, or all");
-  } else {
-    const std::string names = schemes ? schemes->text() : "all";
-    study.schemes = reader.located([&] { return read_steppers(names, steppers); });
-  }
-  if (auto iterations = reader.find("iterations")) {
-    study.iterations.clear();
-    for (const Reader& item : iterations->items()) study.iterations.push_back(item.whole(1, 1000));
-    if (study.iterations.empty()) iterations->fail("names no number of iterations");
-  }
-  if (auto steps = reader.find("steps"))
-    for (const Reader& item : steps->items()) study.steps.push_back(item.quantity(dimension::time, kPositive));
-  reader.finish();
-  return study;
+StepperStudy read_stepper_study(const Reader& reader, const elastin::Table<Stepper>& steppers) {
+  return stepper_study_keys(steppers).read(reader);
 }
 
-std::vector<KeySection> study_keys() {
-  return {{"steppers",
-           "Steppers",
+std::vector<KeySection> study_keys(const Catalog& catalog) {
+  return {{"steppers", "Steppers",
            "What `elastin compare` runs in place of strategies: the scene's own strategy by several schemes.",
-           {{"schemes", "`all`, or list of words or maps", "", "", "`all`",
-             "schemes, each as `time.integrator` has them; what a map gives is not varied"},
-            {"iterations", "list of wholes", "", "1 … 1000", "1, 4, 16, 64",
-             "sweeps, iterations or solves of each step; Newton's method has 1 and as many as it takes"},
-            {"steps", "list of quantities", "s", "> 0", "1/25 and 1/100 of the period",
-             "time steps; the period is that of the loaded shape, by Rayleigh's quotient"}}},
-          {"study",
-           "Study",
-           "",
-           {{"vary", "list of maps", "", "", "none",
-             "`KEY.PATH: [value, …]`; keys of one item change together, items multiply to at most 1e5 combinations"},
-            {"repeats", "whole", "", "1 … 1000", "1", "how often everything runs, in turn"},
-            {"threads", "list of wholes", "", "1 … 4096", "the command's", "repeats everything on so many threads"},
-            {"own_reference", "word", "", "", "none",
-             "a strategy whose own values under refinement are extrapolated to the reference"}}}};
+           stepper_study_keys(catalog.steppers).rows()},
+          {"study", "Study", "", comparison_keys({}).rows()}};
 }
 
 }  // namespace elastin::lab

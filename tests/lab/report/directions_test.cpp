@@ -255,5 +255,5 @@ TEST_CASE("a list for stiffness points to strategies", "[scene]") {
                                                 "lattice]\nexperiment: {kind: material}\n"),
                  built_in_catalog()),
       Contains("scene.yaml:4:12: stiffness: is a list, and names one strategy: a word, or {strategy: NAME, …}; "
-               "several are for `compare`, as strategies: [standard, lattice] beside it or --strategies"));
+               "several are for `compare`, as strategies: [standard, lattice] next to it or --strategies"));
 }
