@@ -118,6 +118,7 @@ class Reader {
 
   /// The molecules of the mesh's set of this name; a scene has that of its one body.
   const std::vector<int>& mesh_set() const;
+  const std::map<std::string, std::vector<int>>& mesh_sets() const { return file_->sets; }
   void set_mesh_sets(std::map<std::string, std::vector<int>> sets) { file_->sets = std::move(sets); }
 
   /// Fails where a body would have more molecules than are allowed, before memory is allocated for them.

@@ -159,18 +159,21 @@ VectorX lumped_mass(const Positions& positions, const Cells<3>& triangles, const
   return mass;
 }
 
-void set_region(Body& body, const Vector3& low, const Vector3& high, double stiffness, double mass) {
+std::size_t set_region(Body& body, const Vector3& low, const Vector3& high, double stiffness, double mass) {
   const Vector3 slack = Vector3::Constant(1e-9 * (high - low).norm());
   const auto inside = [&](const Vector3& position) {
     return ((position - low + slack).array() >= 0).all() && ((high + slack - position).array() >= 0).all();
   };
+  std::size_t count = 0;
   const auto set_those_inside = [&](const auto& members, VectorX& factors) {
     if (factors.size() == 0) factors = VectorX::Ones(static_cast<Eigen::Index>(members.size()));
     for (std::size_t member = 0; member < members.size(); ++member) {
       Vector3 middle = Vector3::Zero();
       for (const int molecule : members[member])
         middle += body.rest.col(molecule) / static_cast<double>(members[member].size());
-      if (inside(middle)) factors[static_cast<Eigen::Index>(member)] = stiffness;
+      if (!inside(middle)) continue;
+      factors[static_cast<Eigen::Index>(member)] = stiffness;
+      ++count;
     }
   };
   set_those_inside(body.connections.ends, body.connection_stiffness);
@@ -186,6 +189,7 @@ void set_region(Body& body, const Vector3& low, const Vector3& high, double stif
   }
   for (int molecule = 0; molecule < body.size(); ++molecule)
     if (inside(body.rest.col(molecule))) body.mass[molecule] *= mass;
+  return count;
 }
 
 double signed_volume(const Positions& positions, const std::array<int, 4>& tetrahedron) {

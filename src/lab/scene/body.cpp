@@ -1,3 +1,5 @@
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
@@ -239,14 +241,34 @@ void choose_order(const Reader& reader, Body& body, VectorX& volumes) {
   volumes.resize(0);
 }
 
-/// Gives what lies between picked molecules alone other stiffness, and these other mass.
-void set_picked_region(Body& body, const std::vector<int>& molecules, double stiffness, double mass) {
+/// A molecule between others is of a set where all of those are: a set's cells are then those that they were.
+void add_between(const Body& body, MoleculeSets& sets) {
+  const std::size_t first = static_cast<std::size_t>(body.size()) - body.between.size();
+  for (auto& [name, members] : sets) {
+    std::vector<char> is_member(static_cast<std::size_t>(body.size()), 0);
+    for (const int member : members) is_member[member] = 1;
+    for (std::size_t i = 0; i < body.between.size(); ++i) {
+      const bool all = std::all_of(body.between[i].begin(), body.between[i].end(),
+                                   [&](const auto& of) { return is_member[of.first] != 0; });
+      if (!all || is_member[first + i]) continue;
+      is_member[first + i] = 1;
+      members.push_back(static_cast<int>(first + i));
+    }
+  }
+}
+
+/// Gives what lies between picked molecules alone other stiffness, and these other mass. Returns how many connections
+/// and cells that are.
+std::size_t set_picked_region(Body& body, const std::vector<int>& molecules, double stiffness, double mass) {
   const auto picked = [&](int molecule) { return std::binary_search(molecules.begin(), molecules.end(), molecule); };
+  std::size_t found = 0;
   const auto set = [&](std::ptrdiff_t count, const auto& molecules_of_member, VectorX& factors) {
     if (factors.size() == 0) factors = VectorX::Ones(count);
     for (std::ptrdiff_t member = 0; member < count; ++member) {
       const auto& corners = molecules_of_member(member);
-      if (std::all_of(corners.begin(), corners.end(), picked)) factors[member] = stiffness;
+      if (!std::all_of(corners.begin(), corners.end(), picked)) continue;
+      factors[member] = stiffness;
+      ++found;
     }
   };
   const auto set_cells = [&](const auto& cells, VectorX& factors) {
@@ -261,10 +283,32 @@ void set_picked_region(Body& body, const std::vector<int>& molecules, double sti
     set(
         block.size(), [&](std::ptrdiff_t cell) { return block.cell(static_cast<int>(cell)); }, block.stiffness);
   for (const int molecule : molecules) body.mass[molecule] *= mass;
+  return found;
+}
+
+/// Cells of which the box has a part but not all: those whose middle lies in it count whole.
+std::size_t cells_cut(const Body& body, const Vector3& low, const Vector3& high) {
+  const double slack = 1e-6 * (high - low).norm();
+  std::size_t count = 0;
+  const auto look = [&](const auto& cell) {
+    bool in = false, out = false;
+    for (const int molecule : cell) {
+      const Vector3 place = body.rest.col(molecule);
+      const double depth = std::min((place - low).minCoeff(), (high - place).minCoeff());
+      in |= depth > slack, out |= depth < -slack;
+    }
+    count += in && out;
+  };
+  if (!has_blocks(body, 3)) std::for_each(body.tetrahedra.begin(), body.tetrahedra.end(), look);
+  if (!has_blocks(body, 2) && body.tetrahedra.empty())
+    std::for_each(body.triangles.begin(), body.triangles.end(), look);
+  for (const CellBlock& block : body.blocks)
+    for (int cell = 0; cell < block.size(); ++cell) look(block.cell(cell));
+  return count;
 }
 
 /// {from: [x, y, z], to: [x, y, z], stiffness: 1e6, mass: 10}, or {molecules: …, stiffness: 1e6}
-void read_region(Reader reader, Body& body) {
+void read_region(Reader reader, Body& body, std::vector<std::string>& notes) {
   const auto molecules = reader.find("molecules");
   if (molecules) {
     std::vector<int> picked = read_molecules(*molecules, body, Matrix3::Identity());
@@ -274,7 +318,9 @@ void read_region(Reader reader, Body& body) {
     const auto factor = [](const std::optional<Reader>& value) {
       return value ? value->quantity(dimension::none, {1e-12, 1e12, false}) : 1;
     };
-    return set_picked_region(body, picked, factor(stiffness), factor(mass));
+    if (set_picked_region(body, picked, factor(stiffness), factor(mass)) == 0 && stiffness)
+      reader.fail("no cell and no connection has all its molecules among these, so that none gets this stiffness");
+    return;
   }
   const Reader to = reader.at("to");
   const Vector3 low = reader.at("from").vector(dimension::length), high = to.vector(dimension::length);
@@ -285,7 +331,19 @@ void read_region(Reader reader, Body& body) {
   const double stiffness = factor("stiffness"), mass = factor("mass");
   reader.finish();
   if (!((high - low).array() >= 0).all()) to.fail("must not lie below `from` in any direction");
-  set_region(body, low, high, stiffness, mass);
+  const Vector3 least = body.rest.rowwise().minCoeff(), most = body.rest.rowwise().maxCoeff();
+  const double slack = 1e-9 * (high - low).norm();
+  const bool has_molecules = (((body.rest.colwise() - low).array() >= -slack).colwise().all() &&
+                              ((-body.rest).colwise() + high).array().colwise().minCoeff() >= -slack)
+                                 .any();
+  if (set_region(body, low, high, stiffness, mass) == 0 && (stiffness != 1 || !has_molecules))
+    reader.fail(
+        fmt::format("no cell and no connection has its middle in this box; the body reaches from [{:.6g}, "
+                    "{:.6g}, {:.6g}] mm to [{:.6g}, {:.6g}, {:.6g}] mm",
+                    1e3 * least.x(), 1e3 * least.y(), 1e3 * least.z(), 1e3 * most.x(), 1e3 * most.y(), 1e3 * most.z()));
+  if (const std::size_t cut = cells_cut(body, low, high); cut > 0)
+    notes.push_back(reader.path() + ": the box has a part of " + counted(static_cast<std::ptrdiff_t>(cut), "cell") +
+                    "; those whose middle lies in it count whole");
 }
 
 /// lines: {to: [0, 0, -6 m], stiffness: 20 kN, mass: 20 kg}, from: ends | rim.
@@ -348,7 +406,13 @@ Body read_body(Reader reader, const Material& material, Remarks remarks,
   if (auto grading = reader.find("grade"))
     for (const Reader& along : grading->is_map() ? std::vector{*grading} : grading->items()) read_grade(along, body);
   if (auto cells = reader.find("cells")) read_cells(*cells, body, remarks.warnings);
-  if (order) choose_order(*order, body, volumes);
+  if (order) {
+    choose_order(*order, body, volumes);
+    MoleculeSets sets = reader.mesh_sets();
+    add_between(body, sets);
+    if (remarks.sets) *remarks.sets = sets;
+    reader.set_mesh_sets(std::move(sets));
+  }
   const auto radius = reader.find("radius"), regions = reader.find("regions"), lines = reader.find("lines");
   reader.finish();
   const std::optional<double> given =
@@ -360,7 +424,7 @@ Body read_body(Reader reader, const Material& material, Remarks remarks,
   if (volumes.size()) body.mass = material.density * volumes;
   if (regions && (material.curve || material.fibre)) regions->fail("regions need a material without curve or fibre");
   if (regions)
-    for (const Reader& item : regions->items()) read_region(item, body);
+    for (const Reader& item : regions->items()) read_region(item, body, remarks.notes);
   if (lines) read_lines(*lines, body);
   return body;
 }

@@ -121,6 +121,46 @@ TEST_CASE("sets of a mesh file pick their molecules", "[scene][pick]") {
   CHECK_THROWS_WITH(loaded("TIP"), Contains("the mesh has no set 'TIP'; did you mean 'TOP'?"));
 }
 
+TEST_CASE("a region is the same on cells of second order, and one that catches nothing is an error", "[scene][pick]") {
+  const TemporaryFolder folder;
+  std::string nodes, cells, upper = "*NSET, NSET=UPPER\n";
+  for (int level = 0; level <= 4; ++level)
+    for (int corner = 0; corner < 4; ++corner) {
+      const int number = 4 * level + corner + 1;
+      nodes += std::to_string(number) + ", " + (corner == 1 || corner == 2 ? "1" : "0") + ", " +
+               (corner >= 2 ? "1" : "0") + ", " + std::to_string(level) + "\n";
+      if (level >= 2) upper += std::to_string(number) + ",\n";
+    }
+  for (int cell = 0; cell < 4; ++cell) {
+    cells += std::to_string(cell + 1);
+    for (int corner = 0; corner < 8; ++corner) cells += ", " + std::to_string(4 * cell + corner + 1);
+    cells += "\n";
+  }
+  folder.write("bar.inp", "*NODE\n" + nodes + "*ELEMENT, TYPE=C3D8\n" + cells + upper);
+  const auto scene_with = [&](const std::string& region, int order) {
+    return load_scene(folder.write("bar.yaml", "body: {mesh: {file: bar.inp, length_unit: mm, order: " +
+                                                   std::to_string(order) + "}, regions: [{" + region +
+                                                   "}]}\nmaterial: {youngs_modulus: 10 kPa}\n"
+                                                   "stiffness: neo_hookean\nexperiment: {kind: vibration}\n"),
+                      built_in_catalog());
+  };
+  const std::string set = "molecules: {set: UPPER}, stiffness: 7";
+  for (const int order : {1, 2}) {
+    const auto scene = scene_with(set, order);
+    REQUIRE(scene->specimen.body.blocks.size() == 1);
+    CHECK(scene->specimen.body.blocks.front().stiffness == VectorX(Eigen::Vector4d(1, 1, 7, 7)));
+    CHECK(scene_with("from: [0, 0, 2 mm], to: [1 mm, 1 mm, 4 mm], stiffness: 7", order)->notes.empty());
+    CHECK_THAT(scene_with("from: [0, 0, 1.6 mm], to: [1 mm, 1 mm, 4 mm], stiffness: 7", order)->notes.front(),
+               Contains("the box has a part of 1 cell; those whose middle lies in it count whole"));
+    CHECK_THROWS_WITH(scene_with("from: [0, 0, 5 mm], to: [1 mm, 1 mm, 6 mm], stiffness: 7", order),
+                      Contains("body.regions[0]") && Contains("no cell and no connection has its middle in this box"));
+    CHECK_THROWS_WITH(scene_with("molecules: [0, 19], stiffness: 7", order),
+                      Contains("no cell and no connection has all its molecules among these"));
+    CHECK_NOTHROW(scene_with("molecules: [0], mass: 7", order));
+    CHECK_NOTHROW(scene_with("from: [0, 0, 4 mm], to: [0, 0, 4 mm], mass: 7", order));
+  }
+}
+
 TEST_CASE("each of several bodies has sides and sets of its own", "[scene][pick]") {
   const TemporaryFolder folder;
   const auto cell = [](const std::string& base) {

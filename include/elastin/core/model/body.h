@@ -136,7 +136,8 @@ Body without_cell_sides(const Body& body);
 
 /// Makes what lies in a box (its faces included) `stiffness` times as stiff as the material, and its molecules `mass`
 /// times as heavy: connections and cells by their middles. Of boxes that overlap the last counts.
-void set_region(Body& body, const Vector3& low, const Vector3& high, double stiffness, double mass);
+/// Returns how many connections and cells it has made so.
+std::size_t set_region(Body& body, const Vector3& low, const Vector3& high, double stiffness, double mass);
 
 /// Lumped masses [kg]: a quarter of each tetrahedron's mass, a third of each triangle's (thickness t [m]) to its
 /// molecules.
