@@ -309,7 +309,7 @@ void add_bodies(py::module_& module) {
           "positions (n, 3) [m]; connections (m, 2), numbers of molecules, by default the sides of the cells; "
           "triangles (k, 3); tetrahedra (k, 4); cells of other shapes by name, {'hexahedron8': (k, 8), …}, nodes as in "
           "VTK; rest_lengths (m,) [m], by default the distances; masses (n,) [kg], by "
-          "default from density [kg/m^3] and the cells (triangles: thickness [m]) or the bounding box; radii (n,) [m], "
+          "default from density [kg/m^3] and the cells (triangles: thickness [m]) or the convex hull; radii (n,) [m], "
           "by default half the shortest connection. Arrays are copied.")
       .def_property_readonly("positions", part_of_body([](const Body& b) -> auto& { return b.rest; }),
                              "Positions at rest [m], (n, 3).")

@@ -64,7 +64,7 @@ typedef struct elastin_body elastin_body;
 typedef struct elastin_arrays {
   size_t size;                /* sizeof(elastin_arrays) */
   const double* positions;    /* [m], at rest, 3 * molecules */
-  const double* masses;       /* [kg] > 0, one a molecule; null: from `density` and the cells or the bounding box */
+  const double* masses;       /* [kg] > 0, one a molecule; null: from `density` and the cells or the convex hull */
   const double* radii;        /* [m] > 0, one a molecule; null: half the shortest connection */
   const int* connections;     /* pairs of molecules; null: the edges of the cells */
   const double* rest_lengths; /* [m] > 0, one a connection; null: the distances */

@@ -6,6 +6,7 @@
 #include <limits>
 #include <string>
 
+#include "core/geometry/hull_volume.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/base/text.h"
 #include "elastin/core/model/share.h"
@@ -143,9 +144,13 @@ void set_matter(Body& body, double density, double thickness, std::optional<doub
     throw InputError("give a radius: there is no connection of which to take half the length");
   const double r = radius.value_or(shortest / 2);
   const auto [low, high] = outline_of_whole(body);
-  const Vector3 size = high - low;
-  const double volume =
-      size.prod() > 0 ? size.prod() : static_cast<double>(molecules_of_whole(body)) * std::pow(2 * r, 3);
+  double volume = (high - low).prod();
+  const bool bare = body.triangles.empty() && body.tetrahedra.empty() && body.blocks.empty();
+  if (bare && !body.share) {  // shares are made of lattices along the axes alone, which fill their outline
+    const double hull = hull_volume(body.rest);
+    if (!(std::abs(hull - volume) <= 1e-9 * volume)) volume = hull;
+  }
+  if (!(volume > 0)) volume = static_cast<double>(molecules_of_whole(body)) * std::pow(2 * r, 3);
   set_matter(body, r, density, thickness, volume);
 }
 
