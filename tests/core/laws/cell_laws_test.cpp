@@ -266,3 +266,20 @@ TEST_CASE("cell laws say what they can't do", "[cell_law]") {
     CHECK_THROWS_AS(StVenantKirchhoffSolid{}.constants(cell, material_of(1, nu)), InputError);
   }
 }
+
+TEST_CASE("the stress of neo_hookean has all its digits near rest", "[law]") {
+  const NeoHookean::Solid law{3e5, 1e4};
+  Matrix3 A;
+  A << 3, 1, -2, 1, -4, 0.5, -2, 0.5, 2;
+  const Matrix3 linear = law.lambda / 2 * A.trace() * Matrix3::Identity() + law.mu * A;
+  for (const double size : {1e-6, 1e-9, 1e-12}) {
+    const Matrix3 stress = law.stress(size * A) / size;
+    CHECK((stress - linear).norm() < 30 * size * linear.norm() + 1e-14 * linear.norm());
+    CHECK(stress == stress.transpose());
+  }
+  // Far from rest the two forms are one.
+  const Matrix3 C = Matrix3::Identity() + 0.1 * A, inverse = C.inverse();
+  const double J = std::sqrt(C.determinant());
+  const Matrix3 stress = law.lambda * J * (J - 1) * inverse + law.mu * (Matrix3::Identity() - inverse);
+  CHECK((law.stress(0.1 * A) - stress).norm() < 1e-12 * stress.norm());
+}

@@ -1,5 +1,6 @@
 #pragma once
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "core/laws/membranes/neo_hookean_membrane.h"
@@ -7,6 +8,7 @@
 #include "elastin/core/laws/cell_kernel.h"
 #include "elastin/core/laws/local.h"
 #include "elastin/core/laws/moduli.h"
+#include "elastin/core/laws/volumetric.h"
 #include "elastin/core/shapes/simplices.h"
 
 namespace elastin {
@@ -28,16 +30,22 @@ struct NeoHookean {
   struct Solid {
     double lambda, mu;  ///< [Pa]
 
+    /// Written in A: near rest μ I and μ C⁻¹ are nearly equal and far above their difference, which is
+    /// I − C⁻¹ = ((det C − 1 − tr A) I + A − adj A) / det C.
     Matrix3 stress(const Matrix3& A) const {
-      const auto [G, J] = present(A);
-      return (lambda * J * (J - 1) - mu) * G + mu * Matrix3::Identity();
+      const Dilatation now(A);
+      const double beyond_trace =
+          now.flat ? now.excess - A.trace() : now.adjugate.trace() + A.col(0).dot(now.adjugate.col(0));
+      const Matrix3 shear = A - now.adjugate + beyond_trace * Matrix3::Identity();
+      return mu / (1 + now.excess) * shear + lambda * now.J() * now.swelling() * now.inverse;
     }
 
     /// ∂S_ij/∂C_kl = ½ λ J (2J − 1) G_ij G_kl − ½ g (G_ik G_jl + G_il G_jk), G = C⁻¹, g = λ J (J − 1) − μ.
     TangentModuli<3> tangent(const Matrix3& A) const {
       static constexpr std::array<std::array<int, 2>, 6> components{{{0, 0}, {1, 1}, {2, 2}, {0, 1}, {0, 2}, {1, 2}}};
-      const auto [G, J] = present(A);
-      const double g = lambda * J * (J - 1) - mu, bulk = lambda * J * (2 * J - 1);
+      const Dilatation now(A);
+      const Matrix3& G = now.inverse;
+      const double J = now.J(), g = lambda * J * now.swelling() - mu, bulk = lambda * J * (2 * J - 1);
       TangentModuli<3> result;
       for (int row = 0; row < 6; ++row)
         for (int column = 0; column <= row; ++column) {
@@ -56,21 +64,6 @@ struct NeoHookean {
       if (!(1 + D > kFlat)) return std::numeric_limits<double>::infinity();
       const double swelling = D / (1 + std::sqrt(1 + D));  // J − 1
       return (mu * (trace - std::log1p(D)) + lambda * swelling * swelling) / 2;
-    }
-
-   private:
-    struct Present {
-      Matrix3 G;  ///< C⁻¹
-      double J;   ///< ≥ 1e-7
-    };
-    static Present present(const Matrix3& A) {
-      const Matrix3 C = Matrix3::Identity() + A;
-      Matrix3 adjugate;
-      adjugate.col(0) = C.col(1).cross(C.col(2));
-      adjugate.col(1) = C.col(2).cross(C.col(0));
-      adjugate.col(2) = C.col(0).cross(C.col(1));
-      const double det_C = std::max(C.col(0).dot(adjugate.col(0)), kFlat);
-      return {adjugate / det_C, std::sqrt(det_C)};
     }
   };
 
