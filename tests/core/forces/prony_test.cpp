@@ -67,6 +67,31 @@ TEST_CASE("a relaxing spring in a ramp of its force density and after it", "[pro
   }
 }
 
+TEST_CASE("what a relaxing spring has stored, and what it has taken", "[prony][energy]") {
+  Pair pair(kTwoTerms);
+  double work = 0, density = 0, square = 1, dissipated = 0;
+  const auto go = [&](double until, int steps, const auto& length) {
+    for (double from = pair.state.time, i = 1; i <= steps; ++i) {
+      const double time = from + (until - from) * i / steps, l = length(time);
+      pair.step(time, l);
+      work += (density + pair.force_density()) / 2 * (l * l - square) / 2;
+      density = pair.force_density(), square = l * l;
+      const double now = work - pair.model->stored_energy(pair.state.positions);
+      CHECK(now > dissipated - 1e-3 * work);
+      dissipated = now;
+    }
+  };
+  const double elastic = 100 * 0.05 * 0.05 / 2;
+  go(0.001, 500, [](double t) { return 1 + 50 * t; });  // at once
+  CHECK(pair.model->stored_energy(pair.state.positions) == Approx(1.8 * elastic).epsilon(5e-3));
+  CHECK(work == Approx(1.8 * elastic).epsilon(5e-3));
+  go(60, 3000, [](double) { return 1.05; });  // and held
+  CHECK(pair.model->stored_energy(pair.state.positions) == Approx(elastic).epsilon(1e-6));
+  CHECK(dissipated == Approx(0.8 * elastic).epsilon(0.01));
+  go(64, 2000, [](double t) { return 1 + 0.05 * std::cos(3 * (t - 60)); });
+  CHECK(dissipated > 2 * elastic);
+}
+
 TEST_CASE("where the strain is not linear in time relaxation is of order 2", "[prony]") {
   // qᵉ = 10 sin t; exactly: the integral of G(t − s) 10 cos s.
   const double end = 2;
