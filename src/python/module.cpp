@@ -16,8 +16,7 @@ std::string missing_measure(const std::string& name, const std::vector<std::stri
 
 std::vector<std::tuple<std::string, std::string, std::string>> measures() {
   std::vector<std::tuple<std::string, std::string, std::string>> list;
-  for (const MeasureInfo& info : measure_list())
-    list.emplace_back(std::string(info.name), info.unit_text(), std::string(info.text));
+  for (const MeasureInfo& info : built_in_measures()) list.emplace_back(info.name, info.unit_text(), info.text);
   return list;
 }
 

@@ -83,7 +83,9 @@ SpringsAndVolume fitted(const Strategy& rule, const Body& body, const Material& 
 }  // namespace
 
 Strategy calibrated(const Strategy& rule) {
-  const std::string name = "calibrated:" + rule.name;
+  StrategyName parsed(rule.name);
+  parsed.calibrated = true;
+  const std::string name = parsed.text();
   if (rule.calibrates) throw InputError("'" + name + "': the rule is calibrated already");
   if (rule.has_history) throw InputError("'" + name + "': write prony:calibrated:RULE or mullins:calibrated:RULE");
   if (rule.kind != StrategyKind::spring_rule)

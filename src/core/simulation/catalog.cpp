@@ -106,6 +106,13 @@ Material shear_material(Material material) {
   return material;
 }
 
+/// The strategy's name with one more property.
+std::string renamed(const Strategy& strategy, bool StrategyName::*property) {
+  StrategyName name(strategy.name);
+  name.*property = true;
+  return name.text();
+}
+
 }  // namespace
 
 Strategy with_volume(const Strategy& strategy) {
@@ -117,7 +124,7 @@ Strategy with_volume(const Strategy& strategy) {
     throw InputError("'" + strategy.name +
                      "': a volume term goes with a spring rule, neo_hookean or a law with a bulk_modulus");
   Strategy result = strategy;
-  result.name += "+volume";
+  result.name = renamed(strategy, &StrategyName::volume);
   result.summary += "; with a volume term";
   result.make_without_volume = nullptr;
   result.volume_modulus = [springs](const Material& material) { return volume_modulus(material, springs); };
@@ -154,10 +161,10 @@ Strategy with_volume(const Strategy& strategy) {
 
 namespace {
 
-/// What wraps a strategy's elasticity, and so knows neither its constants nor its terms.
-Strategy wrapped(const char* prefix, const Strategy& strategy) {
+/// A wrapper of a strategy's elasticity, without the strategy's constants and terms.
+Strategy wrapped(bool StrategyName::*property, const Strategy& strategy) {
   Strategy result = strategy;
-  result.name = prefix + strategy.name;
+  result.name = renamed(strategy, property);
   result.constants = nullptr, result.constants_at = nullptr, result.calibrates = nullptr;
   result.make_without_volume = nullptr, result.make_without_compression = nullptr, result.make_mixed = nullptr;
   result.has_history = true;
@@ -168,7 +175,7 @@ Strategy wrapped(const char* prefix, const Strategy& strategy) {
 
 Strategy with_relaxation(const Strategy& strategy) {
   if (strategy.relaxes) throw InputError("'" + strategy.name + "' relaxes already");
-  Strategy result = wrapped("prony:", strategy);
+  Strategy result = wrapped(&StrategyName::relaxed, strategy);
   result.summary += "; its stress relaxes";
   result.relaxes = true;
   result.unsuited_material = [strategy](const Material& material) {
@@ -187,7 +194,7 @@ Strategy with_softening(const Strategy& strategy) {
   if (strategy.has_history) throw InputError("'" + strategy.name + "' softens already");
   if (strategy.kind == StrategyKind::updated_spring_rule)
     throw InputError("'mullins:" + strategy.name + "': softening goes by the energy of a law, and this one has none");
-  Strategy result = wrapped("mullins:", strategy);
+  Strategy result = wrapped(&StrategyName::softened, strategy);
   result.summary += "; softer where it has been strained before";
   result.unsuited_material = [strategy](const Material& material) {
     if (!material.softening) return std::string("needs `softening` in the material");
@@ -205,13 +212,13 @@ Strategy with_softening(const Strategy& strategy) {
 }
 
 Strategy with_wrinkling(const Strategy& strategy) {
-  if (strategy.name.ends_with("+wrinkling")) throw InputError("'" + strategy.name + "' drops compression already");
+  if (StrategyName(strategy.name).wrinkling) throw InputError("'" + strategy.name + "' drops compression already");
   if (!strategy.make_without_compression)
     throw InputError("'" + strategy.name +
                      "': compression can be dropped from st_venant_kirchhoff_membrane, hencky_energy_membrane, "
                      "neo_hookean_membrane and curve_membrane");
   Strategy result = strategy;
-  result.name += "+wrinkling";
+  result.name = renamed(strategy, &StrategyName::wrinkling);
   result.summary += "; without compression";
   result.make = strategy.make_without_compression;
   result.make_without_compression = nullptr;
@@ -264,32 +271,34 @@ void Catalog::add(Strategy strategy) {
   strategies_.push_back(std::move(strategy));
 }
 
-Strategy Catalog::find(const std::string& name) const {
-  const std::string prefix = "calibrated:", relaxing = "prony:", softening = "mullins:", volume = "+volume",
-                    wrinkling = "+wrinkling";
+Strategy Catalog::find(const std::string& name) const { return named(name) ? *named(name) : find(StrategyName(name)); }
+
+Strategy Catalog::find(const StrategyName& name) const {
+  const Strategy* const rule = named(name.rule);
+  if (!rule) refuse(name);
+  Strategy strategy = *rule;
+  if (name.volume) strategy = with_volume(strategy);
+  if (name.wrinkling) strategy = with_wrinkling(strategy);
+  if (name.calibrated) strategy = calibrated(strategy);
+  if (name.softened) strategy = with_softening(strategy);
+  return name.relaxed ? with_relaxation(strategy) : strategy;
+}
+
+const Strategy* Catalog::named(const std::string& name) const {
   for (const Strategy& strategy : strategies_)
-    if (strategy.name == name && strategy.kind != StrategyKind::wrapper) return strategy;
-  if (name == "calibrated") return find(prefix + "standard");
-  if (name.starts_with(relaxing)) return with_relaxation(find(name.substr(relaxing.size())));
-  if (name.starts_with(softening)) return with_softening(find(name.substr(softening.size())));
-  if (name.starts_with(prefix)) return calibrated(find(name.substr(prefix.size())));
-  if (name.ends_with(volume)) return with_volume(find(name.substr(0, name.size() - volume.size())));
-  if (name.ends_with(wrinkling)) return with_wrinkling(find(name.substr(0, name.size() - wrinkling.size())));
-  if (const auto plus = name.find('+'); plus != std::string::npos) {
-    const std::string ending = name.substr(plus);
-    throw InputError("'" + name + "': unknown ending '" + ending + "'" + suggestion(ending, {volume, wrinkling}));
-  }
-  if (const auto colon = name.find(':'); colon != std::string::npos) {
-    const std::string beginning = name.substr(0, colon + 1);
-    throw InputError("'" + name + "': unknown beginning '" + beginning + "'" +
-                     suggestion(beginning, {prefix, relaxing, softening}));
-  }
-  if (std::any_of(strategies_.begin(), strategies_.end(), [&](const Strategy& other) { return other.name == name; }))
-    throw InputError("'" + name + "' goes with a " +
-                     (name == "wrinkling"                    ? "membrane law: hencky_energy_membrane+wrinkling"
-                      : name == "prony" || name == "mullins" ? "strategy: " + name + ":lattice"
-                                                             : "rule: lattice+" + name));
-  throw InputError("unknown strategy '" + name + "'" + suggestion(name, names()));
+    if (strategy.name == name && strategy.kind != StrategyKind::wrapper) return &strategy;
+  return nullptr;
+}
+
+void Catalog::refuse(const StrategyName& name) const {
+  name.check();
+  const std::string& rule = name.rule;
+  if (std::any_of(strategies_.begin(), strategies_.end(), [&](const Strategy& other) { return other.name == rule; }))
+    throw InputError("'" + rule + "' goes with a " +
+                     (rule == "wrinkling"                    ? "membrane law: hencky_energy_membrane+wrinkling"
+                      : rule == "prony" || rule == "mullins" ? "strategy: " + rule + ":lattice"
+                                                             : "rule: lattice+" + rule));
+  throw InputError("unknown strategy '" + rule + "'" + suggestion(rule, names()));
 }
 
 std::vector<std::string> Catalog::names() const {

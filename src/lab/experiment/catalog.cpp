@@ -6,6 +6,7 @@
 #include "elastin/core/base/error.h"
 #include "lab/experiment/fixture.h"
 #include "lab/experiment/read_experiment.h"
+#include "lab/run/common_measures.h"
 #include "lab/run/config_names.h"
 
 namespace elastin::lab {
@@ -65,6 +66,19 @@ ExperimentCatalog built_in_experiments() {
   for (const auto& row : kRows) catalog.add(row());
   return catalog;
 }
+
+MeasureList measures_of(const ExperimentCatalog& catalog) {
+  MeasureList all;
+  for (const ExperimentInfo& info : catalog.experiments()) all.add(info.measures);
+  return all.add(common_measures());
+}
+
+const MeasureList& built_in_measures() {
+  static const MeasureList all = measures_of(built_in_experiments());
+  return all;
+}
+
+const MeasureInfo& find_measure(const std::string& name) { return built_in_measures().at(name); }
 
 std::unique_ptr<Experiment> read_experiment(Reader reader, const ExperimentContext& context) {
   reader.set_section("experiment");

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "elastin/core/base/text.h"
+#include "elastin/core/simulation/strategy_name.h"
 
 namespace elastin::lab {
 namespace {
@@ -127,8 +128,7 @@ StaticProblem problem_of(const Scene& scene) {
   problem.scene = &scene;
   problem.cells = cells_of(scene.specimen.body);
   problem.materials = materials_of(scene.specimen);
-  const std::string& name = scene.stiffness.strategy.name;
-  problem.law = name.substr(0, name.find('+'));
+  problem.law = StrategyName(scene.stiffness.strategy.name).rule;
   problem.whole_cell = static_cast<bool>(scene.stiffness.strategy.volume_modulus);
   problem.small = scene.statics.linear;
   Reading(scene, problem);

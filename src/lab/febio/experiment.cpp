@@ -25,6 +25,7 @@ class Experiment final : public StaticExperiment {
   }
 
   std::string name() const override { return "febio"; }
+  MeasureList measures() const override { return {}; }
   std::unique_ptr<StaticRig> make_rig(Model& model) const override;
   int load_steps() const override { return increments_; }
   std::vector<MainMeasure> main_measures(const elastin::Material&, const Measures&) const override {

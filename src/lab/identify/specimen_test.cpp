@@ -192,13 +192,12 @@ class SpecimenTest final : public MeasuredTest {
     const auto& tried = trial.material.law;
     if (!tried || choice_.strategy.kind != StrategyKind::cell_law || (own_.law && own_.law->law == tried->law))
       return choice_;
-    std::string label = choice_.label;
-    const std::string own = label.substr(0, label.find('+'));
-    label.replace(0, own.size(), tried->law + (own.ends_with("_membrane") ? "_membrane" : ""));
-    StrategyChoice choice = choose_strategy(*scene_, catalog_, label);
-    if (choice.strategy.volume_modulus && !choice.strategy.unsuited(scene_->specimen.body).empty())
-      return choose_strategy(*scene_, catalog_, label.substr(0, label.find('+')));
-    return choice;
+    StrategyName name = choice_.name;
+    name.rule = StrategyName::of_law(tried->law, choice_.strategy.dimensions).rule;
+    StrategyChoice choice = choose_strategy(*scene_, catalog_, name.text());
+    if (!choice.strategy.volume_modulus || choice.strategy.unsuited(scene_->specimen.body).empty()) return choice;
+    name.volume = false;
+    return choose_strategy(*scene_, catalog_, name.text());
   }
 
   /// The specimen with what is tried in the place of its own; contact that follows from the modulus follows it.

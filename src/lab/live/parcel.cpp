@@ -28,7 +28,7 @@ void add_strategies(const Scene& scene, const Catalog& catalog, Parcel& parcel) 
   const std::vector<StrategyChoice> all = all_strategies(catalog, scene.specimen);
   choices.insert(choices.end(), all.begin(), all.end());
   for (const StrategyChoice& choice : choices)
-    if (!choice.calibrated) add_strategy(scene, choice, parcel);
+    if (!choice.name.calibrated) add_strategy(scene, choice, parcel);
   if (parcel.strategies.empty())
     throw InputError(scene.source.path() +
                      ": no strategy suits this body but calibrated ones, which a page cannot make");

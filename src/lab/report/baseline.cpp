@@ -64,7 +64,7 @@ Table change_table(const std::vector<Record>& records, const std::vector<Record>
     if (!then) continue;
     const double before = then->least_seconds(), seconds = record.least_seconds();
     for (const auto& [name, prescribed] : record.main_measures) {
-      const MeasureInfo& info = find_measure(std::string(name));
+      const MeasureInfo& info = record.measure(name);
       const double was = then->run.measures.get(info.name), is = record.run.measures.get(info.name);
       if (!std::isfinite(was) && !std::isfinite(is) && outcome_change(*then, record).empty()) continue;
       const double change = was == is ? 0 : (is - was) / std::abs(was);

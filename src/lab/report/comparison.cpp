@@ -22,12 +22,12 @@ std::vector<MeasureColumns> columns_of(const std::vector<Record>& records) {
   const bool failed = !any(solved);
   std::vector<MeasureColumns> columns;
   for (const auto& [name, prescribed] : records.front().main_measures) {
-    const MeasureInfo& info = find_measure(std::string(name));
-    const std::string to_reference = std::string(name) + "_to_reference";
+    const MeasureInfo& info = records.front().measure(name);
+    const std::string to_reference = name + "_to_reference";
     if (!failed && !any([&](const Record& r) { return std::isfinite(r.run.measures.get(info.name)); })) continue;
     const bool error = std::isfinite(prescribed) && info.unit != dimension::none;
     const bool reference = any([&](const Record& r) { return std::isfinite(r.error(to_reference)); });
-    const bool apparent = name == "effective_modulus" && any([](const Record& r) { return r.apparent; });
+    const bool apparent = info.role == MeasureRole::youngs_modulus && any([](const Record& r) { return r.apparent; });
     columns.push_back({info, columns.empty() || !error || reference, error, reference, apparent});
   }
   return columns;
@@ -51,7 +51,7 @@ std::vector<TableCell> comparison_row(const Record& record, const std::vector<Me
   for (const auto& [info, value, with_error, reference, apparent] : columns) {
     const std::string shown = row.size() > 1 || solved(record) ? value_text(run.measures.get(info.name), info) : "—";
     if (value) row.push_back(number_cell(shown, run.measures.get(info.name)));
-    const double error = record.error(info.name), off = record.error(std::string(info.name) + "_to_reference");
+    const double error = record.error(info.name), off = record.error(info.name + "_to_reference");
     if (reference) row.push_back(number_cell(percent(off), std::abs(off), tone_of_error(off)));
     if (with_error)
       row.push_back(number_cell(percent(error), std::abs(error), reference ? Tone::faint : tone_of_error(error)));
@@ -123,11 +123,11 @@ Table comparison_table(const std::vector<Record>& records, const Ranking& rankin
 }
 
 Table verdicts_table(const std::vector<Record>& records) {
-  std::vector<const Verdict*> verdicts;
+  std::vector<std::pair<const Record*, const Verdict*>> verdicts;
   for (const Record& record : records)
-    for (const Verdict& verdict : record.verdicts) verdicts.push_back(&verdict);
+    for (const Verdict& verdict : record.verdicts) verdicts.emplace_back(&record, &verdict);
   Table table({"strategy", "measure", "expected", "measured", "difference", "", "source"});
-  for (const Verdict* verdict : verdicts) {
+  for (const auto& [record, verdict] : verdicts) {
     if (!verdict->expectation.outcome.empty()) {
       table.add({{verdict->strategy},
                  {"outcome"},
@@ -138,7 +138,7 @@ Table verdicts_table(const std::vector<Record>& records) {
                  {verdict->expectation.source, Tone::faint}});
       continue;
     }
-    const MeasureInfo& info = find_measure(verdict->expectation.measure);
+    const MeasureInfo& info = record->measure(verdict->expectation.measure);
     const bool missing = !std::isfinite(verdict->measured);
     const Tone tone = !verdict->judged ? Tone::faint : verdict->passed ? Tone::good : Tone::bad;
     table.add({{verdict->strategy},
@@ -167,7 +167,7 @@ std::string directions_text(const Ranking& ranking) {
   for (const Record* record : ranking.tied)
     if (const std::string of_tied = record->directions ? direction_text(*record->directions) : said; of_tied != said)
       text += "; of " + record->run.strategy + ": " + of_tied;
-  const double strain = std::abs(best.run.measures.get("strain"));
+  const double strain = std::abs(best.run.measures.get(best.measure(MeasureRole::strain)));
   if (std::isfinite(strain)) text += "; nothing was run beyond a strain of " + percent(strain).substr(1);
   return text;
 }
@@ -180,8 +180,8 @@ namespace {
 std::string errors_text(const Ranking& ranking, const Record& record) {
   std::string text;
   for (const std::string& name : ranking.measures)
-    text +=
-        (text.empty() ? "" : ", ") + find_measure(name).label() + " " + percent(record.error(ranking.error_name(name)));
+    text += (text.empty() ? "" : ", ") + record.measure(name).label() + " " +
+            percent(record.error(ranking.error_name(name)));
   return text;
 }
 
@@ -200,10 +200,10 @@ std::string advice_text(const Ranking& ranking, bool colours) {
   if (!ranking.no_reference.empty()) return "\n  no reference: " + ranking.no_reference + "\n";
   if (!best) return "\n  no recommendation: each strategy failed or has a warning" + warned_text(ranking) + "\n";
   std::string found = errors_text(ranking, *best), goal;
-  for (const std::string& name : ranking.measures) goal += (goal.empty() ? "" : ", ") + find_measure(name).label();
+  for (const std::string& name : ranking.measures) goal += (goal.empty() ? "" : ", ") + best->measure(name).label();
   if (ranking.by_reference) found += " to the reference";
   for (const auto& [name, prescribed] : best->main_measures) {
-    const MeasureInfo& info = find_measure(std::string(name));
+    const MeasureInfo& info = best->measure(name);
     const double value = best->run.measures.get(name);
     const bool modulus = info.unit != dimension::none;
     const bool told = std::find(ranking.measures.begin(), ranking.measures.end(), name) != ranking.measures.end();

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "elastin/core/simulation/strategy_name.h"
 #include "lab/format/csv.h"
 #include "lab/report/comparison.h"
 #include "lab/report/study.h"
@@ -29,22 +30,9 @@ PlotSeries front_of(const std::vector<PlotSeries>& series) {
 
 /// What a strategy is a kind of, and which kind: "calibrated:lattice+volume" is lattice, 3.
 std::pair<std::string, int> family_of(const std::string& strategy) {
-  constexpr std::string_view calibrated = "calibrated:", membrane = "_membrane";
-  int shade = 0;
-  std::string family = strategy;
-  if (family.starts_with(calibrated)) {
-    family.erase(0, calibrated.size());
-    shade = 1;
-  }
-  if (const std::size_t plus = family.find('+'); plus != std::string::npos) {
-    family.erase(plus);
-    shade += 2;
-  }
-  if (family.ends_with(membrane)) {
-    family.erase(family.size() - membrane.size());
-    shade = kPlotShades - 1;
-  }
-  return {family, shade};
+  const StrategyName name(strategy);
+  if (name.of_membrane()) return {name.law(), kPlotShades - 1};
+  return {name.rule, (name.calibrated ? 1 : 0) + (name.volume || name.wrinkling ? 2 : 0)};
 }
 
 bool measured(const std::vector<Record>& records, const std::string& name) {
@@ -53,18 +41,10 @@ bool measured(const std::vector<Record>& records, const std::string& name) {
   });
 }
 
-ResponseCurve response_curve_of(const std::vector<Record>& records) {
-  const bool in_time =
-      std::any_of(records.begin(), records.end(), [](const Record& r) { return r.run.time.has_value(); });
-  // What is held shows what it resists with.
-  const auto& measures = records.front().main_measures;
-  if (std::any_of(measures.begin(), measures.end(), [](const MainMeasure& m) { return m.name == "relaxation_time"; }))
-    for (const char* resistance : {"force", "torque", "pressure"})
-      if (measured(records, resistance)) return {"time", resistance, false};
-  // Of what is strained back and forth the loop shows what it loses.
-  if (std::any_of(measures.begin(), measures.end(), [](const MainMeasure& m) { return m.name == "loss_tangent"; }))
-    if (measured(records, "strain") && measured(records, "stress")) return {"strain", "stress", false};
-  return choose_response(in_time, [&](const std::string& name) { return measured(records, name); });
+ResponseAxes response_axes_of(const std::vector<Record>& records) {
+  const Record& first = records.front();
+  return choose_response(first.measures ? first.measures->response : usual_response(first.run.time.has_value()),
+                         [&](const std::string& name) { return measured(records, name); });
 }
 
 /// Whether the points of a time history lie decades apart.
@@ -78,11 +58,11 @@ double along(const CurvePoint& point, const std::string& name) {
   return name == "time" ? point.time : name == "load" ? point.load_factor : point.measures.get(name);
 }
 
-PlotAxis axis_of(const std::string& name) {
+PlotAxis axis_of(const Record& record, const std::string& name) {
   if (name == "time") return {"time", "s"};
   if (name == "load") return {"share of the load", ""};
-  const MeasureInfo& info = find_measure(name);
-  const bool share = name == "strain" || name == "volume_strain" || name == "compression" || name == "largest_strain";
+  const MeasureInfo& info = record.measure(name);
+  const bool share = info.role == MeasureRole::strain || info.role == MeasureRole::share;
   return {info.label(), share ? "%" : info.unit_text()};
 }
 
@@ -91,8 +71,8 @@ std::vector<PlotPoint> curve_of_material(const std::vector<Record>& records) {
   std::vector<PlotPoint> points;
   for (const Record& record : records)
     for (const CurvePoint& point : record.run.curve)
-      if (const double stress = point.measures.get("material_stress"); std::isfinite(stress))
-        points.push_back({point.measures.get("strain"), stress, ""});
+      if (const double stress = point.measures.get(record.measure(MeasureRole::material_stress)); std::isfinite(stress))
+        points.push_back({point.measures.get(record.measure(MeasureRole::strain)), stress, ""});
   if (points.empty()) return points;
   points.push_back({0, 0, ""});
   std::sort(points.begin(), points.end(), [](const PlotPoint& a, const PlotPoint& b) { return a.x < b.x; });
@@ -100,15 +80,17 @@ std::vector<PlotPoint> curve_of_material(const std::vector<Record>& records) {
 }
 
 /// What the material itself asks for: its own curve, or where it has none a line through the origin.
-void add_target(Plot& plot, const ResponseCurve& curve, const std::vector<Record>& records) {
-  if (curve.x != "strain" || curve.y != "stress") return;
+void add_target(Plot& plot, const ResponseAxes& axes, const std::vector<Record>& records) {
+  const Record& first = records.front();
+  if (axes.x != first.measure(MeasureRole::strain) || axes.y != first.measure(MeasureRole::stress)) return;
   if (std::vector<PlotPoint> own = curve_of_material(records); !own.empty()) {
     plot.series.push_back({"target", -1, PlotSeries::Kind::dashed, std::move(own)});
     return;
   }
-  if (records.front().main_measures.empty()) return;
-  const auto& [name, prescribed] = records.front().main_measures.front();
-  if (!std::isfinite(prescribed) || (name != "effective_modulus" && name != "shear_modulus")) return;
+  if (first.main_measures.empty()) return;
+  const auto& [name, prescribed] = first.main_measures.front();
+  const MeasureRole role = first.measure(name).role;
+  if (!std::isfinite(prescribed) || (role != MeasureRole::youngs_modulus && role != MeasureRole::shear_modulus)) return;
   double low = 0, high = 0;  // no further than the others go in either direction
   for (const PlotSeries& series : plot.series)
     for (const PlotPoint& point : series.points) {
@@ -121,22 +103,21 @@ void add_target(Plot& plot, const ResponseCurve& curve, const std::vector<Record
 
 }  // namespace
 
-ResponseCurve choose_response(bool in_time, const std::function<bool(const std::string& measure)>& has) {
-  if (!in_time)
-    for (const auto& [x, y, zero] : {ResponseCurve{"strain", "stress", true},
-                                     {"angle", "torque", true},
-                                     {"volume_strain", "pressure", true},
-                                     {"stretch", "pressure", false},  // begins at 1
-                                     {"height", "pressure", true}})
-      if (has(x) && has(y)) return {x, y, zero};
-  for (const char* y : {"tip_deflection", "elongation", "angle", "compression", "fall_speed", "far_way", "radius",
-                        "height", "strain", "centre_way", "largest_strain", "effective_modulus"}) {
-    const std::string name(y);
-    const bool is_displacement =
-        name == "tip_deflection" || name == "elongation" || name == "angle" || name == "height";
-    if (has(name)) return {in_time ? "time" : "load", name, is_displacement && !in_time};
+std::vector<ResponseAxes> usual_response(bool in_time) {
+  std::vector<ResponseAxes> axes;
+  for (ResponseAxes one : built_in_measures().response) {
+    if (in_time && one.x == "load") one.x = "time";
+    if (in_time == (one.x == "time")) axes.push_back(std::move(one));
   }
-  return {};
+  return axes;
+}
+
+ResponseAxes choose_response(const std::vector<ResponseAxes>& axes,
+                             const std::function<bool(const std::string& measure)>& has) {
+  const auto drawn = std::find_if(axes.begin(), axes.end(), [&](const ResponseAxes& one) {
+    return (one.x == "load" || one.x == "time" || has(one.x)) && has(one.y);
+  });
+  return drawn == axes.end() ? ResponseAxes{} : *drawn;
 }
 
 std::vector<Peer> load_peers(const std::string& path) {
@@ -185,7 +166,8 @@ Plot error_plot(const std::vector<Record>& records, const Ranking& ranking, cons
   Plot plot;
   if (records.empty() || ranking.measures.empty()) return plot;
   std::string of;
-  for (const std::string& name : ranking.measures) of += (of.empty() ? "" : ", ") + find_measure(name).label();
+  for (const std::string& name : ranking.measures)
+    of += (of.empty() ? "" : ", ") + records.front().measure(name).label();
   plot.title = records.front().title + ": error of " + of + " against time";
   plot.x = {"time: build and solve", "s", true};
   plot.y = {"error of " + of + (ranking.by_reference ? ", to the reference" : ""), "%", true};
@@ -223,13 +205,13 @@ Plot error_plot(const std::vector<Record>& records, const Ranking& ranking, cons
 
 Plot response_plot(const std::vector<Record>& records, const std::map<std::string, int>& colours) {
   Plot plot;
-  const ResponseCurve response = response_curve_of(records);
+  const ResponseAxes response = response_axes_of(records);
   if (response.x.empty()) return plot;
-  plot.x = axis_of(response.x);
+  plot.x = axis_of(records.front(), response.x);
   plot.x.logarithmic = response.x == "time" && std::all_of(records.begin(), records.end(), [](const Record& record) {
                          return spans_decades(record.run.curve);
                        });
-  plot.y = axis_of(response.y);
+  plot.y = axis_of(records.front(), response.y);
   plot.title = records.front().title + ": " + plot.y.title + " over " + plot.x.title;
   std::vector<std::pair<std::string, const Record*>> drawn;  // every run, or of many that refine a body the finest
   constexpr std::size_t most_runs = 24;
@@ -241,14 +223,14 @@ Plot response_plot(const std::vector<Record>& records, const std::map<std::strin
   for (const auto& [name, of] : drawn) {
     const Record& record = *of;
     PlotSeries series{name, colours.at(name), PlotSeries::Kind::line, {}};
-    if (response.from_nothing) series.points.push_back({0, 0, ""});
+    if (response.from_zero) series.points.push_back({0, 0, ""});
     for (const CurvePoint& point : record.run.curve) {
       const PlotPoint at{along(point, response.x), along(point, response.y), ""};
       if (std::isfinite(at.x) && std::isfinite(at.y)) series.points.push_back(at);
     }
     const bool short_curve = series.points.size() <= 24;
     if (short_curve) series.kind = PlotSeries::Kind::marked_line;
-    if (series.points.size() > (response.from_nothing ? 1u : 0u)) plot.series.push_back(std::move(series));
+    if (series.points.size() > (response.from_zero ? 1u : 0u)) plot.series.push_back(std::move(series));
   }
   const bool one_target = std::all_of(records.begin(), records.end(), [&](const Record& record) {
     return record.prescribed == records.front().prescribed;

@@ -10,14 +10,12 @@
 
 namespace elastin::lab {
 
-/// What a response curve is drawn over, and what of it.
-struct ResponseCurve {
-  std::string x, y;           ///< measures, or "time" and "load"; empty = there is nothing to draw
-  bool from_nothing = false;  ///< begins at 0, 0
-};
+/// The axes of a run of an experiment that is not known.
+std::vector<ResponseAxes> usual_response(bool in_time);
 
-/// The first pair of measures that there are: stress–strain, torque–angle …, else a measure over time or load.
-ResponseCurve choose_response(bool in_time, const std::function<bool(const std::string& measure)>& has);
+/// The first of these axes of which there are measures; empty ones where there are none.
+ResponseAxes choose_response(const std::vector<ResponseAxes>& axes,
+                             const std::function<bool(const std::string& measure)>& has);
 
 /// The colour of each strategy, of each curve and of each run of a study, the same on a whole page. Strategies of one
 /// family (calibrated:lattice, lattice+volume) have shades of one hue as far as there are; runs of a study have hues.

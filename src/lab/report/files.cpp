@@ -27,7 +27,7 @@ std::string cell(double value) { return std::isfinite(value) ? fmt::format("{}",
 /// "elongation [m]"
 std::string headed(const MeasureInfo& info) {
   const std::string unit = info.unit_text();
-  return std::string(info.name) + (unit.empty() ? "" : " [" + unit + "]");
+  return info.name + (unit.empty() ? "" : " [" + unit + "]");
 }
 
 /// What a spreadsheet would take for a formula begins with an apostrophe, its sign for text.
@@ -47,9 +47,10 @@ std::string variant_field(const Record& record) {
 }
 
 /// The measures that some row has.
-std::vector<const MeasureInfo*> columns_of(const std::vector<CurvePoint>& rows) {
+std::vector<const MeasureInfo*> columns_of(const Record& record) {
+  const std::vector<CurvePoint>& rows = record.run.curve;
   std::vector<const MeasureInfo*> columns;
-  for (const MeasureInfo& info : measure_list())
+  for (const MeasureInfo& info : record.measures ? *record.measures : built_in_measures())
     if (std::any_of(rows.begin(), rows.end(),
                     [&](const CurvePoint& row) { return std::isfinite(row.measures.get(info.name)); }))
       columns.push_back(&info);
@@ -57,12 +58,12 @@ std::vector<const MeasureInfo*> columns_of(const std::vector<CurvePoint>& rows) 
 }
 
 /// One row a frame.
-std::string history_csv_text(const std::vector<CurvePoint>& rows) {
-  const std::vector<const MeasureInfo*> columns = columns_of(rows);
+std::string history_csv_text(const Record& record) {
+  const std::vector<const MeasureInfo*> columns = columns_of(record);
   std::string out = "time [s]";
   for (const MeasureInfo* info : columns) out += "," + headed(*info);
   out += ",step [s],steps,newton_iterations,linear_iterations\n";
-  for (const CurvePoint& row : rows) {
+  for (const CurvePoint& row : record.run.curve) {
     out += cell(row.time);
     for (const MeasureInfo* info : columns) out += "," + cell(row.measures.get(info->name));
     out += fmt::format(",{},{},{},{}\n", cell(row.step), row.steps, row.newton_iterations, row.linear_iterations);
@@ -170,8 +171,11 @@ std::string csv_text(const std::vector<Record>& records) {
   for (const Record& record : records)
     for (const auto& [name, value] : record.errors)
       if (std::find(errors.begin(), errors.end(), name) == errors.end()) errors.push_back(name);
+  MeasureList measures = built_in_measures();
+  for (const Record& record : records)
+    if (record.measures) measures.add(*record.measures);
   std::string out = "scene,strategy,solver,outcome,molecules,connections,cells,threads";
-  for (const MeasureInfo& info : measure_list()) out += "," + headed(info);
+  for (const MeasureInfo& info : measures) out += "," + headed(info);
   for (const std::string& name : errors) out += ",error " + name;
   out +=
       ",build [s],solve [s],repeats,median "
@@ -180,7 +184,7 @@ std::string csv_text(const std::vector<Record>& records) {
     const Run& run = record.run;
     out += fmt::format("{},{},{},{},{},{},{},{}", csv_field(record.scene), csv_field(run.strategy), run.solver,
                        outcome_name(run), record.molecules, record.connections, record.cells, record.threads);
-    for (const MeasureInfo& info : measure_list()) out += "," + cell(run.measures.get(info.name));
+    for (const MeasureInfo& info : measures) out += "," + cell(run.measures.get(info.name));
     for (const std::string& name : errors) out += "," + cell(record.error(name));
     std::string notes = run.cause;
     for (const std::string& warning : record.warnings) notes += (notes.empty() ? "" : "; ") + warning;
@@ -193,8 +197,8 @@ std::string csv_text(const std::vector<Record>& records) {
 }
 
 std::string curve_csv_text(const Record& record) {
-  if (record.run.time) return history_csv_text(record.run.curve);
-  const std::vector<const MeasureInfo*> columns = columns_of(record.run.curve);
+  if (record.run.time) return history_csv_text(record);
+  const std::vector<const MeasureInfo*> columns = columns_of(record);
   std::string out = "load_factor";
   for (const MeasureInfo* info : columns) out += "," + headed(*info);
   out += ",newton_iterations,linear_iterations,residual\n";

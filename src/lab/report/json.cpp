@@ -57,10 +57,16 @@ void read(const Json& json, std::vector<std::pair<std::string, std::string>>& va
   values.clear();
   for (const auto& [name, value] : json.items()) values.emplace_back(name, value.get<std::string>());
 }
+/// The present name of a measure that an earlier version may have written.
+std::string present_name(const std::string& name) {
+  const MeasureInfo* info = built_in_measures().find(name);
+  return info ? info->name : name;
+}
+
 void read(const Json& json, Measures& measures) {
   Named values;
   read(json, values);
-  for (const auto& [name, value] : values) measures.set(name, value);
+  for (const auto& [name, value] : values) measures.set(present_name(name), value);
 }
 void read(const Json& json, Vector3& vector) { vector = Vector3(json.at(0), json.at(1), json.at(2)); }
 void read(const Json& json, Stiffness6& matrix) {
@@ -68,8 +74,6 @@ void read(const Json& json, Stiffness6& matrix) {
     for (int column = 0; column < 6; ++column)
       read(json.at(static_cast<std::size_t>(row)).at(static_cast<std::size_t>(column)), matrix(row, column));
 }
-/// The name belongs to the list of all measures.
-void read(const Json& json, std::string_view& measure) { measure = find_measure(json.get<std::string>()).name; }
 
 // One list of fields serves both ways: a FieldWriter puts each into an object, a FieldReader takes it from there.
 
@@ -217,9 +221,43 @@ void least_constant_field(FieldReader& io, Run& run) {
   if (std::isfinite(least)) run.constants = VectorX::Constant(1, least);
 }
 
+/// The texts of the measures that a record has, and the axes of its response, for a page made of the journal.
+void measure_fields(FieldWriter& io, const Record& record) {
+  if (!record.measures) return;
+  Json rows = Json::array(), response = Json::array();
+  for (const MeasureInfo& info : *record.measures)
+    rows.push_back({info.name,
+                    {info.unit.length, info.unit.mass, info.unit.time},
+                    info.text,
+                    static_cast<int>(info.role),
+                    info.symbol,
+                    info.unit_name,
+                    info.former});
+  for (const ResponseAxes& axes : record.measures->response) response.push_back({axes.x, axes.y, axes.from_zero});
+  io.kept("measure_list", rows);
+  io.kept("response", response);
+}
+void measure_fields(FieldReader& io, Record& record) {
+  Json rows, response;
+  io.kept("measure_list", rows);
+  io.kept("response", response);
+  if (rows.is_null()) return;
+  MeasureList list;
+  for (const Json& row : rows)
+    list.add({MeasureInfo{row.at(0),
+                          {row.at(1).at(0), row.at(1).at(1), row.at(1).at(2)},
+                          row.at(2),
+                          static_cast<MeasureRole>(row.at(3).get<int>()),
+                          row.at(4),
+                          row.at(5),
+                          row.at(6)}});
+  for (const Json& axes : response) list.response.push_back({axes.at(0), axes.at(1), axes.at(2)});
+  record.measures = std::make_shared<const MeasureList>(std::move(list));
+}
+
 /// A point's measures stand beside when it was.
-void measure_fields(FieldWriter& io, const CurvePoint& point) { io.json() = written(point.measures); }
-void measure_fields(FieldReader& io, CurvePoint& point) {
+void point_fields(FieldWriter& io, const CurvePoint& point) { io.json() = written(point.measures); }
+void point_fields(FieldReader& io, CurvePoint& point) {
   Json row = io.json();
   for (const char* name : {"time", "step", "load_factor"}) row.erase(name);
   read(row, point.measures);
@@ -227,7 +265,7 @@ void measure_fields(FieldReader& io, CurvePoint& point) {
 
 template <class Io, class Point>
 void curve_fields(Io& io, Point& point, bool in_time) {
-  measure_fields(io, point);
+  point_fields(io, point);
   io.field_if(in_time, "time", point.time);
   io.field_if(in_time, "step", point.step);
   io.field_if(!in_time, "load_factor", point.load_factor);
@@ -421,6 +459,7 @@ void record_fields(Io& io, AnyRecord& record) {
     inner.field("least", record.neighbours.least);
   });
   least_constant_field(io, run);
+  measure_fields(io, record);
 }
 
 Json object_of(const Record& record, bool whole) {

@@ -136,7 +136,8 @@ std::string head_html(const Scenery& scene) {
   if (one_target) out += chip("target: " + first.prescribed);
   out += parameter_chips(scene) + chip(counted(first.threads, "thread"));
   out += chip(first.repeats.size() > 1 ? fmt::format("least of {} repeats", first.repeats.size()) : "one run each");
-  for (const Reference& reference : first.references) out += chip("reference: " + reference_text(reference));
+  for (const Reference& reference : first.references)
+    out += chip("reference: " + reference_text(reference, first.measure(reference.measure)));
   out += "</ul>\n";
   const bool advised = !scene.study && scene.records.size() > 1 && can_rank(scene.records);
   if (advised || !scene.ranking.no_reference.empty()) {

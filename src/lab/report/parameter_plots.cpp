@@ -92,7 +92,7 @@ PlotSeries& series_of(Plot& plot, const std::string& name, int colour) {
 
 Plot plot_over(const std::vector<Record>& records, const Parameter& parameter, const std::vector<std::string>& keys,
                const std::map<std::string, int>& colours, const std::string& measure, const std::string& error) {
-  const MeasureInfo& info = find_measure(measure);
+  const MeasureInfo& info = records.front().measure(measure);
   Plot plot;
   plot.x = parameter.axis;
   plot.y = {error.empty() ? info.label() : "error of " + info.label(), error.empty() ? info.unit_text() : "%"};

@@ -25,7 +25,7 @@ void keep_ranked(const Record& record, std::vector<std::string>& names) {
                        [&](const Reference& reference) { return reference.measure == name && !reference.certain(); });
   });
   // A ratio alone is no reason to recommend anything where the reference of what has a unit is uncertain.
-  const auto has_unit = [](const std::string& name) { return find_measure(name).unit != dimension::none; };
+  const auto has_unit = [&](const std::string& name) { return record.measure(name).unit != dimension::none; };
   const bool left_out =
       std::any_of(record.references.begin(), record.references.end(),
                   [&](const Reference& reference) { return has_unit(reference.measure) && !reference.certain(); });
@@ -37,7 +37,7 @@ std::string uncertain_text(const Record& record) {
   for (const Reference& reference : record.references)
     if (!reference.certain())
       return "the " + std::string(reference.computed ? "computed " : "") + "reference of " +
-             find_measure(reference.measure).label() + " is uncertain by " + percent(reference.uncertainty).substr(1);
+             record.measure(reference.measure).label() + " is uncertain by " + percent(reference.uncertainty).substr(1);
   return "";
 }
 
@@ -86,7 +86,7 @@ namespace {
 /// Of a ratio with a computed reference the difference counts, as against the material's own.
 double weight(const Record& record, const std::string& measure) {
   for (const Reference& reference : record.references)
-    if (reference.measure == measure && reference.computed && find_measure(measure).unit == dimension::none)
+    if (reference.measure == measure && reference.computed && record.measure(measure).unit == dimension::none)
       return std::min(1., std::abs(reference.value));
   return 1;
 }

@@ -114,6 +114,13 @@ bool Record::good() const {
          std::all_of(verdicts.begin(), verdicts.end(), [](const Verdict& v) { return v.passed || !v.judged; });
 }
 
+const MeasureInfo& Record::measure(const std::string& name) const {
+  const MeasureInfo* own = measures ? measures->find(name) : nullptr;
+  return own ? *own : find_measure(name);
+}
+
+std::string Record::measure(MeasureRole role) const { return (measures ? *measures : built_in_measures()).named(role); }
+
 double Record::error(std::string_view name) const {
   for (const auto& [known, value] : errors)
     if (known == name) return value;
@@ -149,15 +156,16 @@ Record make_record(const Scene& scene, Run run) {
   const auto add_error = [&](const std::string& name, double error) {
     if (std::isfinite(error)) record.errors.emplace_back(name, error);
   };
+  record.measures = scene.measures;
   record.main_measures = scene.experiment->main_measures(scene.specimen.material, run.measures);
   // Moduli of the matrix alone are not the body's, nor is that of one material where there are several, or fields.
   if ((scene.specimen.material.fibre && !scene.experiment->axis()) || scene.specimen.materials.size() > 1 ||
       differs_from_place_to_place(body))
     for (MainMeasure& measure : record.main_measures) measure.prescribed = std::nan("");
   for (const auto& [name, prescribed] : record.main_measures) {
-    const bool ratio = find_measure(std::string(name)).unit == dimension::none;
+    const bool ratio = record.measure(name).unit == dimension::none;
     const double measured = run.measures.get(name);
-    add_error(std::string(name), ratio ? measured - prescribed : measured / prescribed - 1);
+    add_error(name, ratio ? measured - prescribed : measured / prescribed - 1);
   }
   for (const Expectation& expectation : scene.expectations) {
     const bool silent = expectation.strategy.empty() && !run.suited && expectation.outcome.empty();

@@ -36,9 +36,14 @@ struct Record {
   Run run;
   int molecules = 0, connections = 0, cells = 0, threads = 1;
   Neighbours neighbours;
-  int cell_sides = 0;                      ///< beside the connections: those that are sides of cells only
-  std::string prescribed;                  ///< "E = 5000 Pa, nu = 0.25"
-  std::vector<MainMeasure> main_measures;  ///< of the experiment, with what the material asks for
+  int cell_sides = 0;                           ///< beside the connections: those that are sides of cells only
+  std::string prescribed;                       ///< "E = 5000 Pa, nu = 0.25"
+  std::shared_ptr<const MeasureList> measures;  ///< of the experiment's runs; null: of an experiment unknown here
+  std::vector<MainMeasure> main_measures;       ///< of the experiment, with what the material asks for
+  /// What a measure is here; of another experiment's, what it is there. Throws InputError if there is none.
+  const MeasureInfo& measure(const std::string& name) const;
+  /// Name of the measure with this role; "" if there is none.
+  std::string measure(MeasureRole role) const;
   /// By measure, against what the material asks for: relative, or a difference where the measure is a ratio;
   /// MEASURE_to_reference against the scene's reference, relative.
   std::vector<std::pair<std::string, double>> errors;

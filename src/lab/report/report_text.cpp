@@ -82,15 +82,15 @@ std::string contact_text(const contact::ContactReport& contact, const std::vecto
 }
 
 /// Of a run in time every tenth part of it, and what tells it apart, unless the whole is wanted; its file has all.
-std::string curve_text(const std::vector<CurvePoint>& points, bool in_time, bool whole, bool colours) {
+std::string curve_text(const Record& record, bool whole, bool colours) {
+  const std::vector<CurvePoint>& points = record.run.curve;
+  const bool in_time = record.run.time.has_value();
   std::vector<const MeasureInfo*> columns;
-  std::vector<std::string_view> left_out;
-  if (!whole) left_out = {"energy", "reaction_balance"};
-  if (in_time && !whole)
-    left_out.insert(left_out.end(), {"potential_energy", "dissipated_energy", "work", "momentum", "angular_momentum",
-                                     "centre_way", "lateral_strain"});
-  for (const auto& [name, value] : points.back().measures.all())
-    if (std::find(left_out.begin(), left_out.end(), name) == left_out.end()) columns.push_back(&find_measure(name));
+  for (const auto& [name, value] : points.back().measures.all()) {
+    const MeasureInfo& info = record.measure(name);
+    const bool detail = info.role == MeasureRole::detail || (in_time && info.role == MeasureRole::history);
+    if (whole || !detail) columns.push_back(&info);
+  }
   std::vector<std::string> head{in_time ? "time [s]" : "load"};
   for (const MeasureInfo* info : columns) head.push_back(info->label());
   head.push_back("Newton");
@@ -186,7 +186,7 @@ std::string run_text(const Record& record, bool colours, bool whole_curve) {
   head.emplace_back();
   Table table(head);
   for (const auto& [name, value] : run.measures.all()) {
-    const MeasureInfo& info = find_measure(name);
+    const MeasureInfo& info = record.measure(name);
     const double error = record.error(name);
     const std::string off = !std::isfinite(error)          ? ""
                             : info.unit == dimension::none ? fmt::format("{:+.4f}", error)
@@ -197,13 +197,13 @@ std::string run_text(const Record& record, bool colours, bool whole_curve) {
       const double to_reference = record.error(name + "_to_reference");
       row.push_back({percent(to_reference), tone_of_error(to_reference), true});
     }
-    row.push_back(
-        {(record.apparent && name == "effective_modulus" ? "apparent: " : "") + std::string(info.text), Tone::faint});
+    const bool apparent = record.apparent && info.role == MeasureRole::youngs_modulus;
+    row.push_back({(apparent ? "apparent: " : "") + info.text, Tone::faint});
     table.add(std::move(row));
   }
   if (!table.empty()) out += "\n" + table.text(colours);
   if (run.measures.stiffness_matrix) out += stiffness_text(*run.measures.stiffness_matrix, colours);
-  if (run.curve.size() > 1) out += curve_text(run.curve, run.time.has_value(), whole_curve, colours);
+  if (run.curve.size() > 1) out += curve_text(record, whole_curve, colours);
   const Table verdicts = verdicts_table({record});
   if (!verdicts.empty()) out += "\n" + verdicts.text(colours);
   return out + "\n";

@@ -49,8 +49,7 @@ std::string run_name(const Record& record) {
   return record.run.strategy + (record.variant.empty() ? "" : ", " + variant_text(record));
 }
 
-std::string reference_text(const Reference& reference) {
-  const MeasureInfo& measure = find_measure(reference.measure);
+std::string reference_text(const Reference& reference, const MeasureInfo& measure) {
   std::string text = measure.label() + " " + readable(reference.value, measure, 6);
   if (reference.computed) text += fmt::format(" ± {:.2g} %", 100 * reference.uncertainty);
   text += ", " + reference.source;
@@ -67,7 +66,7 @@ std::string references_text(const std::vector<Record>& records, bool colours) {
       same.read_back = false;
       if (std::find(shown.begin(), shown.end(), same) != shown.end()) continue;
       shown.push_back(same);
-      out += "  reference: " + reference_text(reference) + "\n";
+      out += "  reference: " + reference_text(reference, record.measure(reference.measure)) + "\n";
     }
   return out.empty() ? out : painted(out, Tone::faint, colours);
 }
@@ -181,8 +180,9 @@ Table study_table(const std::vector<Record>& records, const Ranking& ranking) {
   for (const std::string& key : keys) head.push_back(key.substr(key.rfind('.') + 1));
   head.insert(head.end(), {"molecules", "threads"});
   for (const std::string& name : ranking.measures) {
-    head.push_back(find_measure(name).label());
-    head.push_back(ranking.measures.size() > 1 ? "error of " + find_measure(name).label() : "error");
+    const std::string label = records.front().measure(name).label();
+    head.push_back(label);
+    head.push_back(ranking.measures.size() > 1 ? "error of " + label : "error");
   }
   head.insert(head.end(), {"iterations", "build", "solve", "least", "median", "solver", ""});
   Table table(head);
@@ -198,7 +198,7 @@ Table study_table(const std::vector<Record>& records, const Ranking& ranking) {
     row.push_back(number_cell(std::to_string(record.threads), record.threads));
     for (const std::string& name : ranking.measures) {
       const double error = signed_error(record, ranking, name);
-      row.push_back(number_cell(readable(run.measures.get(name), find_measure(name)), run.measures.get(name)));
+      row.push_back(number_cell(readable(run.measures.get(name), record.measure(name)), run.measures.get(name)));
       row.push_back(number_cell(percent(error), std::abs(error), tone_of_error(error)));
     }
     row.push_back(number_cell(run.suited ? fmt::format("{} / {}", run.newton_iterations, run.linear_iterations) : "",

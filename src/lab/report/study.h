@@ -27,7 +27,7 @@ std::string run_name(const Record& record);
 std::string variant_text(const Record& record);
 
 /// "effective_modulus 1.17567 MPa ± 0.03 %, computed: …, in 24 s": a reference in one line.
-std::string reference_text(const Reference& reference);
+std::string reference_text(const Reference& reference, const MeasureInfo& measure);
 /// A line for each reference that some record has.
 std::string references_text(const std::vector<Record>& records, bool colours);
 

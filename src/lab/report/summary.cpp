@@ -7,6 +7,7 @@
 #include <functional>
 #include <tuple>
 
+#include "elastin/core/simulation/strategy_name.h"
 #include "lab/report/ranking.h"
 #include "lab/report/table.h"
 
@@ -18,23 +19,25 @@ constexpr double kEnoughNeighbours = 12;
 
 /// Against the material's value, or where the specimen does not show that, against the reference; of a Poisson's ratio
 /// the difference.
-double error_of(const Record& record, const std::string& measure) {
+double error_of(const Record& record, MeasureRole role) {
+  const std::string measure = record.measure(role);
   if (record.no_reference.empty()) return record.error(measure);
   for (const Reference& reference : record.references)
     if (reference.measure == measure && reference.certain())
       return record.error(measure + "_to_reference") *
-             (find_measure(measure).unit == dimension::none ? reference.value : 1);
+             (record.measure(measure).unit == dimension::none ? reference.value : 1);
   return std::nan("");
 }
 
 bool judged(const Record& record) {
-  return record.no_reference.empty() || std::isfinite(error_of(record, "effective_modulus"));
+  return record.no_reference.empty() || std::isfinite(error_of(record, MeasureRole::youngs_modulus));
 }
 
 /// Solved, by a body that stands for itself: no mechanism, no negative constant, a minimum of the energy, some modulus.
 bool sound(const Record& record) {
   const Run& run = record.run;
-  return solved(record) && run.zero_energy_modes == 0 && !run.unstable && record.error("effective_modulus") > -0.99 &&
+  return solved(record) && run.zero_energy_modes == 0 && !run.unstable &&
+         record.error(record.measure(MeasureRole::youngs_modulus)) > -0.99 &&
          (run.constants.size() == 0 || run.constants.minCoeff() >= 0);
 }
 
@@ -47,7 +50,7 @@ double median(std::vector<double> values) {
   return values.size() % 2 ? values[half] : (values[half - 1] + values[half]) / 2;
 }
 
-ErrorSpread spread_of(const std::vector<const Record*>& runs, const std::string& measure) {
+ErrorSpread spread_of(const std::vector<const Record*>& runs, MeasureRole measure) {
   ErrorSpread spread{std::nan(""), std::nan(""), ""};
   std::vector<double> sizes;
   for (const Record* record : runs) {
@@ -62,8 +65,8 @@ ErrorSpread spread_of(const std::vector<const Record*>& runs, const std::string&
 
 /// How far a run is from the goals, the further of the two; a body that shows no Poisson's ratio is judged by E alone.
 double distance_from_goal(const Record& record) {
-  const double modulus = std::abs(error_of(record, "effective_modulus")) / kModulusGoal;
-  return std::fmax(modulus, std::abs(error_of(record, "poissons_ratio")) / kRatioGoal);
+  const double modulus = std::abs(error_of(record, MeasureRole::youngs_modulus)) / kModulusGoal;
+  return std::fmax(modulus, std::abs(error_of(record, MeasureRole::poissons_ratio)) / kRatioGoal);
 }
 
 bool within_goal(const Record& record) { return distance_from_goal(record) <= 1; }
@@ -115,8 +118,8 @@ StrategySummary summary_of(const std::vector<const Record*>& runs, const std::ve
     solve.push_back(record->run.solve_seconds / standard->run.solve_seconds);
     whole.push_back(whole_seconds(record->run) / whole_seconds(standard->run));
   }
-  summary.modulus = spread_of(good, "effective_modulus");
-  summary.ratio = spread_of(good, "poissons_ratio");
+  summary.modulus = spread_of(good, MeasureRole::youngs_modulus);
+  summary.ratio = spread_of(good, MeasureRole::poissons_ratio);
   summary.solve = median(std::move(solve));
   summary.whole = median(std::move(whole));
   return summary;
@@ -177,8 +180,8 @@ void add_best(const Record* best, bool judged, std::vector<TableCell>& row) {
     row.insert(row.end(), {{"no reference", Tone::faint}, {""}, {""}});
     return;
   }
-  const double modulus = best ? error_of(*best, "effective_modulus") : std::nan("");
-  const double ratio = best ? error_of(*best, "poissons_ratio") : std::nan("");
+  const double modulus = best ? error_of(*best, MeasureRole::youngs_modulus) : std::nan("");
+  const double ratio = best ? error_of(*best, MeasureRole::poissons_ratio) : std::nan("");
   row.push_back({best ? best->run.strategy : "none that is stable", best ? Tone::bold : Tone::bad});
   row.push_back({percent(modulus), tone_of(std::abs(modulus), kModulusGoal), true});
   row.push_back({number_text(ratio, "{:+.4f}"), tone_of(std::abs(ratio), kRatioGoal), true});
@@ -239,8 +242,8 @@ std::string calibrated_text(const std::vector<Record>& records) {
   std::string others;
   std::vector<const Record*> good;
   for (const Record& record : records) {
-    const double error = error_of(record, "effective_modulus");
-    if (!record.run.strategy.starts_with("calibrated:") || !solved(record) || !std::isfinite(error)) continue;
+    const double error = error_of(record, MeasureRole::youngs_modulus);
+    if (!StrategyName(record.run.strategy).calibrated || !solved(record) || !std::isfinite(error)) continue;
     ++runs;
     met += std::abs(error) <= goal;
     if (std::abs(error) <= goal) good.push_back(&record);
@@ -302,7 +305,7 @@ std::string summary_text(const std::vector<Record>& records, bool colours) {
   const Summary summary = summarise(records);
   // Bodies are ranked by their modulus; what runs in time, or is a membrane, has none.
   const bool moduli = std::any_of(records.begin(), records.end(), [](const Record& record) {
-    return std::isfinite(record.error("effective_modulus"));
+    return std::isfinite(record.error(record.measure(MeasureRole::youngs_modulus)));
   });
   return painted("Summary", Tone::bold, colours) + "  " +
          counted(static_cast<int>(summary.bodies.size()), "body", "bodies") + "\n\n" +

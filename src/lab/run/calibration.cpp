@@ -4,10 +4,10 @@
 #include <cstdio>
 #include <optional>
 
-#include "core/laws/springs/uniform.h"
 #include "core/simulation/volume_fit.h"
 #include "elastin/core/forces/volume.h"
 #include "elastin/core/model/share.h"
+#include "lab/run/common_measures.h"
 #include "lab/run/curve_fit.h"
 #include "lab/run/load_curve.h"
 #include "lab/run/specimen.h"
@@ -24,21 +24,21 @@ Material without_fibres(const Material& material) {
 /// The measure to which a rule is calibrated: the first modulus that the material prescribes a value for. A ratio does
 /// not change with the springs' scale.
 std::optional<MainMeasure> calibration_target(const StaticExperiment& experiment, const Material& material) {
+  const MeasureList list = measures_of(experiment);
   for (const MainMeasure& measure : experiment.main_measures(without_fibres(material), {}))
-    if (std::isfinite(measure.prescribed) && find_measure(std::string(measure.name)).unit != dimension::none)
-      return measure;
+    if (std::isfinite(measure.prescribed) && list.at(measure.name).unit != dimension::none) return measure;
   return std::nullopt;
 }
 
 /// The computed reference to which a rule is calibrated where the material's modulus shows on no body of this shape:
 /// of the first main measure that has one and grows with the springs, a modulus or a force.
 const Reference* calibrated_reference(const StaticExperiment& experiment, const Specimen& specimen) {
+  const MeasureList list = measures_of(experiment);
   for (const MainMeasure& measure : experiment.main_measures(without_fibres(specimen.material), {}))
     for (const Reference& reference : specimen.references) {
-      const Dimension& unit = find_measure(reference.measure).unit;
-      if (reference.measure == measure.name && reference.certain() &&
-          (unit == dimension::pressure || unit == dimension::force))
-        return &reference;
+      if (reference.measure != measure.name || !reference.certain()) continue;
+      const Dimension& unit = list.at(reference.measure).unit;
+      if (unit == dimension::pressure || unit == dimension::force) return &reference;
     }
   return nullptr;
 }
@@ -71,14 +71,15 @@ std::optional<Measures> measure_linear(const Specimen& specimen, const StaticExp
 }
 
 /// Whether what was measured is rounding: the load meets a stiffness far below that of any single connection.
-bool meets_nothing(const Body& body, const Measures& measures, const VectorX& constants) {
-  const double stiffness = std::abs(measures.get("force") / measures.get("elongation"));
+bool meets_nothing(const Body& body, const MeasureList& list, const Measures& measures, const VectorX& constants) {
+  const double stiffness =
+      std::abs(measures.get(list.named(MeasureRole::force)) / measures.get(list.named(MeasureRole::displacement)));
   return stiffness < 1e-9 * largest_over(body, constants.cwiseAbs().maxCoeff());
 }
 
 /// If so, the strategy does not suit the body.
-bool note_mechanism(const Body& body, const std::optional<Measures>& measures, Run& run) {
-  if (!measures || !meets_nothing(body, *measures, run.constants)) return false;
+bool note_mechanism(const Body& body, const MeasureList& list, const std::optional<Measures>& measures, Run& run) {
+  if (!measures || !meets_nothing(body, list, *measures, run.constants)) return false;
   run.suited = false;
   run.cause = "nothing to calibrate: the body is a mechanism that does not resist this load";
   return true;
@@ -98,10 +99,9 @@ ElasticTerms assembled(const Specimen& specimen, const StrategyChoice& choice, c
 /// Beyond this factor a rule is not corrected but replaced.
 constexpr double kMostScaled = 2;
 
-/// `uniform` has no constants of its own that could be far off.
 void scale(Run& run, const StrategyChoice& choice, double factor, double volume_modulus) {
   run.calibration_factor = factor;
-  if ((factor > kMostScaled || factor < 1 / kMostScaled) && !choice.strategy.name.starts_with(Uniform::name)) {
+  if ((factor > kMostScaled || factor < 1 / kMostScaled) && !choice.strategy.takes_scale) {
     char text[120];
     std::snprintf(text, sizeof text,
                   "calibration multiplies the spring constants by %.4g; the rule alone is that far off on this body",
@@ -117,7 +117,7 @@ void scale_to_modulus(const Specimen& specimen, const StaticExperiment& experime
                       const StaticOptions& options, Run& run) {
   const auto measures =
       measure_linear(specimen, experiment, assembled(specimen, choice, run, run.volume_modulus), options, run);
-  if (note_mechanism(specimen.body, measures, run)) return;
+  if (note_mechanism(specimen.body, experiment.measures(), measures, run)) return;
   const MainMeasure target = *calibration_target(experiment, specimen.material);
   const double factor = measures ? target.prescribed / measures->get(target.name) : 0;
   if (!(factor > 0)) return fail_calibration(run, "the linear solve measures no positive modulus");
@@ -127,10 +127,12 @@ void scale_to_modulus(const Specimen& specimen, const StaticExperiment& experime
 /// Fits the run's constants and volume term to E and ν.
 void fit_springs_and_volume(const Specimen& specimen, const StaticExperiment& experiment, const StrategyChoice& choice,
                             const StaticOptions& options, Run& run) {
+  const MeasureList list = experiment.measures();
   const auto fit = fit_volume(specimen.material, [&](double modulus) -> std::optional<std::pair<double, double>> {
     const auto measures = measure_linear(specimen, experiment, assembled(specimen, choice, run, modulus), options, run);
-    if (note_mechanism(specimen.body, measures, run) || !measures) return std::nullopt;
-    return std::pair{measures->get("effective_modulus"), measures->get("poissons_ratio")};
+    if (note_mechanism(specimen.body, list, measures, run) || !measures) return std::nullopt;
+    return std::pair{measures->get(list.named(MeasureRole::youngs_modulus)),
+                     measures->get(list.named(MeasureRole::poissons_ratio))};
   });
   if (!run.suited) return;
   if (!fit) return fail_calibration(run, "the linear solves measure no positive E, or no Poisson's ratio");
@@ -176,9 +178,11 @@ void scale_to_reference(const Specimen& specimen, const StaticExperiment& experi
 
 /// Whether an experiment measures both E and ν of a material.
 bool measures_both(const StaticExperiment& experiment, const Material& material) {
+  const MeasureList list = experiment.measures();
   int found = 0;
   for (const MainMeasure& measure : experiment.main_measures(material, {}))
-    found += measure.name == "effective_modulus" || measure.name == "poissons_ratio";
+    found += measure.name == list.named(MeasureRole::youngs_modulus) ||
+             measure.name == list.named(MeasureRole::poissons_ratio);
   return found == 2;
 }
 
@@ -186,6 +190,8 @@ bool measures_both(const StaticExperiment& experiment, const Material& material)
 StressStrain fitted_curve(const Specimen& specimen, const StaticExperiment& experiment, const StrategyChoice& choice,
                           const RunOptions& options, Run& run) {
   const Material matrix = without_fibres(specimen.material);
+  const MeasureList list = experiment.measures();
+  const std::string strain = list.named(MeasureRole::strain), stress = list.named(MeasureRole::stress);
   RunOptions quiet;
   quiet.statics = options.statics;
   const CurveFit fit = fit_curve(*matrix.curve, [&](const StressStrain& springs) {
@@ -198,7 +204,7 @@ StressStrain fitted_curve(const Specimen& specimen, const StaticExperiment& expe
     run.linear_iterations += trial.linear_iterations;
     std::vector<StressStrain::Point> shown;
     for (const CurvePoint& point : trial.curve)
-      shown.push_back({point.measures.get("strain"), point.measures.get("stress")});
+      shown.push_back({point.measures.get(strain), point.measures.get(stress)});
     return shown;
   });
   if (fit.error > 0.01)
@@ -223,7 +229,7 @@ const StaticExperiment* calibration_of(const Experiment& experiment, const Speci
   return specimen.calibration ? specimen.calibration.get() : experiment.calibration();
 }
 
-std::string_view calibrated_measure(const StaticExperiment& experiment, const Material& material) {
+std::string calibrated_measure(const StaticExperiment& experiment, const Material& material) {
   const auto target = calibration_target(experiment, material);
   return target ? target->name : "";
 }
@@ -244,7 +250,7 @@ std::optional<ElasticTerms> make_rule(const Specimen& specimen, const Experiment
   const StaticExperiment* calibration = calibration_of(experiment, specimen);
   run.constants = choice.strategy.constants(specimen.body, specimen.material, choice.values);
   if (with_volume) run.volume_modulus = choice.strategy.volume_modulus(specimen.material);
-  if (choice.calibrated) {
+  if (choice.name.calibrated) {
     const StaticExperiment& at_rest = *calibration;
     const bool both = with_volume && measures_both(at_rest, specimen.material);
     if (!calibration_target(at_rest, specimen.material))
@@ -260,7 +266,7 @@ std::optional<ElasticTerms> make_rule(const Specimen& specimen, const Experiment
   }
   if (!run.suited || run.outcome != Outcome::converged) return std::nullopt;
   std::optional<StressStrain> curve = specimen.material.curve;
-  if (curve && choice.calibrated && !run.calibrated_to_reference && !options.statics.linear && calibration->axis())
+  if (curve && choice.name.calibrated && !run.calibrated_to_reference && !options.statics.linear && calibration->axis())
     curve = fitted_curve(specimen, *calibration, choice, options, run);
   return assembled(specimen, choice, run, run.volume_modulus, curve);
 }

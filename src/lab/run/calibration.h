@@ -14,7 +14,7 @@ const StaticExperiment* calibration_of(const Experiment& experiment, const Speci
 
 /// Name of the measure to which an experiment calibrates: the first modulus that the material, without its fibres,
 /// prescribes; "" where there is none.
-std::string_view calibrated_measure(const StaticExperiment& experiment, const Material& material);
+std::string calibrated_measure(const StaticExperiment& experiment, const Material& material);
 
 /// Why a rule cannot be calibrated in this experiment, or "".
 std::string calibration_unsuited(const Experiment& experiment, const Specimen& specimen);

@@ -9,50 +9,44 @@
 namespace elastin::lab {
 namespace {
 
-/// How far behind the catalog's own strategies those stand that are made of them.
+/// Distance in the order between the catalog's own strategies and those that are made of them.
 constexpr int kWithEnding = 1000, kCalibrated = 2000;
+
+StrategyChoice chosen(const Catalog& catalog, const std::string& label, StrategyName name, Strategy found) {
+  const std::vector<std::string> names = catalog.names();
+  const int position = static_cast<int>(std::find(names.begin(), names.end(), name.rule) - names.begin()),
+            order = position + (name.calibrated ? kCalibrated : 0) + (name.volume || name.wrinkling ? kWithEnding : 0);
+  if (found.calibrates) found = Strategy(*found.calibrates);
+  return {label, std::move(name), std::move(found), {}, order};
+}
 
 }  // namespace
 
-std::optional<StrategyChoice> applicable_with_volume(const StrategyChoice& choice, const Body& body,
-                                                     const std::vector<Material>& materials) {
+StrategyChoice choose_strategy(const Catalog& catalog, const std::string& label) {
+  return chosen(catalog, label, StrategyName(label), catalog.find(label));
+}
+
+StrategyChoice choose_strategy(const Catalog& catalog, const StrategyName& name) {
+  return chosen(catalog, name.text(), name, catalog.find(name));
+}
+
+std::optional<StrategyChoice> applicable_with_volume(const Catalog& catalog, const StrategyChoice& choice,
+                                                     const Body& body, const std::vector<Material>& materials) {
+  if (choice.strategy.volume_modulus) return std::nullopt;
   try {
-    StrategyChoice with = with_volume(choice);
+    StrategyName name = choice.name;
+    name.volume = true;
+    StrategyChoice with = choose_strategy(catalog, name);
     if (!with.strategy.unsuited(body).empty()) return std::nullopt;
     for (const Material& material : materials) {
       with.strategy.volume_modulus(material);
       if (!material_unsuited(with.strategy, body, material).empty()) return std::nullopt;
     }
+    with.values = choice.values;
     return with;
   } catch (const InputError&) {
     return std::nullopt;
   }
-}
-
-StrategyChoice with_volume(StrategyChoice choice) {
-  choice.strategy = with_volume(choice.strategy);
-  choice.label += "+volume";
-  choice.order += kWithEnding;
-  return choice;
-}
-
-StrategyChoice with_wrinkling(StrategyChoice choice) {
-  choice.strategy = with_wrinkling(choice.strategy);
-  choice.label += "+wrinkling";
-  choice.order += kWithEnding;
-  return choice;
-}
-
-StrategyChoice choose_strategy(const Catalog& catalog, const std::string& label) {
-  Strategy found = catalog.find(label);
-  const bool calibrated = found.calibrates != nullptr;
-  const std::size_t from = calibrated ? label.find(':') + 1 : 0;  // "calibrated" alone: find gives −1, and all of it
-  const std::string name = label.substr(from, label.find('+') - from);
-  const std::vector<std::string> names = catalog.names();
-  const int place = static_cast<int>(std::find(names.begin(), names.end(), name) - names.begin()),
-            order = place + (calibrated ? kCalibrated : 0) + (label.find('+') != std::string::npos ? kWithEnding : 0);
-  if (calibrated) return {label, *found.calibrates, true, {}, order};
-  return {label, std::move(found), false, {}, order};
 }
 
 bool has_constants(const Strategy& strategy, const std::vector<Material>& materials) {
@@ -64,14 +58,17 @@ bool has_constants(const Strategy& strategy, const std::vector<Material>& materi
 std::vector<StrategyChoice> all_strategies(const Catalog& catalog, const Body& body,
                                            const std::vector<Material>& materials) {
   std::vector<StrategyChoice> choices;
-  const auto add = [&](const std::string& label) {
-    choices.push_back(choose_strategy(catalog, label));
-    if (auto with = applicable_with_volume(choices.back(), body, materials)) choices.push_back(std::move(*with));
+  const auto add = [&](const Strategy& strategy, bool calibrated) {
+    StrategyName name(strategy.name);
+    name.calibrated = calibrated;
+    choices.push_back(choose_strategy(catalog, name));
+    if (auto with = applicable_with_volume(catalog, choices.back(), body, materials))
+      choices.push_back(std::move(*with));
   };
   for (const Strategy& strategy : catalog.strategies())
-    if (strategy.kind != StrategyKind::wrapper && has_constants(strategy, materials)) add(strategy.name);
+    if (strategy.kind != StrategyKind::wrapper && has_constants(strategy, materials)) add(strategy, false);
   for (const Strategy& strategy : catalog.strategies())
-    if (strategy.kind == StrategyKind::spring_rule && !strategy.calibrates) add("calibrated:" + strategy.name);
+    if (strategy.kind == StrategyKind::spring_rule && !strategy.calibrates) add(strategy, true);
   std::stable_sort(choices.begin(), choices.end(),
                    [](const StrategyChoice& a, const StrategyChoice& b) { return a.order < b.order; });
   return choices;

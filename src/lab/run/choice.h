@@ -11,26 +11,19 @@ namespace elastin::lab {
 /// parameters.
 struct StrategyChoice {
   std::string label;  ///< as it was named
+  StrategyName name;
   Strategy strategy;  ///< the rule or law itself, with its volume term if any; for calibrated:RULE the rule
-  bool calibrated = false;
   ParameterValues values;
   int order = 0;  ///< among all_strategies, the simplest first: the catalog's, then with an ending, then calibrated
 };
 
-/// Reads "NAME" or "calibrated:RULE" ("calibrated" alone is calibrated:standard), either with "+volume" or "+wrinkling"
-/// behind it.
-/// Throws InputError with the nearest name.
+/// The strategy of this name in the catalog. Throws InputError as Catalog::find does.
 StrategyChoice choose_strategy(const Catalog& catalog, const std::string& label);
-
-/// The same choice with a volume term, "+volume" added to its label. Throws InputError if it cannot have one.
-StrategyChoice with_volume(StrategyChoice choice);
+StrategyChoice choose_strategy(const Catalog& catalog, const StrategyName& name);
 
 /// The same choice with a volume term, if it can have one on this body of these materials.
-std::optional<StrategyChoice> applicable_with_volume(const StrategyChoice& choice, const Body& body,
-                                                     const std::vector<Material>& materials);
-
-/// The same choice without compression, "+wrinkling" added to its label. Throws InputError if it cannot.
-StrategyChoice with_wrinkling(StrategyChoice choice);
+std::optional<StrategyChoice> applicable_with_volume(const Catalog& catalog, const StrategyChoice& choice,
+                                                     const Body& body, const std::vector<Material>& materials);
 
 /// Whether a law that has constants of its own finds them in one of the materials; true of all others.
 bool has_constants(const Strategy& strategy, const std::vector<Material>& materials);

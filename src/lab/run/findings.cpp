@@ -123,7 +123,9 @@ bool may_lock(const Specimen& specimen, const Strategy& strategy) {
 std::string locking_finding(const Specimen& specimen, const Strategy& strategy) {
   const bool can = strategy.make_without_volume || strategy.make_mixed, blocks = has_blocks(specimen.body, 3);
   if (!may_lock(specimen, strategy) || (!can && blocks)) return "";
-  const std::string with = "stiffness: " + strategy.name + "+volume",
+  StrategyName with_volume(strategy.name);
+  with_volume.volume = true;
+  const std::string with = "stiffness: " + with_volume.text(),
                     found = "nu = " + number(largest_in(specimen), 4) +
                             ": cells without a volume term may lock, and are then too stiff; ";
   if (strategy.make_without_volume || (strategy.make_mixed && blocks)) return found + "write " + with;

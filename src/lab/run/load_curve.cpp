@@ -43,9 +43,9 @@ bool note_solve(const StaticResult& solved, const std::string& where, Run& run) 
 
 /// Converged means balanced: what loads and reactions leave over is no part of them worth naming, under the `whole`
 /// load at least.
-void check_balance(const StaticResult& solved, const Measures& measures, double tolerance, bool whole,
+void check_balance(const StaticResult& solved, const Measures& measures, double force, double tolerance, bool whole,
                    const std::string& where, Run& run) {
-  const double force = measures.get("force"), balance = measures.get("reaction_balance");
+  const double balance = measures.get("reaction_balance");
   const double left = std::isfinite(force) && solved.scale > 0 ? balance * std::abs(force) / solved.scale : balance;
   if (whole && solved.residual > kBalanced && run.zero_energy_modes > 0) {
     run.outcome = Outcome::mechanism;
@@ -110,14 +110,15 @@ bool find_start(Model& model, StaticRig& rig, const RunOptions& options, bool at
 
 /// Where the material says what stress belongs to a strain: that, and the largest difference to it, over the largest
 /// such stress.
-void note_curve_error(const Experiment& experiment, const Material& material, Run& run) {
+void note_curve_error(const Experiment& experiment, const MeasureList& list, const Material& material, Run& run) {
   const auto axis = experiment.axis();
+  const std::string strain = list.named(MeasureRole::strain), stress = list.named(MeasureRole::stress);
   double difference = 0, largest = 0;
   for (CurvePoint& point : run.curve) {
-    const auto given = axis ? uniaxial_stress(material, *axis, point.measures.get("strain")) : std::nullopt;
+    const auto given = axis ? uniaxial_stress(material, *axis, point.measures.get(strain)) : std::nullopt;
     if (!given) return;
     point.measures.set("material_stress", *given);
-    difference = std::max(difference, std::abs(point.measures.get("stress") - *given));
+    difference = std::max(difference, std::abs(point.measures.get(stress) - *given));
     largest = std::max(largest, std::abs(*given));
   }
   run.measures.set("curve_error", difference / largest);
@@ -139,8 +140,8 @@ void note_compression(const Model& model, const Positions& positions, const Mate
 }
 
 /// Under preload: forces, displacements and energy as what the experiment adds, and as what there is in all.
-void note_preload(const Model& model, const StaticRig& rig, const Start& start, const State& state,
-                  const RunOptions& options, StaticResult solved, Measures& measures) {
+void note_preload(const Model& model, const MeasureList& list, const StaticRig& rig, const Start& start,
+                  const State& state, const RunOptions& options, StaticResult solved, Measures& measures) {
   const Positions& rest = model.body().rest;
   if (!any_over(model.body(), start.positions != rest || !start.reactions.isZero(0))) return;
   if (std::isfinite(measures.get("energy")))
@@ -148,8 +149,8 @@ void note_preload(const Model& model, const StaticRig& rig, const Start& start, 
                  measures.get("energy") - sum_over(model.body(), model.elastic_energy(start.positions)));
   const Measures whole =
       rig.measure({rest, Positions::Zero(3, start.reactions.cols())}, state, options.statics, solved);
-  for (const char* name : {"force", "torque", "elongation"})
-    measures.set(std::string("total_") + name, whole.get(name));
+  for (const MeasureRole role : {MeasureRole::force, MeasureRole::torque, MeasureRole::displacement})
+    if (const std::string name = list.named(role); !name.empty()) measures.set("total_" + name, whole.get(name));
 }
 
 }  // namespace
@@ -165,6 +166,8 @@ void solve_load_curve(Model& model, const StaticExperiment& experiment, StaticRi
     keep_snapshot(model, path.state(), load_factor, step, options, run);
   };
   keep(0, 0);
+  const MeasureList list = experiment.measures();
+  const auto taken = [&](const Measures& measures, MeasureRole role) { return measures.get(list.named(role)); };
   const int steps = experiment.load_steps();
   for (int step = 1; step <= steps; ++step) {
     const std::string which = steps > 1 ? "load step " + std::to_string(step) + " of " + std::to_string(steps) : "";
@@ -182,7 +185,7 @@ void solve_load_curve(Model& model, const StaticExperiment& experiment, StaticRi
     Measures measures;
     if (solved.outcome == Outcome::converged) {
       measures = rig.measure(start, path.state(), options.statics, solved);
-      note_preload(model, rig, start, path.state(), options, solved, measures);
+      note_preload(model, list, rig, start, path.state(), options, solved, measures);
       if (const contact::Contact* contact = contact_of(model)) {
         run.contact = contact->report(path.state());
         note_contact(*run.contact, experiment.copies(), measures);
@@ -192,10 +195,10 @@ void solve_load_curve(Model& model, const StaticExperiment& experiment, StaticRi
     run.bisected_load_steps = path.halvings();
     if (!note_solve(solved, which.empty() ? "" : " (" + which + ")", run)) return;
     if (loaded)
-      check_balance(solved, measures, options.statics.tolerance, step == steps, which.empty() ? "" : " (" + which + ")",
-                    run);
+      check_balance(solved, measures, taken(measures, MeasureRole::force), options.statics.tolerance, step == steps,
+                    which.empty() ? "" : " (" + which + ")", run);
     if (run.outcome != Outcome::converged) return;
-    if (measures.get("elongation") < 0 && measures.get("strain") <= -1) {
+    if (taken(measures, MeasureRole::displacement) < 0 && taken(measures, MeasureRole::strain) <= -1) {
       run.outcome = Outcome::inverted;
       run.cause =
           "the load presses the body through itself: strain below −100 %" + (which.empty() ? "" : " (" + which + ")");
@@ -213,11 +216,11 @@ void solve_load_curve(Model& model, const StaticExperiment& experiment, StaticRi
   const bool grows = std::is_sorted(run.curve.begin(), run.curve.end(), [](const CurvePoint& a, const CurvePoint& b) {
     return a.load_factor < b.load_factor;
   });
-  if (grows) note_curve_error(experiment, material, run);
+  if (grows) note_curve_error(experiment, list, material, run);
   if (steps > 1 && model.has_full_tangent()) {
     rig.measure_end(path.state(), options.statics, run.measures, run.linear_iterations);
     double sum = 0;
-    for (const CurvePoint& point : run.curve) sum += point.measures.get("effective_modulus");
+    for (const CurvePoint& point : run.curve) sum += taken(point.measures, MeasureRole::youngs_modulus);
     if (std::isfinite(sum)) run.measures.set("average_modulus", sum / steps);
   }
 }

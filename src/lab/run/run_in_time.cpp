@@ -173,7 +173,7 @@ class TimedRun {
     Measures& m = row.measures;
     const Energies e = ledger_.energies(model_, state_);
     m.set("speed", e.momentum.norm() / mass_);
-    m.set("centre_way", centre_way() / mass_);
+    m.set("centre_displacement", centre_displacement() / mass_);
     m.set("largest_strain", largest_strain(model_, state_));
     m.set("kinetic_energy", e.kinetic);
     m.set("potential_energy", e.potential);
@@ -202,13 +202,13 @@ class TimedRun {
                             first.get("potential_energy"));
   }
 
-  /// Mass times the way of the centre [kg m].
-  double centre_way() const {
+  /// Mass times the displacement of the centre [kg m].
+  double centre_displacement() const {
     const Body& body = model_.body();
     const int owned = owned_molecules(body);
-    Vector3 way = (state_.positions - begin_).leftCols(owned) * body.mass.head(owned);
-    sum_over(body, {way.data(), 3});
-    return way.norm();
+    Vector3 displacement = (state_.positions - begin_).leftCols(owned) * body.mass.head(owned);
+    sum_over(body, {displacement.data(), 3});
+    return displacement.norm();
   }
 
   const Measures& first_measures(const Measures& now) const {

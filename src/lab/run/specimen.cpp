@@ -7,7 +7,6 @@
 #include <string>
 #include <utility>
 
-#include "core/laws/springs/voronoi.h"
 #include "elastin/core/base/text.h"
 #include "elastin/core/forces/volume.h"
 #include "elastin/core/model/parts.h"
@@ -47,7 +46,7 @@ void note_negative_constants(const Body& body, Run& run) {
 }
 
 void note_lost_faces(const Body& body, const Strategy& strategy, Run& run) {
-  if (!strategy.name.starts_with(Voronoi::name)) return;  // with a volume term or without
+  if (!strategy.needs_faces) return;
   const auto note = [&](const std::string& name, double lost) {
     char percent[16];
     std::snprintf(percent, sizeof percent, "%.1f %%", 100 * lost);
@@ -127,9 +126,9 @@ std::vector<StrategyChoice> all_strategies(const Catalog& catalog, const Specime
   return all_strategies(catalog, specimen.body, materials_of(specimen));
 }
 
-StrategyChoice without_locking(StrategyChoice choice, const Specimen& specimen) {
-  if (!may_lock(specimen, choice.strategy)) return choice;
-  return applicable_with_volume(choice, specimen.body, materials_of(specimen)).value_or(choice);
+StrategyChoice without_locking(const Catalog& catalog, StrategyChoice choice, const Specimen& specimen) {
+  if (!may_lock(specimen, choice.strategy) || choice.strategy.has_history) return choice;
+  return applicable_with_volume(catalog, choice, specimen.body, materials_of(specimen)).value_or(choice);
 }
 
 bool needs_cells(const Strategy& strategy, const Body& body) {
@@ -142,12 +141,12 @@ bool needs_cells(const Strategy& strategy, const Body& body) {
 std::string unsuited(const Specimen& specimen, const Experiment& experiment, const StrategyChoice& any) {
   const StrategyChoice choice = on_body(any, specimen);
   std::string reason = choice.strategy.unsuited(specimen.body);
-  if (reason.empty() && choice.calibrated) reason = calibration_of_parts_unsuited(specimen);
+  if (reason.empty() && choice.name.calibrated) reason = calibration_of_parts_unsuited(specimen);
   if (reason.empty() && !choice.strategy.by_parts)
     reason = material_unsuited(choice.strategy, specimen.body, specimen.material);
-  if (reason.empty() && choice.calibrated && specimen.body.connection_stiffness.size())
+  if (reason.empty() && choice.name.calibrated && specimen.body.connection_stiffness.size())
     reason = "a body with regions has no one modulus to calibrate to";
-  if (reason.empty() && choice.calibrated) reason = calibration_unsuited(experiment, specimen);
+  if (reason.empty() && choice.name.calibrated) reason = calibration_unsuited(experiment, specimen);
   if (reason.empty() && identification_of(experiment)) reason = identification_unsuited(choice);
   return reason;
 }
@@ -155,7 +154,7 @@ std::string unsuited(const Specimen& specimen, const Experiment& experiment, con
 std::optional<ElasticTerms> make_elasticity(const Specimen& specimen, const Experiment& experiment,
                                             const StrategyChoice& any, const RunOptions& options, Run& run) {
   const StrategyChoice choice = on_body(any, specimen);
-  auto elasticity = choice.strategy.by_parts && !choice.calibrated ? make_by_parts(specimen, choice, run)
+  auto elasticity = choice.strategy.by_parts && !choice.name.calibrated ? make_by_parts(specimen, choice, run)
                     : choice.strategy.constants ? make_rule(specimen, experiment, choice, options, run)
                                                 : choice.strategy.make(specimen.body, specimen.material, choice.values);
   if (!elasticity) return std::nullopt;

@@ -12,7 +12,7 @@ void prepare(Specimen& specimen, const Strategy& strategy);
 
 /// The choice, with a volume term where it is a law of solids that locks without one: where a Poisson's ratio is above
 /// kLocking, and the law and the cells can have one.
-StrategyChoice without_locking(StrategyChoice choice, const Specimen& specimen);
+StrategyChoice without_locking(const Catalog& catalog, StrategyChoice choice, const Specimen& specimen);
 
 /// Whether the strategy needs the triangles or tetrahedra of a body that it suits.
 bool needs_cells(const Strategy& strategy, const Body& body);

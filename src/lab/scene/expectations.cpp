@@ -15,10 +15,10 @@ struct Measured : Setup {
 };
 
 template <class Setup>
-Key<Measured<Setup>> measure_key() {
+Key<Measured<Setup>> measure_key(const MeasureList& measures) {
   return {{"measure", "word", "", "", "none", "name of a measure; `elastin list` prints all"},
-          [](const Reader& value, Measured<Setup>& setup) {
-            const MeasureInfo info = value.located([&] { return find_measure(value.text()); });
+          [&measures](const Reader& value, Measured<Setup>& setup) {
+            const MeasureInfo info = value.located([&] { return measures.at(value.text()); });
             setup.measure = info.name;
             setup.unit = info.unit;
           }};
@@ -32,7 +32,8 @@ Key<Measured<Setup>> measured_key(SceneKey row, double Setup::*member, const Ran
           [=](const Reader& value, Measured<Setup>& setup) { setup.*member = value.quantity(setup.unit, range); }};
 }
 
-Keys<Measured<Expectation>> expect_keys(const std::vector<StrategyChoice>& strategies, const Catalog& catalog) {
+Keys<Measured<Expectation>> expect_keys(const std::vector<StrategyChoice>& strategies, const Catalog& catalog,
+                                        const MeasureList& known) {
   using S = Measured<Expectation>;
   const auto stops = [](const S& setup) { return !setup.outcome.empty(); };
   const auto measures = [](const S& setup) { return setup.outcome.empty(); };
@@ -52,7 +53,7 @@ Keys<Measured<Expectation>> expect_keys(const std::vector<StrategyChoice>& strat
               .then([](const Reader& value, const S& setup) {
                 if (setup.cause.empty()) value.fail("name the cause: words that the cause of the run must contain");
               }),
-          measure_key<Expectation>().needed_when(measures, "needed, or `outcome`"),
+          measure_key<Expectation>(known).needed_when(measures, "needed, or `outcome`"),
           measured_key({.name = "value", .text = "what the measure must be"}, &Expectation::value)
               .needed_when(measures, "needed with `measure`"),
           Key<S>(key::quantity("tolerance", &S::relative, dimension::none, "relative difference that is allowed",
@@ -67,8 +68,8 @@ Keys<Measured<Expectation>> expect_keys(const std::vector<StrategyChoice>& strat
               .when(measures)};
 }
 
-Keys<Measured<Reference>> reference_keys() {
-  return {measure_key<Reference>().needed(),
+Keys<Measured<Reference>> reference_keys(const MeasureList& known) {
+  return {measure_key<Reference>(known).needed(),
           measured_key({.name = "value", .text = "what the measure is"}, &Reference::value).needed(),
           key::text("source", &Reference::source, "where the value comes from").needed(),
           key::quantity("uncertainty", &Reference::uncertainty, dimension::none,
@@ -92,7 +93,7 @@ Keys<ComputedReference> computed_keys(const Catalog& catalog) {
 }
 
 /// computed, none, {computed: {…}}, or one stated value.
-void read_reference(Reader item, const Catalog& catalog, Scene& scene) {
+void read_reference(Reader item, const Catalog& catalog, const MeasureList& measures, Scene& scene) {
   using When = ComputedReference::When;
   if (item.is_text()) {
     scene.computed.when = item.choice<When>({{"computed", When::always}, {"none", When::never}});
@@ -101,15 +102,15 @@ void read_reference(Reader item, const Catalog& catalog, Scene& scene) {
     scene.computed.when = When::always;
     item.finish();
   } else {
-    scene.references.push_back(reference_keys().read(item));
+    scene.references.push_back(reference_keys(measures).read(item));
   }
 }
 
 }  // namespace
 
 Expectation read_expectation(const Reader& reader, const std::vector<StrategyChoice>& strategies,
-                             const Catalog& catalog) {
-  const Expectation expectation = expect_keys(strategies, catalog).read(reader);
+                             const Catalog& catalog, const MeasureList& measures) {
+  const Expectation expectation = expect_keys(strategies, catalog, measures).read(reader);
   const bool judged = expectation.outcome.empty() && expectation.not_reproduced.empty();
   if (judged && expectation.relative == 0 && expectation.absolute == 0)
     reader.fail(
@@ -117,16 +118,16 @@ Expectation read_expectation(const Reader& reader, const std::vector<StrategyCho
   return expectation;
 }
 
-void read_references(const Reader& reader, const Catalog& catalog, Scene& scene) {
-  if (reader.is_text() || reader.is_map()) return read_reference(reader, catalog, scene);
+void read_references(const Reader& reader, const Catalog& catalog, const MeasureList& measures, Scene& scene) {
+  if (reader.is_text() || reader.is_map()) return read_reference(reader, catalog, measures, scene);
   for (const Reader& item : reader.items()) {
     if (item.is_text() && item.text() == "none") item.fail("stands alone: reference: none");
-    read_reference(item, catalog, scene);
+    read_reference(item, catalog, measures, scene);
   }
 }
 
 std::vector<KeySection> expectation_keys(const Catalog& catalog) {
-  std::vector<SceneKey> reference = reference_keys().rows();
+  std::vector<SceneKey> reference = reference_keys(built_in_measures()).rows();
   for (SceneKey& row : key::rows_below({.name = "computed"}, computed_keys(catalog)))
     reference.push_back(std::move(row));
   return {
@@ -137,7 +138,7 @@ std::vector<KeySection> expectation_keys(const Catalog& catalog) {
        std::move(reference)},
       {"expect", "Expectations",
        "Each item of `expect` names a measure with its value, or the outcome with which a run must stop:",
-       expect_keys({}, catalog).rows()}};
+       expect_keys({}, catalog, built_in_measures()).rows()}};
 }
 
 }  // namespace elastin::lab

@@ -34,7 +34,16 @@ Strategy with_pressures(Strategy strategy, int pressures) {
 /// How the volume is kept near ν = ½.
 enum class VolumeTerm { none, automatic, mean_dilatation, linear_pressure };
 
-void add_volume(const Reader& volume, StrategyChoice& choice) {
+/// The choice with one more property in its name.
+StrategyChoice chosen_with(const Catalog& catalog, const StrategyChoice& choice, bool StrategyName::*property) {
+  StrategyName name = choice.name;
+  name.*property = true;
+  StrategyChoice chosen = choose_strategy(catalog, name);
+  chosen.values = choice.values;
+  return chosen;
+}
+
+void add_volume(const Reader& volume, const Catalog& catalog, StrategyChoice& choice) {
   if (choice.strategy.volume_modulus) volume.fail("'" + choice.label + "' has a volume term already");
   const bool springs = choice.strategy.kind != StrategyKind::cell_law;
   std::vector<std::pair<std::string, VolumeTerm>> words{{springs ? "true" : "averaged", VolumeTerm::automatic},
@@ -46,7 +55,8 @@ void add_volume(const Reader& volume, StrategyChoice& choice) {
     words.emplace_back("linear_pressure", VolumeTerm::linear_pressure);
   }
   const VolumeTerm term = volume.choice(words);
-  if (term != VolumeTerm::none) choice = volume.located([&] { return with_volume(std::move(choice)); });
+  if (term != VolumeTerm::none)
+    choice = volume.located([&] { return chosen_with(catalog, choice, &StrategyName::volume); });
   if (term == VolumeTerm::mean_dilatation) choice.strategy = with_pressures(std::move(choice.strategy), 1);
   if (term == VolumeTerm::linear_pressure) choice.strategy = with_pressures(std::move(choice.strategy), 4);
 }
@@ -69,12 +79,12 @@ Keys<StrategyChoice> strategy_map_keys(const Catalog& catalog) {
               "cells have: `linear_pressure` in hexahedra of 27 nodes, `mean_dilatation` in other hexahedra, prisms "
               "and tetrahedra of second order, else volumes around molecules or in cubes; `none` (`false`, `cells`) "
               "at each point alone"},
-             [](const Reader& value, S& choice) { add_volume(value, choice); }),
+             [&catalog](const Reader& value, S& choice) { add_volume(value, catalog, choice); }),
       Key<S>({"wrinkling", "`drop`, `keep`", "", "", "`keep`",
               "`drop`: a membrane law without compressive stress, as `+wrinkling`"},
-             [](const Reader& value, S& choice) {
+             [&catalog](const Reader& value, S& choice) {
                if (value.choice<bool>({{"drop", true}, {"keep", false}}))
-                 choice = value.located([&] { return with_wrinkling(std::move(choice)); });
+                 choice = value.located([&] { return chosen_with(catalog, choice, &StrategyName::wrinkling); });
              }),
       key::text("label", &S::label, "name in tables").otherwise("the name"),
       parameter_keys(strategies, &S::values, [](const S& choice) { return &choice.strategy; })};

@@ -87,11 +87,11 @@ std::vector<Key<Setup>> parameter_keys(const Rows& rows, ParameterValues Setup::
 /// A length above 0 [m].
 double read_length(Reader& reader, const char* key);
 StrategyChoice read_strategy(Reader reader, const Catalog& catalog);
-/// `strategies` are those of the scene: an expectation may name one by its label.
+/// `strategies` are those of the scene: an expectation may name one by its label. `measures`: those that may be named.
 Expectation read_expectation(const Reader& reader, const std::vector<StrategyChoice>& strategies,
-                             const Catalog& catalog);
+                             const Catalog& catalog, const MeasureList& measures);
 /// computed, none, {computed: {…}}, one stated value, or a list of stated values and `computed`.
-void read_references(const Reader& reader, const Catalog& catalog, Scene& scene);
+void read_references(const Reader& reader, const Catalog& catalog, const MeasureList& measures, Scene& scene);
 /// {vary: [{KEY.PATH: [value, …], …}, …], repeats: 5, threads: [1, 2], own_reference: STRATEGY}
 Study read_study(const Reader& reader, const std::vector<StrategyChoice>& known);
 /// Reads the section for its faults alone; see load_identify_task.

@@ -7,7 +7,6 @@
 #include <new>
 #include <stdexcept>
 
-#include "core/laws/springs/patch.h"
 #include "elastin/core/base/text.h"
 #include "elastin/core/model/parts.h"
 #include "elastin/core/model/share.h"
@@ -16,6 +15,7 @@
 #include "elastin/core/solve/engine.h"
 #include "lab/febio/model.h"
 #include "lab/run/calibration.h"
+#include "lab/run/common_measures.h"
 #include "lab/scene/parts.h"
 
 namespace elastin::lab {
@@ -52,7 +52,7 @@ std::vector<StrategyChoice> read_strategies(std::optional<Reader> reader, const 
 StrategyChoice read_stiffness(Reader reader, const Catalog& catalog, Scene& scene) {
   StrategyChoice written = read_strategy(reader, catalog);
   if (reader.is_map() && reader.has("volume")) return written;
-  StrategyChoice choice = without_locking(written, scene.specimen);
+  StrategyChoice choice = without_locking(catalog, written, scene.specimen);
   if (choice.strategy.name == written.strategy.name) return choice;
   scene.notes.push_back("stiffness: " + choice.strategy.name +
                         ", since plain cells lock where nu is above 0.4; `volume: none` leaves the pressures out");
@@ -197,7 +197,7 @@ std::string needs_whole_body(Reader& reader, const Catalog& catalog, const Exper
 /// The same of its strategy, seen on a share.
 std::string needs_whole_body(const Strategy& strategy, const Body& share, const Material& material) {
   if (lacks_voronoi(share, strategy, {material})) return "its Voronoi cells are those of the whole";
-  if (strategy.name.starts_with(Patch::name)) return "the rule's equations join all molecules";
+  if (strategy.joins_molecules) return "the rule's equations join all molecules";
   return "";
 }
 
@@ -361,14 +361,17 @@ std::unique_ptr<Scene> read_scene(const SceneSource& source, const Catalog& cata
   std::vector<StrategyChoice> known = scene->strategies;
   known.push_back(scene->stiffness);
   check_volume_range(reader.at("material"), scene->specimen, known);
+  scene->measures = std::make_shared<const MeasureList>(measures_of(*scene->experiment));
+  MeasureList measures = *scene->measures;  // what others have is known, too: it is not measured here
+  measures.add(measures_of(experiments));
   if (auto expect = reader.find("expect"))
     for (const Reader& item : expect->items()) {
-      const Expectation& wanted = scene->expectations.emplace_back(read_expectation(item, known, catalog));
+      const Expectation& wanted = scene->expectations.emplace_back(read_expectation(item, known, catalog, measures));
       if (!wanted.strategy.empty() && !find_strategy(known, wanted.strategy))
         scene->warnings.push_back(item.path() + ": no run of this scene is with " + wanted.strategy +
                                   ", so that `run` and `compare` do not check it; add it to `strategies`");
     }
-  if (auto references = reader.find("reference")) read_references(*references, catalog, *scene);
+  if (auto references = reader.find("reference")) read_references(*references, catalog, measures, *scene);
   scene->problem = problem_text(reader, *scene);
   if (auto study = reader.find("study")) scene->study = read_study(*study, known);
   if (auto steppers = reader.find("steppers")) scene->steppers = read_stepper_study(*steppers, catalog.steppers);
@@ -397,6 +400,7 @@ std::unique_ptr<Scene> read_febio_model(const SceneSource& source, const std::ve
   scene->warnings = std::move(model.warnings);
   scene->notes = std::move(model.notes);
   scene->experiment = model.make_experiment(scene->specimen.body);
+  scene->measures = std::make_shared<const MeasureList>(measures_of(*scene->experiment));
   scene->build_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return scene;
 }

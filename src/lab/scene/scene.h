@@ -43,9 +43,10 @@ struct Scene {
   std::string name, title;
   Specimen specimen;
   std::unique_ptr<const Experiment> experiment;
-  Matrix3 rotation = Matrix3::Identity();  ///< of the whole scene
-  StrategyChoice stiffness;                ///< what `run` uses
-  std::vector<StrategyChoice> strategies;  ///< what `compare` uses
+  std::shared_ptr<const MeasureList> measures;  ///< of the experiment's runs
+  Matrix3 rotation = Matrix3::Identity();       ///< of the whole scene
+  StrategyChoice stiffness;                     ///< what `run` uses
+  std::vector<StrategyChoice> strategies;       ///< what `compare` uses
   StaticOptions statics;
   std::optional<TimeOptions> time;  ///< of a timed experiment, and only of one
   std::vector<Expectation> expectations;

@@ -13,6 +13,7 @@
 #include "elastin/core/solve/modes.h"
 #include "elastin/core/solve/stable_step.h"
 #include "lab/report/table.h"
+#include "lab/run/common_measures.h"
 #include "lab/run/run_in_time.h"
 #include "lab/scene/parts.h"
 
@@ -197,7 +198,7 @@ void add_built(std::string& out, Scene& scene) {
                                                      : "force densities from positions alone";
     if (strategy.needs_voronoi(body)) what += ", Voronoi cells";
     if (strategy.volume_modulus) what += ", volume groups";
-    if (choice.calibrated) what += ", measured by linear solves";
+    if (choice.name.calibrated) what += ", measured by linear solves";
     built[what].push_back(choice.label);
   }
   for (const auto& [what, names] : built)
@@ -290,6 +291,24 @@ std::string rows_text(const std::string& title, const Rows& rows, bool colours) 
          (any ? "\n" + parameters.text(colours) : "");
 }
 
+/// Each measure with the experiments of which its text is true; "" of every run.
+std::vector<std::pair<MeasureInfo, std::string>> described_measures(const ExperimentCatalog& experiments) {
+  std::vector<std::pair<MeasureInfo, std::string>> rows;
+  for (const ExperimentInfo& experiment : experiments.experiments())
+    for (const MeasureInfo& info : experiment.measures) {
+      const auto same = std::find_if(rows.begin(), rows.end(), [&](const auto& row) {
+        return row.first.name == info.name && row.first.text == info.text;
+      });
+      if (same == rows.end())
+        rows.emplace_back(info, experiment.name);
+      else
+        same->second += ", " + experiment.name;
+    }
+  std::stable_sort(rows.begin(), rows.end(), [](const auto& a, const auto& b) { return a.first.name < b.first.name; });
+  for (const MeasureInfo& info : common_measures()) rows.emplace_back(info, "");
+  return rows;
+}
+
 }  // namespace
 
 std::string catalog_text(const Catalog& catalog, const ExperimentCatalog& experiments, bool colours) {
@@ -313,9 +332,9 @@ std::string catalog_text(const Catalog& catalog, const ExperimentCatalog& experi
   }
   out += "\n" + painted("Experiments", Tone::bold, colours) + "\n" + kinds.text(colours) + "\n" +
          painted("Their keys", Tone::bold, colours) + "\n" + keys.text(colours);
-  Table measures({"measure", "unit", "meaning"});
-  for (const MeasureInfo& info : measure_list())
-    measures.add({{std::string(info.name)}, {info.unit_text()}, {std::string(info.text), Tone::faint}});
+  Table measures({"measure", "unit", "meaning", "of"});
+  for (const auto& [info, of] : described_measures(experiments))
+    measures.add({{info.name}, {info.unit_text()}, {info.text, Tone::faint}, {of, Tone::faint}});
   return out + "\n" + painted("Measures", Tone::bold, colours) + "\n" + measures.text(colours);
 }
 

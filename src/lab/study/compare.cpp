@@ -91,12 +91,12 @@ std::string Comparison::finished_text(const Record& record) const {
   text += ": ";
   if (!solved(record)) return text + outcome_text(record.run);
   for (const MainMeasure& measure : record.main_measures) {
-    const std::string name(measure.name);
-    if (find_measure(name).unit == dimension::none) continue;
+    const std::string& name = measure.name;
+    if (record.measure(name).unit == dimension::none) continue;
     const double to_reference = record.error(name + "_to_reference");
     const double error = std::isfinite(to_reference) ? to_reference : record.error(name);
     if (std::isfinite(error))
-      return text + find_measure(name).label() + " " + percent(error) +
+      return text + record.measure(name).label() + " " + percent(error) +
              (std::isfinite(to_reference) ? " to the reference, " : ", ") + readable_seconds(record.least_seconds());
   }
   return text + readable_seconds(record.least_seconds());
@@ -127,7 +127,7 @@ void Comparison::add_references(const ScenePlan& plan,
                                 const std::vector<StrategyChoice>& choices, Scene& scene) {
   if (!wants_computed_references(scene, request_.reference) || !plan.own_reference.empty()) return;
   const bool calibrates = scene.experiment->apparent() &&
-                          std::any_of(choices.begin(), choices.end(), [](const auto& c) { return c.calibrated; });
+                          std::any_of(choices.begin(), choices.end(), [](const auto& c) { return c.name.calibrated; });
   const bool asked =
       request_.reference == "computed" || scene.computed.when == ComputedReference::When::always || calibrates;
   if (!request_.compare && !asked) return;

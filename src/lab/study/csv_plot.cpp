@@ -74,8 +74,8 @@ std::pair<std::string, std::string> usual_columns(const Csv& csv) {
   if (csv.has("method") && csv.has("minimum_s") && csv.has("error")) return {"minimum_s", "error"};
   if (csv.has("strategy")) return {"solve", first_error(csv)};
   const bool in_time = csv.has("time [s]");
-  const ResponseCurve chosen =
-      choose_response(in_time, [&](const std::string& name) { return has_number(csv, find_column(csv, name)); });
+  const ResponseAxes chosen = choose_response(
+      usual_response(in_time), [&](const std::string& name) { return has_number(csv, find_column(csv, name)); });
   if (!chosen.y.empty()) return {chosen.x == "load" ? "load_factor" : chosen.x, chosen.y};
   const std::string along = first_changing(csv, 0);
   const std::string up = along.empty() ? "" : first_changing(csv, csv.column(along) + 1);

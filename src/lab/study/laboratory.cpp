@@ -16,11 +16,14 @@ StrategyChoice choose(const Scene& scene, const Catalog& catalog, const std::str
   return label.empty() ? scene.stiffness : choose_strategy(scene, catalog, label);
 }
 
-Measured measured(const std::string& name, double value) { return {name, find_measure(name).unit_text(), value}; }
+Measured measured(const MeasureList& known, const std::string& name, double value) {
+  const MeasureInfo* info = known.find(name);
+  return {name, (info ? *info : find_measure(name)).unit_text(), value};
+}
 
-std::vector<Measured> measured(const Measures& measures) {
+std::vector<Measured> measured(const MeasureList& known, const Measures& measures) {
   std::vector<Measured> list;
-  for (const auto& [name, value] : measures.all()) list.push_back(measured(name, value));
+  for (const auto& [name, value] : measures.all()) list.push_back(measured(known, name, value));
   return list;
 }
 
@@ -43,11 +46,11 @@ LaboratoryResult result_of(const Scene& scene, Run made) {
   result.suited = run.suited;
   result.cause = run.cause;
   result.good = record.good() && (run.suited || record.stopped_as_expected());
-  result.measures = measured(run.measures);
+  result.measures = measured(*scene.measures, run.measures);
   for (const MainMeasure& measure : record.main_measures) result.main.emplace_back(measure.name);
   for (const auto& [name, error] : record.errors) result.errors.push_back({name, "", error});
   for (const CurvePoint& point : run.curve)
-    result.curve.push_back({run.time ? point.time : point.load_factor, measured(point.measures)});
+    result.curve.push_back({run.time ? point.time : point.load_factor, measured(*scene.measures, point.measures)});
   result.stiffness = run.measures.stiffness_matrix;
   if (!run.snapshots.empty()) set_last_state(scene.specimen.body, run.snapshots.back(), result);
   for (const Snapshot& kept : run.snapshots) result.states.push_back({kept.at, kept.positions});
@@ -123,7 +126,7 @@ std::vector<Stated> Laboratory::references() const {
   std::vector<Stated> list;
   for (const auto* references : {&impl_->scene->references, &impl_->scene->specimen.references})
     for (const Reference& reference : *references)
-      list.push_back({"", measured(reference.measure, reference.value), reference.source});
+      list.push_back({"", measured(*impl_->scene->measures, reference.measure, reference.value), reference.source});
   return list;
 }
 
@@ -131,7 +134,8 @@ std::vector<Stated> Laboratory::expectations() const {
   std::vector<Stated> list;
   for (const Expectation& expectation : impl_->scene->expectations)
     if (!expectation.measure.empty())
-      list.push_back({expectation.strategy, measured(expectation.measure, expectation.value), expectation.source});
+      list.push_back({expectation.strategy, measured(*impl_->scene->measures, expectation.measure, expectation.value),
+                      expectation.source});
   return list;
 }
 

@@ -137,17 +137,19 @@ std::string own_law(const Scene& scene, const Catalog& catalog, const Body& doma
   if (!scene.computed.strategy.empty()) return scene.computed.strategy;
   const Material& material = scene.specimen.material;
   const std::string law = material.law ? material.law->law : material.curve ? "curve" : "neo_hookean";
-  if (!is_solid(domain)) return law + "_membrane";
-  const auto suits = [&](const std::string& label) {
+  if (!is_solid(domain)) return StrategyName::of_law(law, 2).text();
+  const auto suits = [&](const StrategyName& name) {
     try {
-      const StrategyChoice choice = choose_strategy(catalog, label);
+      const StrategyChoice choice = choose_strategy(catalog, name);
       if (choice.strategy.volume_modulus) choice.strategy.volume_modulus(material);
       return choice.strategy.unsuited(domain).empty() && material_unsuited(choice.strategy, domain, material).empty();
     } catch (const InputError&) {
       return false;
     }
   };
-  return largest_poissons_ratio(material, domain) > kLocking && suits(law + "+volume") ? law + "+volume" : law;
+  StrategyName with_volume(law);
+  with_volume.volume = true;
+  return largest_poissons_ratio(material, domain) > kLocking && suits(with_volume) ? with_volume.text() : law;
 }
 
 /// One body of the sequence, solved.
@@ -243,7 +245,7 @@ std::vector<Reference> limits_of(const Scene& scene, const std::vector<Level>& l
     const double uncertainty = found.uncertainty / std::abs(found.value);
     if (!std::isfinite(uncertainty)) continue;
     // A ratio that is next to nothing has no relative error worth telling.
-    const bool ratio = find_measure(name).unit == dimension::none;
+    const bool ratio = scene.measures->at(name).unit == dimension::none;
     if (ratio && (uncertainty > kMostUncertain || std::abs(found.value) < 1e-3)) continue;
     references.push_back({name, found.value,
                           fmt::format("computed: {} on {} to {} {}{}", strategy, levels.front().cells,
@@ -256,10 +258,11 @@ std::vector<Reference> limits_of(const Scene& scene, const std::vector<Level>& l
 
 /// Whether all measures that rank strategies are known well enough: by three bodies, for two show no order, unless they
 /// hardly differ.
-bool known(const std::vector<Reference>& references, const std::vector<Level>& levels, double uncertainty) {
+bool known(const Scene& scene, const std::vector<Reference>& references, const std::vector<Level>& levels,
+           double uncertainty) {
   bool any = false;
   for (const Reference& reference : references) {
-    if (find_measure(reference.measure).unit == dimension::none) continue;
+    if (scene.measures->at(reference.measure).unit == dimension::none) continue;
     any = true;
     if (reference.uncertainty > uncertainty) return false;
     const double change =
@@ -343,7 +346,7 @@ std::string Sequence::outlook(const std::vector<Reference>& references) const {
   if (levels_.empty()) return "";
   double least_known = 0;
   for (const Reference& reference : references)
-    if (find_measure(reference.measure).unit != dimension::none)
+    if (scene_.measures->at(reference.measure).unit != dimension::none)
       least_known = std::max(least_known, reference.uncertainty);
   return fmt::format(", up to {}{}", readable_seconds(kGrowth * levels_.back().seconds),
                      least_known > 0 ? fmt::format(" (known to {:.2g} %, target {:.2g} %)", 100 * least_known,
@@ -410,7 +413,7 @@ ComputedReferences Sequence::solve(const std::function<void(const std::string&)>
       break;
     }
     result.references = limits_of(*scene, levels_, law_);
-    if (known(result.references, levels_, scene_.computed.uncertainty)) break;
+    if (known(scene_, result.references, levels_, scene_.computed.uncertainty)) break;
     if (const std::string why = limit(); !why.empty()) {
       if (levels_.size() == 1) result.references = limits_by_order(*scene, choice, progress, stop);
       result.trouble = why + " (computed.most_cells, computed.seconds)";

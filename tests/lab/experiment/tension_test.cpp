@@ -216,7 +216,7 @@ TEST_CASE("calibrated: every rule measures E on every body", "[tension][slow]") 
   specimens.push_back(std::move(packing));
   for (std::size_t i = 0; i < specimens.size(); ++i)
     for (const StrategyChoice& choice : all_strategies(kCatalog, specimens[i])) {
-      if (!choice.calibrated || !choice.strategy.unsuited(specimens[i].body).empty()) continue;
+      if (!choice.name.calibrated || !choice.strategy.unsuited(specimens[i].body).empty()) continue;
       INFO("specimen " << i << " " << choice.label);
       TensionSetup setup;
       setup.grip_depth = i == 4 ? 0.0005 : 0;

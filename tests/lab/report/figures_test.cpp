@@ -22,6 +22,10 @@ Record run_of(const std::string& strategy, std::vector<std::pair<std::string, st
   return record;
 }
 
+std::shared_ptr<const MeasureList> measures_of_scene(const std::string& name) {
+  return load_scene(ELASTIN_SOURCE_DIR "/scenes/dynamics/" + name + ".yaml", built_in_catalog())->measures;
+}
+
 }  // namespace
 
 TEST_CASE("strategies of one family have shades of one hue, and none looks like another", "[figures]") {
@@ -85,7 +89,7 @@ TEST_CASE("lists under a key count as the body's molecules", "[figures]") {
 
 TEST_CASE("cyclic loading shows the loop of stress and strain", "[figures]") {
   Record record = run_of("prony:lattice");
-  record.main_measures = {{"storage_modulus"}, {"loss_modulus"}, {"loss_tangent"}};
+  record.measures = measures_of_scene("cyclic");
   record.run.time.emplace();
   for (int i = 0; i <= 40; ++i) {
     CurvePoint point;
@@ -106,7 +110,7 @@ TEST_CASE("cyclic loading shows the loop of stress and strain", "[figures]") {
 TEST_CASE("relaxation shows the force, over the logarithm of time where it spans decades", "[figures]") {
   const auto plot_of = [](double factor) {
     Record record = run_of("prony:lattice");
-    record.main_measures = {{"relaxation_time"}};
+    record.measures = measures_of_scene("relaxation");
     record.run.time.emplace();
     for (double time = 1; record.run.curve.size() < 20; time = factor > 1 ? factor * time : time + 1) {
       CurvePoint point;

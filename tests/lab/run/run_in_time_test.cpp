@@ -318,7 +318,7 @@ TEST_CASE("a restart file of another run, or a damaged one, is refused", "[time]
   refuse("nothing of the kind", kRelease + time, "this is no restart file");
   std::string older = kept;  // there the contact's multipliers had another unit
   REQUIRE(older.starts_with("elastin-restart-6 "));
-  older[std::string("elastin-restart-").size()] = '4';
+  older[std::string("elastin-restart-").size()] = '5';
   refuse(older, kRelease + time, "of another version of the program ('elastin-restart-5', here 'elastin-restart-6')");
   refuse(kept.substr(0, kept.size() / 2), kRelease + time, "cut off");
   refuse(kept, kRelease + "time: {duration: 2 s, frames: 4}\n", "of another run");
@@ -447,7 +447,7 @@ TEST_CASE("a state to start from: velocity, spin, turned, scattered", "[time][in
       "time: {duration: 10 ms, frames: 4}\n";
   const Run moving = run_of(text + "initial: {velocity: [3 m/s, 0 m/s, 4 m/s]}\n");
   CHECK(measured(moving, "speed") == Approx(5));
-  CHECK(measured(moving, "centre_way") == Approx(0.05));
+  CHECK(measured(moving, "centre_displacement") == Approx(0.05));
   CHECK(measured(moving, "largest_strain") < 1e-12);
   const Run spinning = run_of(text + "initial: {spin: [0 /s, 0 /s, 10 /s]}\n");
   CHECK(measured(spinning, "speed") < 1e-12);

@@ -77,6 +77,11 @@ class Pull final : public StaticExperiment {
  public:
   Pull(const Body& body, double displacement) : body_(body), displacement_(displacement) {}
   std::string name() const override { return "pull"; }
+  MeasureList measures() const override {
+    return {{{"force", dimension::force, "pull on the upper end", MeasureRole::force},
+             {"grip_work", dimension::energy, "half of force times displacement"}},
+            {{"load", "force", true}}};
+  }
   std::unique_ptr<StaticRig> make_rig(Model& model) const override;
   std::vector<MainMeasure> main_measures(const Material&, const Measures&) const override { return {{"force"}}; }
 
@@ -104,6 +109,7 @@ class PullRig final : public StaticRig {
       if (is_upper(model_.supports[i])) force += solved.reactions(2, static_cast<Eigen::Index>(i));
     Measures measures;
     measures.set("force", force);
+    measures.set("grip_work", force * pull_.displacement_ / 2);
     return measures;
   }
 
@@ -167,6 +173,13 @@ TEST_CASE("a program's own experiment runs in scenes", "[scene][experiment][labo
   const std::string clamped = "fixed_grip: clamped, loaded_grip: clamped";
   CHECK(force("kind: pull, by: 3 mm") ==
         Approx(force("kind: tension, axis: z, displacement: 3 mm, " + clamped)).epsilon(1e-9));
+  const LaboratoryResult run =
+      Laboratory(folder.write("own.yaml", kBody + "experiment: {kind: pull}\nexpect: [{measure: grip_work, value: 1 J, "
+                                                  "not_reproduced: unit alone, source: test}]\n"),
+                 {}, built_in_catalog(), catalog)
+          .run();
+  CHECK(run.get("grip_work") == Approx(run.get("force") * 0.001 / 2));
+  CHECK(run.measures[1].unit == "J");
   CHECK(force("kind: pull") == Approx(force("kind: pull, by: 1 mm")).epsilon(1e-12));
   CHECK_THROWS_WITH(force("kind: pull, by: 2 m"), Contains("experiment.by: '2 m' is out of range"));
   CHECK_THROWS_WITH(force("kind: pull, buy: 2 mm"), Contains("did you mean 'by'?"));

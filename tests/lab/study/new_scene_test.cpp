@@ -69,7 +69,7 @@ TEST_CASE("calibration is offered to specimens that measure what a rule can be c
     // What shows an apparent modulus alone gets its reference when `compare` computes it.
     const bool suited = unsuited.empty() || unsuited.find("computed reference") != std::string::npos;
     CHECK(suited == std::any_of(scene->strategies.begin(), scene->strategies.end(),
-                                [](const StrategyChoice& choice) { return choice.calibrated; }));
+                                [](const StrategyChoice& choice) { return choice.name.calibrated; }));
   }
 }
 

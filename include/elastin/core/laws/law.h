@@ -18,7 +18,8 @@ namespace elastin {
 /// `static bool needs_voronoi(const Body&)`: whether it works on Body::voronoi, and, if a spring rule,
 /// `static constexpr bool on_cells = true`: its constants come from cells. Other rules are not shown the connections
 /// that are sides of cells only (Connections::cell_sides), neither here nor in unsuited(): those get 0. A cell law that
-/// takes the material's stress-strain curve has `static constexpr bool follows_curve = true`.
+/// takes the material's stress-strain curve has `static constexpr bool follows_curve = true`. Further properties of
+/// this kind are needs_faces, takes_scale and joins_molecules, as in Strategy.
 template <class Law>
 concept StiffnessLaw = requires {
   { Law::name } -> std::convertible_to<std::string_view>;

@@ -13,6 +13,7 @@
 #include "elastin/core/laws/law.h"
 #include "elastin/core/laws/material_law.h"
 #include "elastin/core/linear/linear_solver.h"
+#include "elastin/core/simulation/strategy_name.h"
 #include "elastin/core/solve/engine.h"
 #include "elastin/core/solve/integrator.h"
 
@@ -39,6 +40,9 @@ struct Strategy : Descriptor {
   std::function<std::string(const Material&)> unsuited_material = [](const Material&) { return std::string(); };
   /// Whether it needs the Voronoi cells of this body (Body::voronoi).
   std::function<bool(const Body&)> needs_voronoi = [](const Body&) { return false; };
+  bool needs_faces = false;  ///< whether its springs stand for faces between molecules: one without a spring is lost
+  bool takes_scale = false;  ///< whether only the ratios of its constants have a meaning, their size being a parameter
+  bool joins_molecules = false;  ///< whether a constant depends on all molecules: a share of a body is not enough
   /// Spring rules only: the constants [N/m]. Throws InputError on parameters out of range or unknown.
   std::function<VectorX(const Body&, const Material&, const ParameterValues&)> constants;
   /// Updated spring rules only: the function that gives the constants [N/m]. The body must outlive it.
@@ -153,6 +157,9 @@ Strategy described_strategy() {
     strategy.unsuited = [](const Body& body) { return Law::unsuited(*seen_by<Law>(body)); };
   if constexpr (requires(const Body& body) { Law::needs_voronoi(body); }) strategy.needs_voronoi = &Law::needs_voronoi;
   if constexpr (requires { Law::follows_curve; }) strategy.follows_curve = Law::follows_curve;
+  if constexpr (requires { Law::needs_faces; }) strategy.needs_faces = Law::needs_faces;
+  if constexpr (requires { Law::takes_scale; }) strategy.takes_scale = Law::takes_scale;
+  if constexpr (requires { Law::joins_molecules; }) strategy.joins_molecules = Law::joins_molecules;
   return strategy;
 }
 
@@ -246,7 +253,7 @@ Strategy solid_strategy() {
 template <class Law>
 Strategy membrane_strategy() {
   Strategy strategy = cell_strategy<2, Law>();
-  strategy.name += "_membrane";
+  strategy.name = StrategyName::of_law(strategy.name, 2).text();
   if constexpr (requires { Law::membrane_summary; }) strategy.summary = Law::membrane_summary;
   if constexpr (requires { Law::membrane_source; }) strategy.source = Law::membrane_source;
   strategy.make = made_by<Law>(strategy, &make_cells<2, Law>);
@@ -272,10 +279,10 @@ class Catalog {
   void add(Strategy strategy);
 
   const std::vector<Strategy>& strategies() const { return strategies_; }
-  /// "NAME", "NAME+volume" (see with_volume), "NAME+wrinkling" (see with_wrinkling) or "calibrated:RULE" (see
-  /// calibrated; "calibrated" alone is calibrated:standard), "prony:NAME" (see with_relaxation) or "mullins:NAME" (see
-  /// with_softening), also together: "prony:mullins:calibrated:patch+volume". Throws InputError with the nearest name
-  /// and the list of what there is, or as these do.
+  /// A strategy of this catalog with the properties that its name states. Throws InputError with the nearest name and
+  /// the list of all, or as with_volume, with_wrinkling, calibrated, with_softening and with_relaxation do.
+  Strategy find(const StrategyName& name) const;
+  /// The same of a name as a scene writes it; a row of the catalog may have any name.
   Strategy find(const std::string& name) const;
   std::vector<std::string> names() const;
 
@@ -288,6 +295,8 @@ class Catalog {
   Table<MaterialLaw> material_laws{"material law"};
 
  private:
+  const Strategy* named(const std::string& name) const;  // null: no such row
+  [[noreturn]] void refuse(const StrategyName& name) const;
   std::vector<Strategy> strategies_;
 };
 

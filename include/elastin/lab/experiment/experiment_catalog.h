@@ -37,6 +37,7 @@ struct ExperimentInfo {
   std::vector<ParameterInfo> parameters = {};
   /// From the parameters' values, all there, in SI units. Throws InputError if the body does not suit.
   std::function<std::unique_ptr<Experiment>(const ExperimentContext&, const ParameterValues&)> make = {};
+  MeasureList measures = {};                ///< as Experiment::measures, without those of a fixture
   std::vector<config::SceneKey> keys = {};  ///< beside `kind`
   std::function<std::unique_ptr<Experiment>(config::Reader&, const ExperimentContext&)> read = {};
 };
@@ -59,5 +60,12 @@ class ExperimentCatalog {
 
 /// The experiments that come with Elastin.
 ExperimentCatalog built_in_experiments();
+
+/// The measures of all experiments of a catalog and of their runs; of several with one name the first.
+MeasureList measures_of(const ExperimentCatalog& catalog);
+/// The measures of the experiments that come with Elastin.
+const MeasureList& built_in_measures();
+/// One of them. Throws InputError with the nearest name.
+const MeasureInfo& find_measure(const std::string& name);
 
 }  // namespace elastin::lab

@@ -21,15 +21,15 @@ struct Start {
 
 /// A measure by which strategies are compared.
 struct MainMeasure {
-  std::string_view name;
+  std::string name;
   /// The material's target, SI; NaN = the material has none, the measure is only shown.
   double prescribed = std::numeric_limits<double>::quiet_NaN();
 };
 
 /// By which measures the time history of a body is told; "" where the experiment has none.
 struct ResponseMeasures {
-  std::string_view displacement;  ///< that the loaded part makes: "tip_deflection"
-  std::string_view resistance;    ///< of the body to a given displacement: "force", "torque"
+  std::string displacement;  ///< that the loaded part makes: "tip_deflection"
+  std::string resistance;    ///< of the body to a given displacement: "force", "torque"
 };
 
 /// One state on a response curve: under a part of the load, or at a time.
@@ -124,6 +124,8 @@ class Experiment {
  public:
   virtual ~Experiment() = default;
   virtual std::string name() const = 0;
+  /// Every measure that its rigs may take, but those that runs add themselves (see common_measures).
+  virtual MeasureList measures() const = 0;
   /// Adds the experiment's supports and loads to a model of its body that has no supports yet.
   virtual std::unique_ptr<Rig> rig(Model& model) const = 0;
   /// Itself as an experiment at rest, or null.

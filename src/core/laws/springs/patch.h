@@ -23,6 +23,7 @@ struct Patch {
   static constexpr std::string_view summary =
       "k >= 0 fitted so that every molecule passes the patch test, on any connections";
   static constexpr std::string_view source = "patch test of finite elements; Cauchy relations";
+  static constexpr bool joins_molecules = true;
 
   /// Surface areas and volumes come from the cubes of a lattice, else from Voronoi cells, else from tetrahedra.
   static bool needs_voronoi(const Body& body) { return body.cubes.empty() && body.triangles.empty(); }

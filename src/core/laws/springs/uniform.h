@@ -11,6 +11,7 @@ struct Uniform {
   static constexpr std::string_view name = "uniform";
   static constexpr std::string_view summary = "one spring constant for all connections, given by the scene";
   static constexpr std::string_view source = "user";
+  static constexpr bool takes_scale = true;
   double constant = 1;
   static constexpr std::array parameters{
       Parameter<Uniform>{"constant", &Uniform::constant, dimension::stiffness, -1e12, 1e12,

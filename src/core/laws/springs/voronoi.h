@@ -14,6 +14,7 @@ struct Voronoi {
   static constexpr std::string_view summary =
       "k = 2 E A / L, A the face between the Voronoi cells of the two molecules";
   static constexpr std::string_view source = "affine average of central springs";
+  static constexpr bool needs_faces = true;
 
   static bool needs_voronoi(const Body&) { return true; }
   static std::string unsuited(const Body& body) {

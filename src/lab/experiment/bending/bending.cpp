@@ -34,6 +34,7 @@ class Bending final : public StaticExperiment {
   }
 
   std::string name() const override { return "bending"; }
+  MeasureList measures() const override { return bending_measures(); }
   std::unique_ptr<StaticRig> make_rig(Model& model) const override;
   ResponseMeasures response_measures() const override { return {"tip_deflection", ""}; }
   int load_steps() const override { return setup_.load_steps; }
@@ -169,6 +170,18 @@ class BendingRig final : public StaticRig {
 std::unique_ptr<StaticRig> Bending::make_rig(Model& model) const { return std::make_unique<BendingRig>(*this, model); }
 
 }  // namespace
+
+const MeasureList& bending_measures() {
+  using namespace dimension;
+  using Role = MeasureRole;
+  static const MeasureList list{
+      {{"effective_modulus", pressure, "Young's modulus of the beam with this deflection", Role::youngs_modulus, "E"},
+       {"tip_deflection", length, "displacement of the tip's centre along the load"},
+       {"tip_shortening", length, "displacement of the tip's centre back along the axis"},
+       {"force", force, "load on the beam, its weight included; beyond preload", Role::force}},
+      {{"load", "tip_deflection", true}}};
+  return list;
+}
 
 std::unique_ptr<StaticExperiment> make_bending(const Body& body, const BendingSetup& setup, const Material& material) {
   return std::make_unique<Bending>(body, setup, material);

@@ -10,7 +10,8 @@ ExperimentInfo bending_row() {
       {.name = "bending",
        .summary = "a cantilever bends under its own weight or a force on its tip: effective modulus, deflection",
        .source = "Timoshenko 1921, Cowper 1966",
-       .of_shares = true},
+       .of_shares = true,
+       .measures = bending_measures()},
       Keys<S>{key::direction("axis", &S::axis, "from the clamped root to the tip"),
               key::direction("direction", &S::direction, "direction of the load, perpendicular to `axis`")
                   .needed()

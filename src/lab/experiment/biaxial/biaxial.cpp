@@ -61,6 +61,7 @@ class Biaxial final : public Driven {
   }
 
   std::string name() const override { return name_; }
+  MeasureList measures() const override { return biaxial_measures(); }
   ResponseMeasures response_measures() const override { return {"strain", "stress"}; }
 
   Measures measure(const Held& held, const Start& start, const State& state, const StaticOptions&,
@@ -128,6 +129,22 @@ class Biaxial final : public Driven {
 };
 
 }  // namespace
+
+const MeasureList& biaxial_measures() {
+  using namespace dimension;
+  using Role = MeasureRole;
+  static const MeasureList list{
+      {{"effective_modulus", pressure, "Young's modulus of a linear isotropic material with these stresses and strains",
+        Role::youngs_modulus, "E"},
+       {"poissons_ratio", none, "Poisson's ratio of that material", Role::poissons_ratio, "Poisson's ratio"},
+       {"force", force, "force on the loaded end along the axis; beyond preload", Role::force},
+       {"stress", pressure, "nominal stress along the axis", Role::stress},
+       {"strain", none, "nominal strain along the axis", Role::strain},
+       {"stress_across", pressure, "nominal stress along the second direction"},
+       {"lateral_strain", none, "mean strain of the thickness", Role::history}},
+      {{"strain", "stress", true}, {"load", "strain"}}};
+  return list;
+}
 
 std::unique_ptr<StaticExperiment> make_biaxial(const Body& body, const BiaxialSetup& setup, const std::string& name) {
   return std::make_unique<Biaxial>(body, setup, name);

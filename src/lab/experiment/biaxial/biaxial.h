@@ -18,4 +18,6 @@ struct BiaxialSetup {
 /// Throws InputError where the body has no opposite ends along the two directions.
 std::unique_ptr<StaticExperiment> make_biaxial(const Body& body, const BiaxialSetup& setup, const std::string& name);
 
+const MeasureList& biaxial_measures();
+
 }  // namespace elastin::lab

@@ -56,7 +56,8 @@ ExperimentInfo biaxial_row() {
       {.name = "biaxial",
        .summary = "a block or sheet is stretched along two directions between smooth grips, free along the third",
        .source = "Timoshenko & Goodier 1970, section 6",
-       .of_shares = true},
+       .of_shares = true,
+       .measures = biaxial_measures()},
       false);
 }
 
@@ -65,7 +66,8 @@ ExperimentInfo planar_row() {
       {.name = "planar",
        .summary = "a block or sheet is stretched along one direction and keeps its width along another: pure shear",
        .source = "Timoshenko & Goodier 1970, section 6",
-       .of_shares = true},
+       .of_shares = true,
+       .measures = biaxial_measures()},
       true);
 }
 }  // namespace elastin::lab

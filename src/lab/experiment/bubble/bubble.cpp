@@ -49,6 +49,7 @@ class Bubble final : public StaticExperiment {
   }
 
   std::string name() const override { return "bubble"; }
+  MeasureList measures() const override { return bubble_measures(); }
   std::unique_ptr<StaticRig> make_rig(Model& model) const override;
   int load_steps() const override { return static_cast<int>(setup_.pressures.size()); }
   bool stiffened_by_load() const override { return true; }
@@ -198,6 +199,25 @@ class BubbleRig final : public StaticRig {
 std::unique_ptr<StaticRig> Bubble::make_rig(Model& model) const { return std::make_unique<BubbleRig>(*this, model); }
 
 }  // namespace
+
+const MeasureList& bubble_measures() {
+  using namespace dimension;
+  using Role = MeasureRole;
+  static const MeasureList list{
+      {{"pressure", pressure, "pressure inside over that outside"},
+       {"height", length, "height of the pole above the rim"},
+       {"cap_radius", length, "radius of the sphere through pole and rim: (a^2 + h^2) / 2h"},
+       {"stretch", none, "arc over chord of the cap"},
+       {"strain", none, "stretch - 1", Role::strain},
+       {"stress", pressure, "true stress of a spherical cap that keeps its volume", Role::stress},
+       {"pole_radius", length, "radius of curvature at the pole, fitted to the molecules around it"},
+       {"pole_stretch", none, "stretch at the pole, fitted to the molecules around it"},
+       {"pole_stress", pressure, "nominal stress at the pole, fitted to the triangles around it"},
+       {"measured_height", length, "height as the scene gives it"},
+       {"height_misfit", none, "height / measured height - 1"}},
+      {{"strain", "stress", true}, {"load", "height", true}}};
+  return list;
+}
 
 std::vector<int> rim_molecules(const Cells<3>& triangles) {
   std::map<std::pair<int, int>, int> sides;

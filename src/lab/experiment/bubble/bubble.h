@@ -25,4 +25,6 @@ std::unique_ptr<StaticExperiment> make_bubble(const Body& body, const BubbleSetu
 /// Molecules on sides of one triangle alone, ascending.
 std::vector<int> rim_molecules(const Cells<3>& triangles);
 
+const MeasureList& bubble_measures();
+
 }  // namespace elastin::lab

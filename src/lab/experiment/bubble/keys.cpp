@@ -94,7 +94,8 @@ ExperimentInfo bubble_row() {
   return with_keys(
       {.name = "bubble",
        .summary = "a flat disc, fixed at its rim, is inflated from one side: height, stretch and stress at the pole",
-       .source = "[TP], eqs 18-25"},
+       .source = "[TP], eqs 18-25",
+       .measures = bubble_measures()},
       Keys<BubbleKeys>{
           one_of<BubbleKeys>(
               "key 'pressure' is missing",

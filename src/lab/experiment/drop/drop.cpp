@@ -30,6 +30,7 @@ class Drop final : public TimedExperiment {
   }
 
   std::string name() const override { return "drop"; }
+  MeasureList measures() const override { return drop_measures(); }
   std::unique_ptr<TimedRig> timed_rig(Model& model) const override;
 
   /// The first contact: from the gap's fall below zero to its rise above; where no gap is known, by frames that touch.
@@ -157,6 +158,22 @@ class DropRig final : public TimedRig {
 std::unique_ptr<TimedRig> Drop::timed_rig(Model& model) const { return std::make_unique<DropRig>(*this, model); }
 
 }  // namespace
+
+const MeasureList& drop_measures() {
+  using namespace dimension;
+  using Role = MeasureRole;
+  static const MeasureList list{
+      {{"impact_speed", velocity, "speed of the mass centre towards the floor at first contact"},
+       {"rebound_speed", velocity, "speed of the mass centre away from the floor at its end"},
+       {"restitution", none, "rebound speed / impact speed"},
+       {"contact_duration", dimension::time, "duration of the first contact"},
+       {"compression", none, "shortening of the body across the floor / its length, the largest of all frames",
+        Role::share},
+       {"floor_force", force, "force of the floor on the body, the largest of all frames"},
+       {"gap", length, "distance between the floor and the nearest sphere; negative: penetration"}},
+      {{"time", "compression"}}};
+  return list;
+}
 
 std::unique_ptr<TimedExperiment> make_drop(const Body& body, const DropSetup& setup) {
   return std::make_unique<Drop>(body, setup);

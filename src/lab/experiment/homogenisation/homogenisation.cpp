@@ -20,6 +20,7 @@ class Homogenisation final : public Driven {
   }
 
   std::string name() const override { return "material"; }
+  MeasureList measures() const override { return homogenisation_measures(); }
 
   Measures measure(const Held& held, const Start&, const State& state, const StaticOptions& options,
                    StaticResult& solved) const override {
@@ -96,6 +97,24 @@ class Homogenisation final : public Driven {
 };
 
 }  // namespace
+
+const MeasureList& homogenisation_measures() {
+  using namespace dimension;
+  using Role = MeasureRole;
+  static const MeasureList list{
+      {"effective_modulus", pressure, "Young's modulus, Hill's mean over all directions", Role::youngs_modulus, "E"},
+      {"poissons_ratio", none, "Poisson's ratio, Hill's mean over all directions", Role::poissons_ratio,
+       "Poisson's ratio"},
+      {"shear_modulus", pressure, "shear modulus, Hill's mean over all directions", Role::shear_modulus, "G"},
+      {"bulk_modulus", pressure, "bulk modulus, Hill's mean", Role::modulus, "K"},
+      {"youngs_modulus_x", pressure, "1 / compliance along x, of the stiffness matrix", Role::modulus, "E along x"},
+      {"youngs_modulus_y", pressure, "1 / compliance along y", Role::modulus, "E along y"},
+      {"youngs_modulus_z", pressure, "1 / compliance along z", Role::modulus, "E along z"},
+      {"anisotropy_index", none, "universal: 5 G_V/G_R + K_V/K_R - 6; 0 = isotropic", Role::none, "anisotropy"},
+      {"patch_residual", none, "largest force on an inner molecule under affine strain / on a surface one; 0 = exact"},
+      {"stiffness_asymmetry", none, "| C - C transposed | / | C | of the stiffness matrix"}};
+  return list;
+}
 
 std::unique_ptr<StaticExperiment> make_homogenisation(const Body& body, const HomogenisationSetup& setup,
                                                       const Matrix3& axes) {

@@ -8,7 +8,8 @@ ExperimentInfo material_row() {
   return with_keys(
       {.name = "material",
        .summary = "six small strains of the surface: the body's 6 × 6 stiffness matrix and its isotropic means",
-       .source = ""},
+       .source = "",
+       .measures = homogenisation_measures()},
       Keys<HomogenisationSetup>{grip_depth_key(&HomogenisationSetup::grip_depth)},
       [](const ExperimentContext& context, const HomogenisationSetup& setup) {
         return make_homogenisation(context.body, setup, context.rotation);

@@ -34,6 +34,7 @@ class Hydrostatic final : public Driven {
   }
 
   std::string name() const override { return "hydrostatic"; }
+  MeasureList measures() const override { return hydrostatic_measures(); }
   ResponseMeasures response_measures() const override { return {"volume_strain", "pressure"}; }
 
   Measures measure(const Held& held, const Start& start, const State& state, const StaticOptions&,
@@ -66,6 +67,17 @@ class Hydrostatic final : public Driven {
 };
 
 }  // namespace
+
+const MeasureList& hydrostatic_measures() {
+  using namespace dimension;
+  using Role = MeasureRole;
+  static const MeasureList list{
+      {{"bulk_modulus", pressure, "secant modulus K = - pressure / volume strain", Role::modulus, "K"},
+       {"pressure", pressure, "- mean of the normal stresses, volume mean"},
+       {"volume_strain", none, "volume / volume at rest - 1", Role::share}},
+      {{"volume_strain", "pressure", true}}};
+  return list;
+}
 
 std::unique_ptr<StaticExperiment> make_hydrostatic(const Body& body, const HydrostaticSetup& setup,
                                                    const Matrix3& axes) {

@@ -9,7 +9,8 @@ ExperimentInfo hydrostatic_row() {
   return with_keys({.name = "hydrostatic",
                     .summary = "equal strain along all directions: bulk modulus",
                     .source = "",
-                    .of_shares = true},
+                    .of_shares = true,
+                    .measures = hydrostatic_measures()},
                    Keys<S>{not_zero(key::quantity("strain", &S::strain, dimension::none,
                                                   "strain of each side; negative compresses; not 0", {-1, 100, true}),
                                     &S::strain)

@@ -52,6 +52,7 @@ class Indentation final : public StaticExperiment {
   }
 
   std::string name() const override { return "indentation"; }
+  MeasureList measures() const override { return indentation_measures(); }
   std::unique_ptr<StaticRig> make_rig(Model& model) const override;
   int load_steps() const override { return setup_.load_steps; }
   double copies() const override { return std::pow(2, setup_.symmetry.size()); }
@@ -227,6 +228,20 @@ std::unique_ptr<StaticRig> Indentation::make_rig(Model& model) const {
 }
 
 }  // namespace
+
+const MeasureList& indentation_measures() {
+  using namespace dimension;
+  using Role = MeasureRole;
+  static const MeasureList list{
+      {{"indentation_modulus", pressure,
+        "Hertz's modulus of a sphere, or that of a flat punch, on a half-space: E* (1 - nu^2)", Role::modulus,
+        "E of indentation"},
+       {"force", force, "force on the indenter along its direction; beyond preload", Role::force},
+       {"depth", length, "displacement of the indenter since the start"},
+       {"mean_pressure", pressure, "mean contact pressure: force / area"}},
+      {{"depth", "force", true}}};
+  return list;
+}
 
 std::unique_ptr<StaticExperiment> make_indentation(const Body& body, const IndentationSetup& setup,
                                                    const Material& material, contact::ContactOptions& contact) {

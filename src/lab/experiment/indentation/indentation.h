@@ -36,4 +36,6 @@ struct IndentationSetup {
 std::unique_ptr<StaticExperiment> make_indentation(const Body& body, const IndentationSetup& setup,
                                                    const Material& material, contact::ContactOptions& contact);
 
+const MeasureList& indentation_measures();
+
 }  // namespace elastin::lab

@@ -45,7 +45,8 @@ ExperimentInfo indentation_row() {
       {.name = "indentation",
        .summary = "a rigid indenter is pressed into a body that stands on its far end: force, indentation modulus; "
                   "needs `contact`",
-       .source = "Johnson 1985, ch. 3, 4"},
+       .source = "Johnson 1985, ch. 3, 4",
+       .measures = indentation_measures()},
       Keys<IndentationSetup>{
           key::direction("axis", &IndentationSetup::axis, "direction of the motion"), indenter_key(),
           one_of("give one of depth, strain and force", loads),

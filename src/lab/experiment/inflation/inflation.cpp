@@ -47,6 +47,7 @@ class Inflation final : public StaticExperiment {
   }
 
   std::string name() const override { return "inflation"; }
+  MeasureList measures() const override { return inflation_measures(); }
   std::unique_ptr<StaticRig> make_rig(Model& model) const override;
   int load_steps() const override { return setup_.load_steps; }
   double copies() const override { return std::pow(2, setup_.symmetry.size()); }
@@ -192,6 +193,21 @@ std::unique_ptr<StaticRig> Inflation::make_rig(Model& model) const {
 }
 
 }  // namespace
+
+const MeasureList& inflation_measures() {
+  using namespace dimension;
+  using Role = MeasureRole;
+  static const MeasureList list{
+      {{"radius", length, "mean distance from the middle, by area at rest"},
+       {"stretch", none, "mean radius / that at rest"},
+       {"radius_spread", none, "(largest - smallest distance from the middle) / mean"},
+       {"corner_radius", length, "mean distance from the middle of the molecules on the axes"},
+       {"pressure", pressure, "pressure inside over that outside"},
+       {"enclosed_volume", volume, "volume inside, of the whole where planes of symmetry cut the body"},
+       {"wall_stress", pressure, "p R / (2 t), t the thickness at rest"}},
+      {{"stretch", "pressure"}, {"load", "radius"}}};
+  return list;
+}
 
 std::unique_ptr<StaticExperiment> make_inflation(const Body& body, const InflationSetup& setup,
                                                  const Material& material) {

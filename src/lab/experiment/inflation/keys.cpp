@@ -23,7 +23,8 @@ ExperimentInfo inflation_row() {
   return with_keys(
       {.name = "inflation",
        .summary = "a closed membrane is inflated by pressure, by volume or by gas: radius, wall stress",
-       .source = ""},
+       .source = "",
+       .measures = inflation_measures()},
       Keys<S>{
           one_of<S>("give one of pressure, volume_ratio (volume over that at rest) and gas",
                     {not_zero(key::quantity("pressure", &S::pressure, dimension::pressure,

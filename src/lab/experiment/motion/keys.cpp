@@ -34,7 +34,8 @@ ExperimentInfo motion(ExperimentInfo info, MotionKind kind, const char* fixture,
 ExperimentInfo motion_row() {
   return motion({.name = "motion",
                  .summary = "a body, free or fixed and loaded by a fixture, is observed as it moves",
-                 .source = ""},
+                 .source = "",
+                 .measures = motion_measures()},
                 MotionKind::motion, "how the body is fixed and loaded",
                 {{{"in_time", "time function", "", "", "constant", "factor of the fixture's load"},
                   [](const Reader& value, MotionKeys& setup, const Frame&) {
@@ -46,7 +47,8 @@ ExperimentInfo motion_row() {
 ExperimentInfo release_row() {
   return motion({.name = "release",
                  .summary = "a loaded body is released, or loaded at once: free vibration, its frequency and damping",
-                 .source = ""},
+                 .source = "",
+                 .measures = motion_measures()},
                 MotionKind::release, "how the body is fixed, and loaded before it is released",
                 {key::choice("load", &MotionSetup::applied, {{"removed", false}, {"applied", true}},
                              "whether the load is taken away at time 0, or put on at once")});
@@ -55,7 +57,8 @@ ExperimentInfo release_row() {
 ExperimentInfo creep_row() {
   return motion({.name = "creep",
                  .summary = "a force is applied and stays: displacement over time, retardation time",
-                 .source = ""},
+                 .source = "",
+                 .measures = motion_measures()},
                 MotionKind::creep, "how the body is fixed, with the force that stays");
 }
 
@@ -63,7 +66,8 @@ ExperimentInfo relaxation_row() {
   return motion(
       {.name = "relaxation",
        .summary = "a displacement grows and stays: force over time, relaxation time",
-       .source = ""},
+       .source = "",
+       .measures = motion_measures()},
       MotionKind::relaxation, "how the body is fixed, with the displacement that stays",
       {key::quantity("ramp", &MotionSetup::ramp, dimension::time, "time in which the displacement grows", kPositive)
            .needed()
@@ -74,7 +78,8 @@ ExperimentInfo cyclic_row() {
   return motion(
       {.name = "cyclic",
        .summary = "a displacement oscillates: storage and loss modulus over the last period",
-       .source = ""},
+       .source = "",
+       .measures = motion_measures()},
       MotionKind::cyclic, "how the body is fixed, with the displacement that is the amplitude",
       {key::quantity("frequency", &MotionSetup::frequency, {0, 0, -1}, "frequency of the oscillation", kPositive)
            .needed()

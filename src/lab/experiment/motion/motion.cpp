@@ -6,6 +6,7 @@
 #include "core/solve/newton.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/model/share.h"
+#include "lab/run/common_measures.h"
 #include "lab/run/load_path.h"
 #include "lab/run/time_history_fits.h"
 
@@ -37,9 +38,22 @@ class Motion final : public TimedExperiment {
       throw InputError("fixture: a load that is put on at once must be a force, not a displacement");
     if (setup_.kind != MotionKind::motion && response_.displacement.empty())
       throw InputError("fixture: a " + setup_.fixture->name() + " experiment has no displacement to watch");
+    all_measures_ = measures_of(*this);
   }
 
   std::string name() const override { return setup_.name; }
+  MeasureList measures() const override {
+    MeasureList list = motion_measures();
+    if (setup_.fixture) list.add(setup_.fixture->measures());
+    std::vector<ResponseAxes> axes;
+    if (setup_.kind == MotionKind::relaxation) axes.push_back({"time", response_.resistance});
+    if (setup_.kind == MotionKind::cyclic)
+      axes.push_back({list.named(MeasureRole::strain), list.named(MeasureRole::stress)});
+    for (const ResponseAxes& of_fixture : list.response)
+      if (of_fixture.x == "load") axes.push_back({"time", of_fixture.y});
+    list.response = std::move(axes);
+    return list;
+  }
   std::unique_ptr<TimedRig> timed_rig(Model& model) const override;
   std::optional<Vector3> axis() const override { return setup_.fixture ? setup_.fixture->axis() : std::nullopt; }
   const StaticExperiment* calibration() const override { return setup_.fixture.get(); }
@@ -69,8 +83,8 @@ class Motion final : public TimedExperiment {
   bool released() const { return setup_.kind == MotionKind::release && !setup_.applied; }
   /// Balances mean nothing in motion, and moduli nothing once the load is gone.
   bool tells(const std::string& name) const {
-    const bool modulus = name.ends_with("modulus") || name.ends_with("stiffness") || name == "poissons_ratio";
-    return name != "reaction_balance" && !(released() && modulus);
+    const MeasureInfo* info = all_measures_.find(name);
+    return info && !(released() && is_property(info->role));
   }
 
   /// The slowest part alone: from where a twentieth of the fall is left, faster ones are gone; at least the last
@@ -107,8 +121,8 @@ class Motion final : public TimedExperiment {
     if (!largest || from < 0 || moved.times.size() < 8 || resists.times.size() < 8) return;
     // The modulus of a row is its resistance over its displacement, times what the body's shape gives.
     double shape = std::numeric_limits<double>::quiet_NaN();
-    for (const char* modulus : {"effective_modulus", "shear_modulus"})
-      if (const double own = largest->measures.get(modulus); std::isfinite(own))
+    for (const MeasureRole role : {MeasureRole::youngs_modulus, MeasureRole::shear_modulus})
+      if (const double own = largest->measures.get(all_measures_.named(role)); std::isfinite(own))
         shape = own * largest->measures.get(response_.displacement) / largest->measures.get(response_.resistance);
     const VibrationFit by = fit_sine(moved, w), of = fit_sine(resists, w);
     const double square = by.cosine * by.cosine + by.sine * by.sine;
@@ -122,7 +136,7 @@ class Motion final : public TimedExperiment {
 
   void read_vibration(const Series& series, Measures& measures) const {
     const Series turns = turning_points(series);
-    const bool is_length = find_measure(std::string(response_.displacement)).unit == dimension::length;
+    const bool is_length = all_measures_.at(response_.displacement).unit == dimension::length;
     if (turns.times.size() > 0) {
       if (is_length) measures.set("first_peak", turns.values[0]);
       measures.set("first_peak_time", turns.times[0]);
@@ -139,6 +153,7 @@ class Motion final : public TimedExperiment {
 
   MotionSetup setup_;
   ResponseMeasures response_;
+  MeasureList all_measures_;  // with those that every run in time has
 };
 
 class MotionRig final : public TimedRig {
@@ -217,6 +232,33 @@ class MotionRig final : public TimedRig {
 std::unique_ptr<TimedRig> Motion::timed_rig(Model& model) const { return std::make_unique<MotionRig>(*this, model); }
 
 }  // namespace
+
+const MeasureList& motion_measures() {
+  using namespace dimension;
+  using Role = MeasureRole;
+  constexpr Dimension rate{0, 0, -1};
+  static const MeasureList list{
+      {"frequency",
+       rate,
+       "frequency of the free vibration: a damped cosine fitted to the displacement",
+       Role::none,
+       {},
+       "Hz"},
+      {"period", dimension::time, "period of the free vibration: between crossings of its mean in one direction"},
+      {"logarithmic_decrement", none, "ln of the ratio of two peaks one period apart"},
+      {"damping_ratio", none, "decay rate / undamped circular frequency of the free vibration"},
+      {"first_peak", length, "displacement at its first reversal"},
+      {"first_peak_time", dimension::time, "time of the first reversal"},
+      {"return_time", dimension::time, "time of the second reversal"},
+      {"retardation_time", dimension::time, "time constant of creep: an exponential fitted to the displacement"},
+      {"relaxation_time", dimension::time,
+       "time constant of relaxation: an exponential fitted to the force, after the ramp"},
+      {"relaxed_ratio", none, "force in the end / at the end of the ramp, of the fit"},
+      {"storage_modulus", pressure, "stress in phase with the strain / strain, over the last period", Role::modulus},
+      {"loss_modulus", pressure, "stress a quarter period ahead of the strain / strain", Role::modulus},
+      {"loss_tangent", none, "loss modulus / storage modulus"}};
+  return list;
+}
 
 std::unique_ptr<TimedExperiment> make_motion(const Body&, MotionSetup setup) {
   return std::make_unique<Motion>(std::move(setup));

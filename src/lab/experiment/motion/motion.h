@@ -67,4 +67,14 @@ std::unique_ptr<TimedExperiment> make_parachute(const Body& body, const Parachut
 std::unique_ptr<StaticExperiment> make_vibration(const Body& body, std::unique_ptr<const StaticExperiment> fixture,
                                                  int count, bool loaded = false);
 
+const MeasureList& vibration_measures();
+
+const MeasureList& shake_measures();
+
+const MeasureList& drop_measures();
+
+const MeasureList& parachute_measures();
+
+const MeasureList& motion_measures();
+
 }  // namespace elastin::lab

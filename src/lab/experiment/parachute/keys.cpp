@@ -10,7 +10,8 @@ ExperimentInfo parachute_row() {
       {.name = "parachute",
        .summary = "a canopy with a load on `lines` falls through air: how it opens, largest force in a line",
        .source = "",
-       .in_time = true},
+       .in_time = true,
+       .measures = parachute_measures()},
       Keys<S>{
           key::direction("direction", &S::direction, "direction of the fall"),
           key::quantity("gravity", &S::gravity, dimension::acceleration, "acceleration of the fall", kNotNegative),

@@ -17,6 +17,7 @@ class Parachute final : public TimedExperiment {
   }
 
   std::string name() const override { return "parachute"; }
+  MeasureList measures() const override { return parachute_measures(); }
   std::unique_ptr<TimedRig> timed_rig(Model& model) const override;
   bool stiffened_by_load() const override { return true; }
 
@@ -99,6 +100,21 @@ std::unique_ptr<TimedRig> Parachute::timed_rig(Model& model) const {
 }
 
 }  // namespace
+
+const MeasureList& parachute_measures() {
+  using namespace dimension;
+  using Role = MeasureRole;
+  static const MeasureList list{
+      {{"line_force", force, "force of all lines on the load, against the fall"},
+       {"largest_line_force", force, "the opening force: the largest line force of all frames"},
+       {"opening_time", dimension::time, "time until the open area first has its largest value"},
+       {"open_area", area, "area of the canopy as the load sees it, along the fall"},
+       {"open_part", none, "open area / area of the canopy at rest"},
+       {"fall_speed", velocity, "speed of the load"},
+       {"drag_balance", none, "drag of the air along the fall / weight - 1: 0 at the terminal speed"}},
+      {{"time", "fall_speed"}}};
+  return list;
+}
 
 std::unique_ptr<TimedExperiment> make_parachute(const Body& body, const ParachuteSetup& setup) {
   return std::make_unique<Parachute>(body, setup);

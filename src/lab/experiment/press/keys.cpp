@@ -36,7 +36,8 @@ ExperimentInfo press_row() {
       {.name = "press",
        .summary =
            "a body, or the near end of one, is pressed onto what lies before it: force, contact area; needs `contact`",
-       .source = ""},
+       .source = "",
+       .measures = press_measures()},
       Keys<S>{key::direction("axis", &S::axis, "direction of the motion"),
               one_of<S>("give one of displacement, strain and force", {loads.begin(), loads.end()}),
               body_name("move", &S::moved_name, "the near end", "what is moved"),

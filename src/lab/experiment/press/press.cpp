@@ -33,6 +33,7 @@ class Press final : public StaticExperiment {
   }
 
   std::string name() const override { return "press"; }
+  MeasureList measures() const override { return press_measures(); }
   std::unique_ptr<StaticRig> make_rig(Model& model) const override;
   int load_steps() const override { return setup_.load_steps; }
   const StaticExperiment* calibration() const override {
@@ -195,6 +196,18 @@ class PressRig final : public StaticRig {
 std::unique_ptr<StaticRig> Press::make_rig(Model& model) const { return std::make_unique<PressRig>(*this, model); }
 
 }  // namespace
+
+const MeasureList& press_measures() {
+  using namespace dimension;
+  using Role = MeasureRole;
+  static const MeasureList list{
+      {{"force", force, "force on the pressed part along its direction; beyond preload", Role::force},
+       {"depth", length, "displacement of the pressed part since the start"},
+       {"mean_pressure", pressure, "mean contact pressure: force / area"},
+       {"pressure_spread", none, "largest |contact pressure / mean - 1| of the molecules under pressure"}},
+      {{"depth", "force", true}}};
+  return list;
+}
 
 std::unique_ptr<StaticExperiment> make_press(const Body& body, const PressSetup& setup) {
   return std::make_unique<Press>(body, setup);

@@ -22,4 +22,6 @@ struct PressSetup {
 /// Throws InputError on a setup that does not suit the body.
 std::unique_ptr<StaticExperiment> make_press(const Body& body, const PressSetup& setup);
 
+const MeasureList& press_measures();
+
 }  // namespace elastin::lab

@@ -19,6 +19,7 @@ class Shake final : public TimedExperiment {
         far_(end_face(body, setup.axis, setup.grip_depth)) {}
 
   std::string name() const override { return "shake"; }
+  MeasureList measures() const override { return shake_measures(); }
   std::unique_ptr<TimedRig> timed_rig(Model& model) const override;
 
   /// Over the last half of the time, in whole periods.
@@ -32,7 +33,7 @@ class Shake final : public TimedExperiment {
       for (const CurvePoint& row : history)
         if (row.time > from && row.time <= to * (1 + 1e-12)) {
           far.times[count] = row.time;
-          far.values[count++] = row.measures.get("far_way");
+          far.values[count++] = row.measures.get("far_displacement");
         }
       far.times.conservativeResize(count);
       far.values.conservativeResize(count);
@@ -87,8 +88,8 @@ class ShakeRig final : public TimedRig {
 
   Measures read(const State& state) const override {
     Measures measures;
-    measures.set("base_way", setup_.amplitude * TimeFunction::sine(setup_.frequency).value(state.time));
-    measures.set("far_way",
+    measures.set("base_displacement", setup_.amplitude * TimeFunction::sine(setup_.frequency).value(state.time));
+    measures.set("far_displacement",
                  setup_.direction.dot(middle_of(model_.body(), experiment_.far_, state.positions) - middle_));
     return measures;
   }
@@ -103,6 +104,32 @@ class ShakeRig final : public TimedRig {
 std::unique_ptr<TimedRig> Shake::timed_rig(Model& model) const { return std::make_unique<ShakeRig>(*this, model); }
 
 }  // namespace
+
+const MeasureList& shake_measures() {
+  using namespace dimension;
+  using Role = MeasureRole;
+  static const MeasureList list{
+      {{"amplitude_ratio", none, "amplitude of the far end / of the shaken one, over the last periods"},
+       {"phase", none, "angle by which the far end is behind [rad]"},
+       {"sine_misfit", none,
+        "residual of the sine fitted to the far end over the last periods / all, as root mean squares"},
+       {"base_displacement",
+        length,
+        "displacement of the shaken end",
+        Role::none,
+        "displacement of the shaken end",
+        {},
+        "base_way"},
+       {"far_displacement",
+        length,
+        "mean displacement of the far end",
+        Role::none,
+        "displacement of the far end",
+        {},
+        "far_way"}},
+      {{"time", "far_displacement"}}};
+  return list;
+}
 
 std::unique_ptr<TimedExperiment> make_shake(const Body& body, const ShakeSetup& setup) {
   return std::make_unique<Shake>(body, setup);

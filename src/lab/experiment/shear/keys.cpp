@@ -11,7 +11,8 @@ ExperimentInfo shear_row() {
       {.name = "shear",
        .summary = "planes across the axis slide along a direction, at constant height: shear modulus",
        .source = "",
-       .of_shares = true},
+       .of_shares = true,
+       .measures = shear_measures()},
       Keys<S>{
           key::direction("axis", &S::axis, "axis of the body, from the fixed end to the loaded one"),
           key::direction("direction", &S::direction, "direction of the displacement, perpendicular to `axis`")

@@ -29,6 +29,7 @@ class Shear final : public Driven {
   }
 
   std::string name() const override { return "shear"; }
+  MeasureList measures() const override { return shear_measures(); }
   ResponseMeasures response_measures() const override { return {"strain", "force"}; }
   std::optional<std::size_t> first_released() const override {
     if (volume_ > 0) return std::nullopt;
@@ -108,6 +109,19 @@ class Shear final : public Driven {
 };
 
 }  // namespace
+
+const MeasureList& shear_measures() {
+  using namespace dimension;
+  using Role = MeasureRole;
+  static const MeasureList list{
+      {{"shear_modulus", pressure, "secant modulus G = shear stress / strain", Role::shear_modulus, "G"},
+       {"stress", pressure, "shear stress: F / A", Role::stress},
+       {"strain", none, "lateral displacement / height", Role::strain},
+       {"force", force, "shear force on the loaded end; beyond preload", Role::force},
+       {"axial_force", force, "force along the axis; positive = the plate pulls the body up"}},
+      {{"strain", "stress", true}, {"load", "strain"}}};
+  return list;
+}
 
 std::unique_ptr<StaticExperiment> make_shear(const Body& body, const ShearSetup& setup, const Matrix3& axes) {
   return std::make_unique<Shear>(body, setup, axes);

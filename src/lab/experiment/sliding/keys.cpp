@@ -12,7 +12,8 @@ ExperimentInfo sliding_row() {
       {.name = "sliding",
        .summary = "a body lies on a plane that is tilted, or slides along it: friction, slip angle; needs `contact`",
        .source = "",
-       .in_time = true},
+       .in_time = true,
+       .measures = sliding_measures()},
       Keys<S>{
           key::direction("up", &S::up, "normal of the plane"),
           key::direction("along", &S::along, "direction down the slope, perpendicular to `up`")

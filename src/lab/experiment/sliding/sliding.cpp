@@ -74,6 +74,7 @@ class Sliding final : public TimedExperiment {
   }
 
   std::string name() const override { return "sliding"; }
+  MeasureList measures() const override { return sliding_measures(); }
   std::unique_ptr<TimedRig> timed_rig(Model& model) const override;
 
   void read_history(const std::vector<CurvePoint>& history, Measures& measures) const override {
@@ -166,6 +167,20 @@ class SlidingRig final : public TimedRig {
 std::unique_ptr<TimedRig> Sliding::timed_rig(Model& model) const { return std::make_unique<SlidingRig>(*this, model); }
 
 }  // namespace
+
+const MeasureList& sliding_measures() {
+  using namespace dimension;
+  using Role = MeasureRole;
+  static const MeasureList list{
+      {"slide_distance", length, "displacement of the mass centre down the slope since the start"},
+      {"slide_speed", velocity, "speed of the mass centre down the slope"},
+      {"slide_acceleration", acceleration, "acceleration down the slope while it slides: a line fitted to the speed"},
+      {"creep", length, "largest displacement of a molecule on the slope, of all frames"},
+      {"slope", none, "slope of the plane [rad]"},
+      {"slip_angle", none, "slope at which the body begins to slide [rad]"},
+      {"slip_friction", none, "tan of that angle"}};
+  return list;
+}
 
 std::unique_ptr<TimedExperiment> make_sliding(const Body& body, const SlidingSetup& setup,
                                               contact::ContactOptions& contact) {

@@ -30,4 +30,6 @@ struct SlidingSetup {
 std::unique_ptr<TimedExperiment> make_sliding(const Body& body, const SlidingSetup& setup,
                                               contact::ContactOptions& contact);
 
+const MeasureList& sliding_measures();
+
 }  // namespace elastin::lab

@@ -83,7 +83,8 @@ ExperimentInfo tension_row() {
   return bar({.name = "tension",
               .summary = "a bar is pulled along its axis: effective modulus, Poisson's ratio, stress–strain curve",
               .source = "",
-              .of_shares = true},
+              .of_shares = true,
+              .measures = tension_measures()},
              false);
 }
 
@@ -91,7 +92,8 @@ ExperimentInfo compression_row() {
   return bar({.name = "compression",
               .summary = "a bar is pressed along its axis and measured as in tension",
               .source = "",
-              .of_shares = true},
+              .of_shares = true,
+              .measures = tension_measures()},
              true);
 }
 }  // namespace elastin::lab

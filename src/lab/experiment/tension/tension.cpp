@@ -44,6 +44,7 @@ class Tension final : public StaticExperiment {
 
   const TensionSetup& setup() const { return setup_; }
   std::string name() const override { return "tension"; }
+  MeasureList measures() const override { return tension_measures(); }
   std::unique_ptr<StaticRig> make_rig(Model& model) const override;
   std::optional<Vector3> axis() const override { return setup_.axis; }
   int load_steps() const override {
@@ -438,6 +439,24 @@ class TensionRig final : public StaticRig {
 std::unique_ptr<StaticRig> Tension::make_rig(Model& model) const { return std::make_unique<TensionRig>(*this, model); }
 
 }  // namespace
+
+const MeasureList& tension_measures() {
+  using namespace dimension;
+  using Role = MeasureRole;
+  static const MeasureList list{
+      {{"effective_modulus", pressure, "Young's modulus: secant F l0 / (A dl)", Role::youngs_modulus, "E"},
+       {"poissons_ratio", none, "- lateral strain at mid height / strain", Role::poissons_ratio, "Poisson's ratio"},
+       {"elongation", length, "dl, read as the scene says; negative in compression; from the state under preload",
+        Role::displacement},
+       {"force", force, "F on the loaded end, along the axis; negative in compression; beyond preload", Role::force},
+       {"stress", pressure, "F / A", Role::stress},
+       {"strain", none, "dl / l0", Role::strain},
+       {"lateral_strain", none, "mean in-plane strain of the molecules at mid height", Role::history},
+       {"tangent_modulus", pressure, "d stress / d strain at the last load step, from a linear solve there",
+        Role::modulus}},
+      {{"strain", "stress", true}, {"load", "elongation", true}}};
+  return list;
+}
 
 const TensionSetup* tension_setup(const Experiment& experiment) {
   const auto* tension = dynamic_cast<const Tension*>(&experiment);

@@ -39,4 +39,6 @@ std::unique_ptr<StaticExperiment> make_tension(const Body& body, const TensionSe
 /// The setup of a tension experiment, its lengths and area those of the scene; null of any other.
 const TensionSetup* tension_setup(const Experiment& experiment);
 
+const MeasureList& tension_measures();
+
 }  // namespace elastin::lab

@@ -11,7 +11,8 @@ ExperimentInfo torsion_row() {
        .summary = "one end of a clamped bar is turned about its axis at constant height: torque, shear "
                   "modulus of a rectangle",
        .source = "Timoshenko & Goodier 1970, section 109",
-       .of_shares = true},
+       .of_shares = true,
+       .measures = torsion_measures()},
       Keys<S>{key::direction("axis", &S::axis, "axis of the body, from the fixed end to the loaded one"),
               not_zero(key::angle("angle", &S::angle, "rotation of the turned end; not 0"), &S::angle).needed(),
               grip_depth_key(&S::grip_depth), load_steps_key(&S::load_steps)},

@@ -34,6 +34,7 @@ class Torsion final : public Driven {
   }
 
   std::string name() const override { return "torsion"; }
+  MeasureList measures() const override { return torsion_measures(); }
   ResponseMeasures response_measures() const override { return {"angle", "torque"}; }
   std::optional<std::size_t> first_released() const override { return first_loaded_; }
 
@@ -111,6 +112,24 @@ class Torsion final : public Driven {
 };
 
 }  // namespace
+
+const MeasureList& torsion_measures() {
+  using namespace dimension;
+  using Role = MeasureRole;
+  static const MeasureList list{
+      {{"torque",
+        dimension::energy,
+        "torque about the axis on the turned end; beyond preload",
+        Role::torque,
+        {},
+        "N m"},
+       {"axial_force", force, "force along the axis; positive = the plate pulls the body up"},
+       {"angle", none, "angle by which the loaded end is turned [rad]"},
+       {"torsional_stiffness", dimension::energy, "torque / angle [a radian]", Role::modulus, {}, "N m"},
+       {"shear_modulus", pressure, "secant modulus G: torque / twist of the bar", Role::shear_modulus, "G"}},
+      {{"angle", "torque", true}, {"load", "angle", true}}};
+  return list;
+}
 
 std::unique_ptr<StaticExperiment> make_torsion(const Body& body, const TorsionSetup& setup) {
   return std::make_unique<Torsion>(body, setup);

@@ -15,7 +15,8 @@ ExperimentInfo vibration_row() {
   return with_keys(
       {.name = "vibration",
        .summary = "natural frequencies of a body, free or fixed by a fixture; at rest",
-       .source = ""},
+       .source = "",
+       .measures = vibration_measures()},
       Keys<S>{fixture_key<S>("how the body is fixed").otherwise("free body"),
               key::choice("load", &S::loaded, {{"removed", false}, {"applied", true}},
                           "whether the body vibrates about rest, or about its equilibrium under the fixture's load")

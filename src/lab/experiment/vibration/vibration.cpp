@@ -10,6 +10,7 @@ class Vibration final : public StaticExperiment {
       : fixture_(std::move(fixture)), count_(count), loaded_(loaded) {}
 
   std::string name() const override { return "vibration"; }
+  MeasureList measures() const override { return vibration_measures(); }
   std::unique_ptr<StaticRig> make_rig(Model& model) const override;
   /// The fixture, which knows no further supports.
   const StaticExperiment* calibration() const override { return further_supports().empty() ? fixture_.get() : this; }
@@ -66,6 +67,25 @@ std::unique_ptr<StaticRig> Vibration::make_rig(Model& model) const {
 }
 
 }  // namespace
+
+const MeasureList& vibration_measures() {
+  using namespace dimension;
+  using Role = MeasureRole;
+  constexpr Dimension rate{0, 0, -1};
+  static const MeasureList list{
+      {"rigid_motions", none, "number of motions of the whole body that supports leave free"},
+      {"frequency_1", rate, "lowest natural frequency about the state under the scene's loads", Role::none, {}, "Hz"},
+      {"frequency_2", rate, "natural frequency number 2", Role::none, {}, "Hz"},
+      {"frequency_3", rate, "natural frequency number 3", Role::none, {}, "Hz"},
+      {"frequency_4", rate, "natural frequency number 4", Role::none, {}, "Hz"},
+      {"frequency_5", rate, "natural frequency number 5", Role::none, {}, "Hz"},
+      {"frequency_6", rate, "natural frequency number 6", Role::none, {}, "Hz"},
+      {"frequency_7", rate, "natural frequency number 7", Role::none, {}, "Hz"},
+      {"frequency_8", rate, "natural frequency number 8", Role::none, {}, "Hz"},
+      {"frequency_9", rate, "natural frequency number 9", Role::none, {}, "Hz"},
+      {"frequency_10", rate, "natural frequency number 10", Role::none, {}, "Hz"}};
+  return list;
+}
 
 std::unique_ptr<StaticExperiment> make_vibration(const Body&, std::unique_ptr<const StaticExperiment> fixture,
                                                  int count, bool loaded) {

@@ -1,0 +1,94 @@
+#include "lab/run/common_measures.h"
+
+namespace elastin::lab {
+namespace {
+
+using Role = MeasureRole;
+
+const MeasureList& measures_of_every_run() {
+  static const MeasureList list{
+      {"energy", dimension::energy, "elastic energy stored, with that of the preload", Role::detail}};
+  return list;
+}
+
+/// Of an equilibrium.
+const MeasureList& measures_at_rest() {
+  using namespace dimension;
+  static const MeasureList list{
+      {"energy_increase", dimension::energy, "energy without that of the preload; under preload only"},
+      {"total_force", force, "force with that of the preload; under preload only"},
+      {"total_torque", dimension::energy, "torque with that of the preload; under preload only", Role::none, {}, "N m"},
+      {"total_elongation", length, "elongation from rest; under preload only, as the scene's loads or its own start"},
+      {"material_stress", pressure, "stress of the material's own law or curve at that strain, in uniaxial stress",
+       Role::material_stress},
+      {"curve_error", none, "largest |stress - the material's at that strain| over the largest such stress", Role::none,
+       "curve error"},
+      {"average_modulus", pressure, "mean of the secant moduli over the load steps"},
+      {"solution_norm", length, "root of the sum of squares of all free displacements"},
+      {"reaction_balance", none, "| loads + reactions | / | F |: 0 for a body in balance", Role::detail}};
+  return list;
+}
+
+const MeasureList& measures_in_time() {
+  using namespace dimension;
+  static const MeasureList list{
+      {{"speed", velocity, "speed of the mass centre"},
+       {"centre_displacement", length, "displacement of the mass centre since the start", Role::history,
+        "displacement of the centre", {}, "centre_way"},
+       {"largest_strain", none, "largest strain of a connection, by size", Role::share},
+       {"kinetic_energy", dimension::energy, "kinetic energy of all molecules"},
+       {"potential_energy", dimension::energy, "energy of the loads that stay as they are, 0 at rest", Role::history},
+       {"dissipated_energy", dimension::energy, "energy dissipated by damping and drag since the start", Role::history},
+       {"work", dimension::energy, "work of loads that change in time and of moved supports since the start",
+        Role::history},
+       {"energy_balance", dimension::energy,
+        "kinetic + elastic + potential + dissipated - work, less its start: an error"},
+       {"energy_drift", none,
+        "largest |energy balance| / largest of kinetic + elastic energy, work, dissipated energy"},
+       {"momentum", {1, 1, -1}, "size of the momentum of all molecules", Role::history},
+       {"angular_momentum", {2, 1, -1}, "size of the angular momentum about the origin", Role::history}},
+      {{"time", "centre_displacement"}, {"time", "largest_strain"}}};
+  return list;
+}
+
+const MeasureList& measures_of_contact() {
+  using namespace dimension;
+  static const MeasureList list{
+      {"contact_force", force, "largest force on one obstacle; without obstacles that of two pieces on each other"},
+      {"contact_area", area, "area of the samples in contact"},
+      {"largest_pressure", pressure, "contact pressure, the largest of a molecule's part of the surface"},
+      {"largest_penetration", length, "largest penetration of a contact"},
+      {"contacts", none, "number of contact pairs under pressure"},
+      {"sticking", none, "number of contacts that do not slide"}};
+  return list;
+}
+
+const MeasureList& measures_of_identification() {
+  using namespace dimension;
+  static const MeasureList list{
+      {"identified_modulus", pressure, "E of the identified material at no strain"},
+      {"identified_modulus_middle", pressure, "its secant modulus half way to the strain up to which it counts"},
+      {"identified_modulus_end", pressure, "its secant modulus at that strain"},
+      {"identified_misfit", none, "root of the mean of (shown / measured - 1)^2 with the identified material"}};
+  return list;
+}
+
+}  // namespace
+
+MeasureList measures_of(const Experiment& experiment) {
+  MeasureList list = experiment.measures();
+  list.add(measures_of_every_run()).add(experiment.in_time() ? measures_in_time() : measures_at_rest());
+  if (experiment.at_rest() && experiment.at_rest()->identification()) list.add(measures_of_identification());
+  return list.add(measures_of_contact());
+}
+
+const MeasureList& common_measures() {
+  static const MeasureList list = MeasureList(measures_of_every_run())
+                                      .add(measures_at_rest())
+                                      .add(measures_in_time())
+                                      .add(measures_of_contact())
+                                      .add(measures_of_identification());
+  return list;
+}
+
+}  // namespace elastin::lab
