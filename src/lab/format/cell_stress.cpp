@@ -21,7 +21,7 @@ class SideFinder {
       numbers_.emplace(key(a, b), c);
     }
   }
-  /// −1 if there is none.
+  /// −1 without one.
   int find(int a, int b) const {
     const auto found = numbers_.find(key(a, b));
     return found == numbers_.end() ? -1 : found->second;

@@ -111,7 +111,7 @@ VectorX largest_strains(const Body& body, const Positions& positions) {
 }  // namespace
 
 std::string surface_vtu_text(const Body& body, const Cells<3>& triangles, const Snapshot& shot) {
-  // Molecules inside are left out: the surface's own are numbered anew.
+  // Molecules inside are left out: the surface's own are numbered again.
   std::vector<int> number(static_cast<std::size_t>(body.size()), -1), molecules;
   Cells<3> renumbered = triangles;
   for (auto& triangle : renumbered)

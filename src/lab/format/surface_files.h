@@ -11,7 +11,7 @@ namespace elastin::lab {
 /// displacement [m], the largest strain of a connection at each molecule, and the number of its piece.
 std::string surface_vtu_text(const Body& body, const Cells<3>& triangles, const Snapshot& shot);
 
-/// A VTU file of obstacles as triangles, each with its number; planes as wide as the box from `low` to `high` [m] asks
+/// A VTU file of obstacles as triangles, each with its number; planes as wide as the box from `low` to `high` [m] needs
 /// for.
 std::string obstacles_vtu_text(const std::vector<contact::Obstacle>& obstacles, const std::vector<contact::Pose>& poses,
                                const Vector3& low, const Vector3& high);

@@ -11,9 +11,10 @@
 namespace elastin::lab {
 namespace {
 
-constexpr double kWide = 1;         // of |value|, half of an interval beyond which a number is not determined
-constexpr double kProfiled = 0.5;   // the same, beyond which the linear model is not trusted
-constexpr double kFarBeyond = 2;    // the same, of any number, beyond which no profile of dear equilibria tells more
+constexpr double kWide = 1;        // of |value|, half of an interval beyond which a number is not determined
+constexpr double kProfiled = 0.5;  // the same, beyond which the linear model is not trusted
+constexpr double kFarBeyond =
+    2;  // the same, of any number, beyond which no profile of expensive equilibria is followed
 constexpr double kTogether = 0.95;  // correlation that is named
 constexpr double kMisfit = 4;       // mean square of a test over that of the others, beyond which it is named
 constexpr int kStabilityPoints = 40;
@@ -76,7 +77,7 @@ std::vector<TestAnswer> test_answers(const UnknownMaterial& unknown, const std::
   return answers;
 }
 
-/// The first amount on the way from rest to `end` at which the law is unstable or has no equilibrium; NaN: none.
+/// The first amount between rest and `end` at which the law is unstable or has no equilibrium; NaN: none.
 double first_unstable(const MaterialLaw& row, const Material& material, HomogeneousTest test, double begin,
                       double end) {
   const Matrix3 axes = axes_of_law(row, material);

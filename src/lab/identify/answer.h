@@ -20,7 +20,7 @@ struct FoundNumber {
   double published = std::numeric_limits<double>::quiet_NaN();  ///< what others found; NaN: the scene does not say
 };
 
-/// One test beside what the material found makes of it.
+/// One test with the response of the identified material.
 struct TestAnswer {
   std::string name, kind;
   MeasuredData data;
@@ -73,7 +73,7 @@ struct Answer {
 
 /// What a fit says, with intervals, stability and warnings.
 /// @param profiles whether wide intervals are those of the likelihood profile, which takes a search for each end
-/// @param stop asked on the way to these, which are then left as they are; may be empty
+/// @param stop called before each of these, which are then left as they are; may be empty
 Answer make_answer(const UnknownMaterial& unknown, std::vector<WeightedTest>& tests, const Fit& fit, bool profiles,
                    const std::function<bool()>& stop = {});
 

@@ -221,15 +221,14 @@ class DataFile {
   void check_value(std::size_t row, const DataQuantity& quantity, double value) const {
     const int line = csv_.line(row);
     if (quantity.name == "stretch" && !(value > 0))
-      fail_at(line, "a stretch of " + number(value) + " is none: it is 1 at rest; is the column nominal_strain?");
+      fail_at(line, "stretch " + number(value) + " is impossible: it is 1 at rest; is the column nominal_strain?");
     if (quantity.name == "stretch" && value > kMostStretch)
-      fail_at(line,
-              "a stretch of " + number(value) + " is none of any material: in per cent? then head it 'stretch [%]'");
+      fail_at(line, "stretch " + number(value) + " is beyond any material: in per cent? then head it 'stretch [%]'");
     if (quantity.name == "nominal_strain" && !(value > -1))
-      fail_at(line, "a nominal strain of " + number(value) + " is none: it is above -1");
+      fail_at(line, "nominal strain " + number(value) + " is impossible: it must be above -1");
     if (quantity.name.ends_with("strain") && value > kMostStretch)
-      fail_at(line, "a strain of " + number(value) + " is none of any material: in per cent? then head it '" +
-                        quantity.name + " [%]'");
+      fail_at(line, "strain " + number(value) + " is beyond any material: in per cent? then head it '" + quantity.name +
+                        " [%]'");
     if (quantity.name == "time" && value < 0) fail_at(line, "a time of " + number(value) + " s is before the test");
   }
 
@@ -269,12 +268,12 @@ void check_signs(const MeasuredData& data) {
   }
   if (2 * wrong > data.y.size())
     throw InputError(SourceLocation{data.file, line},
-                     "the stress pulls where the strain presses, or the other way round, here and in " +
+                     "the stress pulls where the strain presses, or the reverse, here and in " +
                          counted(wrong - 1, "other row") +
                          ": are the columns swapped, or is a strain headed as stretch?");
 }
 
-/// A first point without strain and stress tells nothing, and relative residuals cannot be over it.
+/// A first point without strain and stress is no information, and relative residuals cannot be over it.
 void leave_out_rest(MeasuredData& data) {
   if (data.x.size() < 3 || data.x[0] != 0 || data.y[0] != 0) return;
   data.x = VectorX(data.x.tail(data.x.size() - 1)), data.y = VectorX(data.y.tail(data.y.size() - 1));

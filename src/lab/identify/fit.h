@@ -21,7 +21,7 @@ struct UnknownMaterial {
   bool plain = false;                    ///< whether the scene is in plain SI numbers
 };
 
-/// One test beside what it counts.
+/// One test with its weight.
 struct WeightedTest {
   const DataTest* stated = nullptr;
   std::unique_ptr<MeasuredTest> test;
@@ -76,12 +76,12 @@ struct FitOptions {
 
 /// The numbers of the material with the least weighted Σ of squared residuals over all tests whose weight is not 0: of
 /// several searches, from the material's own numbers and from random ones around them, the best goes on to the end. The
-/// same input gives the same bits.
+/// same input gives a bitwise identical result.
 Fit fit_material(const UnknownMaterial& unknown, std::vector<WeightedTest>& tests, const FitOptions& options);
 
 /// The ends of the interval of one unknown by its profile (see profile_end), from a search for the others at each
 /// value; of a rough fit from one of Gauss's steps, or two, about where the slopes foresee the others, and to a
-/// twentieth of the way.
+/// twentieth of the range.
 std::pair<double, double> profile_interval(const UnknownMaterial& unknown, std::vector<WeightedTest>& tests,
                                            const Fit& fit, const Uncertainty& known, std::size_t number,
                                            const std::function<bool()>& stop = {});

@@ -12,7 +12,7 @@ void need_law(const DataTest& test, const MaterialLaw* row) {
         "ones alone");
 }
 
-/// What a material has beside its law is in no closed form.
+/// A closed form covers the law of a material only.
 void need_law_alone(const DataTest& test, const Material& material) {
   if (material.fibre || material.active)
     test.fail(std::string("a homogeneous test knows the law alone; the material's `") +

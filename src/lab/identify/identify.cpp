@@ -13,7 +13,7 @@
 namespace elastin::lab {
 namespace {
 
-constexpr const char* kBulkModulus = "bulk_modulus";  // of a law; what data of shape alone do not tell
+constexpr const char* kBulkModulus = "bulk_modulus";  // of a law; data of shape alone do not determine it
 constexpr int kMostTerms = 3;                         // of laws with terms, where all are compared
 
 std::vector<std::string> words_of(const std::string& text) {
@@ -275,7 +275,7 @@ struct Fitted {
   LawAnswer law;
 };
 
-/// What the task's own scene has with the best fit put in, beside its material.
+/// Keys of the task's own scene with the best fit put in, except its material.
 std::vector<std::pair<std::string, std::string>> scene_keys(const IdentifyTask& task, const IdentifyRequest& request,
                                                             const std::vector<WeightedTest>& tests,
                                                             const Fitted& best) {

@@ -8,7 +8,7 @@
 
 namespace elastin::lab {
 
-/// What is to be identified, beside what the scene says.
+/// The options of an identification, in addition to those of the scene.
 struct IdentifyRequest {
   std::vector<std::string> overrides = {};  ///< key.path=value of the scene
   std::vector<std::string> data = {};       ///< FILE, or TEST=FILE: instead of the files that the scene names

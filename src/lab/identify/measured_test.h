@@ -15,7 +15,7 @@ struct Prediction {
   MatrixX slopes;  ///< ∂value/∂θ of each change of the material, points × changes
 };
 
-/// A trial on its way to a test, with what the test needs of it.
+/// A trial of a test, with what the test needs of it.
 struct TestedMaterial {
   const MaterialLaw* row = nullptr;  ///< of its law; null: none
   Trial trial;
@@ -37,9 +37,9 @@ class MeasuredTest {
   virtual std::optional<VectorX> line(const TestedMaterial& /*tested*/, const VectorX& /*along*/) const {
     return std::nullopt;
   }
-  /// Numbers beside the material that its scene has, and that can be unknown.
+  /// Numbers of its scene in addition to the material, and that can be unknown.
   virtual std::vector<MaterialNumber> own_numbers() const { return {}; }
-  /// What its scene has, beside the material, with the trial put in: keys with their values.
+  /// Keys of its scene, except the material, with the trial put in: keys with their values.
   virtual std::vector<std::pair<std::string, std::string>> scene_keys(const Trial& /*trial*/, bool /*plain*/) const {
     return {};
   }
@@ -66,7 +66,7 @@ std::unique_ptr<MeasuredTest> make_relaxation_test(const DataTest& test, const M
 
 /// The specimen of a scene in its grips: one equilibrium a point, started from the one that the material before had
 /// there. Slopes by one linear solve a number, K dx = ∂f/∂θ at the positions kept, and the measure along dx. Where the
-/// way there counts (friction, multipliers of contact) or the load is sought (an indenter's force), each curve begins
+/// load path counts (friction, multipliers of contact) or the load is sought (an indenter's force), each curve begins
 /// at rest, and slopes are differences of whole ones.
 /// @param strategy instead of the scene's own; empty = that
 /// Throws InputError where the scene is in time, takes small displacements, or prescribes something else than the data.

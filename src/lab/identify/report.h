@@ -17,7 +17,7 @@ std::string strategies_text(const std::vector<Answer>& answers, bool colours);
 /// [], …} of one answer; of several {"identifications": [{…}, …]}. SI units; what is not finite is null.
 std::string identify_json(const std::vector<Answer>& answers);
 
-/// One HTML page that needs nothing beside itself: data with fits, residuals, intervals, correlation, laws, warnings.
+/// One HTML page that needs no other file: data with fits, residuals, intervals, correlation, laws, warnings.
 std::string identify_page(const std::vector<Answer>& answers, const std::string& command);
 
 /// Data and fits; the residuals of each point.

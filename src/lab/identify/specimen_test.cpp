@@ -15,8 +15,8 @@
 namespace elastin::lab {
 namespace {
 
-constexpr double kNear = 0.2;         // of the way from rest: within it equilibria are foreseen
-constexpr double kRoughSlope = 1e-5;  // unbalanced force of a slope, on the way of a search
+constexpr double kNear = 0.2;         // of the path from rest: within it equilibria are predicted
+constexpr double kRoughSlope = 1e-5;  // unbalanced force of a slope, during a search
 constexpr double kAgreement = 1e-6;   // of what the scene prescribes with what was measured
 
 /// What the specimen keeps of its own material: all that no law has.
@@ -49,13 +49,13 @@ class SpecimenTest final : public MeasuredTest {
     follows_modulus_ = specimen.contact && specimen.contact->stiffness ==
                                                contact::default_contact_stiffness(specimen.body, own_.youngs_modulus);
     curve_.emplace(load_factors(test), options_.statics);
-    remembers_ =
+    has_history_ =
         specimen.contact && (specimen.contact->friction > 0 || specimen.contact->penetration > 0 || along_ == "force");
   }
 
   std::optional<Prediction> predict(const TestedMaterial& tested) override {
     const bool friction = tested.trial.friction.has_value();
-    if (remembers_ || friction)
+    if (has_history_ || friction)
       return by_differences(tested, [&](const Trial& trial) {
         curve_->forget();
         const std::optional<Prediction> found = curve_of({tested.row, trial, {}});
@@ -108,9 +108,9 @@ class SpecimenTest final : public MeasuredTest {
     for (const TrialChange& change : tested.changes) {
       std::vector<HeldModel>& models = changed.emplace_back();
       for (const Trial& other : change.trials) {
-        auto beside = model(other);
-        if (!beside) return std::nullopt;
-        models.push_back(std::move(*beside));
+        auto perturbed = model(other);
+        if (!perturbed) return std::nullopt;
+        models.push_back(std::move(*perturbed));
       }
     }
     Model& own = *held->model;
@@ -130,9 +130,9 @@ class SpecimenTest final : public MeasuredTest {
         throw InputError(scene_->source.path() + ": shows " + along_ + " " + fmt::format("{:.6g}", at) +
                          " at the load that should give " + fmt::format("{:.6g}", data_.x[point]) +
                          "; the data must be over what the scene prescribes, which is the file's first column of what "
-                         "is known: are its columns the other way round?");
+                         "is known: are its columns exchanged?");
       result.values[point] = response;
-      reached_[step].way = (state.positions - start.positions).norm();
+      reached_[step].distance = (state.positions - start.positions).norm();
       if (changed.empty()) return std::isfinite(response);
       const State still{state.positions,
                         own.feels_velocity() ? Positions(Positions::Zero(3, state.positions.cols())) : Positions()};
@@ -178,7 +178,7 @@ class SpecimenTest final : public MeasuredTest {
         if (before != numbers_.end() && by_number != reached_[step].motions.end())
           motion += (value - before->second) * by_number->second;
       }
-      if (motion.norm() < kNear * reached_[step].way) curve_->expect(step, std::move(motion));
+      if (motion.norm() < kNear * reached_[step].distance) curve_->expect(step, std::move(motion));
     }
   }
 
@@ -293,10 +293,10 @@ class SpecimenTest final : public MeasuredTest {
     const double step = 0.5 / std::abs(change.weights.front());
     for (const double side : {1., -1.}) {
       State at = state;
-      StaticResult beside = solved;
+      StaticResult perturbed = solved;
       at.positions += side * step * response.motion;
-      beside.reactions += side * step * response.result.reactions;
-      slope += side * rig.measure(start, at, options_.statics, beside).get(up_) / (2 * step);
+      perturbed.reactions += side * step * response.result.reactions;
+      slope += side * rig.measure(start, at, options_.statics, perturbed).get(up_) / (2 * step);
     }
     return slope;
   }
@@ -410,7 +410,7 @@ class SpecimenTest final : public MeasuredTest {
 
   /// At rest there is nothing to be measured but an offset.
   void leave_out_rest() {
-    constexpr double offset = 0.01;  // of the largest value, beyond which it is none of the scatter
+    constexpr double offset = 0.01;  // of the largest value, beyond which it is no scatter
     MeasuredData kept = data_;
     kept.lines.clear();
     Eigen::Index count = 0;
@@ -442,7 +442,7 @@ class SpecimenTest final : public MeasuredTest {
   std::vector<Eigen::Index> order_;
   /// An equilibrium of the last curve.
   struct Reached {
-    double way = 0;                                 ///< from rest, a norm over all molecules [m]
+    double distance = 0;                            ///< from rest, a norm over all molecules [m]
     std::map<std::string, Positions> motions = {};  ///< with each number, ∂x/∂θ of about there
   };
   std::vector<Reached> reached_;
@@ -450,7 +450,7 @@ class SpecimenTest final : public MeasuredTest {
   ParameterValues numbers_;  ///< of the last curve
   std::optional<RepeatedCurve> curve_;
   bool follows_modulus_ = false;  ///< whether the stiffness of contact follows from the modulus
-  bool remembers_ = false;        ///< whether a state depends on how it was reached, or its load is sought
+  bool has_history_ = false;      ///< whether a state depends on how it was reached, or its load is sought
 };
 
 }  // namespace

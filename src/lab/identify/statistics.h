@@ -32,7 +32,7 @@ using ProfileSquares = std::function<std::optional<double>(double value)>;
 /// How far and how finely the end of a profile is sought.
 struct ProfileEffort {
   int steps = 30;            ///< outward, before the end counts as infinite
-  double tolerance = 0.003;  ///< of the way to the end
+  double tolerance = 0.003;  ///< of the distance to the end
 };
 
 /// The end of the interval on one side in which the profile stays below squares (1 + t²/(n − p)): that of the

@@ -44,7 +44,7 @@ std::vector<Record> load_baseline(const std::string& folder) {
     ++number;
     try {
       const auto entry = nlohmann::ordered_json::parse(line, nullptr, false);  // what a journal writes
-      if (!entry.is_object() || !entry.contains("run")) throw InputError("no run of ours");
+      if (!entry.is_object() || !entry.contains("run")) throw InputError("not an Elastin run record");
       Record record = record_of_json(entry["run"].dump());
       if (const Record* known = same_run(records, record))
         records[known - records.data()].add_repeat(record);

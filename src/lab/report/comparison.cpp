@@ -158,7 +158,7 @@ Table verdicts_table(const std::vector<Record>& records) {
 
 namespace {
 
-/// What the recommended strategy, and those tied with it, make of the material elsewhere; "" where nobody asked.
+/// Errors of the recommended strategy, and of those tied with it, in other directions; "" where not requested.
 std::string directions_text(const Ranking& ranking) {
   const Record& best = *ranking.best;
   if (!best.directions) return "";
@@ -206,8 +206,8 @@ std::string advice_text(const Ranking& ranking, bool colours) {
     const MeasureInfo& info = best->measure(name);
     const double value = best->run.measures.get(name);
     const bool modulus = info.unit != dimension::none;
-    const bool told = std::find(ranking.measures.begin(), ranking.measures.end(), name) != ranking.measures.end();
-    if (told || !std::isfinite(prescribed) || (modulus && !std::isfinite(value))) continue;
+    const bool counted = std::find(ranking.measures.begin(), ranking.measures.end(), name) != ranking.measures.end();
+    if (counted || !std::isfinite(prescribed) || (modulus && !std::isfinite(value))) continue;
     found += ", " + info.label() + " " +
              (!std::isfinite(value) ? "not measured"
               : modulus             ? percent(best->error(name))

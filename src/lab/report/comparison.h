@@ -9,16 +9,16 @@ namespace elastin::lab {
 
 Tone tone_of_error(double error);
 
-/// A measure's value; small ratios with digits that tell them from nothing.
+/// A measure's value; small ratios with digits that show that they are not 0.
 std::string value_text(double value, const MeasureInfo& info, int digits = 5);
 
 /// "limit reached", "not suited": an outcome in words.
 std::string outcome_text(const Run& run);
 
-/// What a row says beside its numbers: why there are none, and the first words of each warning.
+/// Notes of a run: why it has no numbers, and the first words of each warning.
 std::string notes_of(const Record& record);
 
-/// Whether there is anything by which strategies could be told apart: a value asked for, or a reference.
+/// Whether strategies can be ranked: by a target of the material, or a reference.
 bool can_rank(const std::vector<Record>& records);
 
 /// A row a strategy: its main measures, their errors, iterations and times.

@@ -13,7 +13,7 @@
 namespace elastin::lab {
 namespace {
 
-/// Smaller errors are told, but not drawn to scale: they are the solver's tolerance, not the strategy's.
+/// Smaller errors are reported, but not drawn to scale: they are the solver's tolerance, not the strategy's.
 constexpr double kFoot = 1e-7;
 
 /// The points that no other one beats in both time and error, fastest first.
@@ -28,7 +28,7 @@ PlotSeries front_of(const std::vector<PlotSeries>& series) {
   return front;
 }
 
-/// What a strategy is a kind of, and which kind: "calibrated:lattice+volume" is lattice, 3.
+/// Family of a strategy, and its number in it: "calibrated:lattice+volume" is lattice, 3.
 std::pair<std::string, int> family_of(const std::string& strategy) {
   const StrategyName name(strategy);
   if (name.of_membrane()) return {name.law(), kPlotShades - 1};
@@ -79,7 +79,7 @@ std::vector<PlotPoint> curve_of_material(const std::vector<Record>& records) {
   return points;
 }
 
-/// What the material itself asks for: its own curve, or where it has none a line through the origin.
+/// Target of the material: its own curve, or without one a line through the origin.
 void add_target(Plot& plot, const ResponseAxes& axes, const std::vector<Record>& records) {
   const Record& first = records.front();
   if (axes.x != first.measure(MeasureRole::strain) || axes.y != first.measure(MeasureRole::stress)) return;

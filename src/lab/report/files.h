@@ -28,7 +28,7 @@ std::string vtu_text(const Body& body, const Snapshot& shot, const VectorX& cons
 void write_pieces(const std::string& folder, const std::string& name, const Body& share, const Run& run);
 
 /// Writes NAME.pvd and one NAME-STEP.vtu a load step into a folder, for ParaView; of a body with cells
-/// that is at rest or has contact NAME-surface-STEP.vtu beside each, and NAME-obstacles-STEP.vtu where there are any.
+/// that is at rest or has contact NAME-surface-STEP.vtu next to each, and NAME-obstacles-STEP.vtu where there are any.
 void write_states(const std::string& folder, const std::string& name, const Body& body, const Run& run,
                   const std::vector<contact::Obstacle>& obstacles = {});
 

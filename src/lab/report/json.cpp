@@ -255,7 +255,7 @@ void measure_fields(FieldReader& io, Record& record) {
   record.measures = std::make_shared<const MeasureList>(std::move(list));
 }
 
-/// A point's measures stand beside when it was.
+/// A point's measures stand next to its time or load factor.
 void point_fields(FieldWriter& io, const CurvePoint& point) { io.json() = written(point.measures); }
 void point_fields(FieldReader& io, CurvePoint& point) {
   Json row = io.json();
@@ -377,7 +377,7 @@ void direction_fields(Io& io, Errors& errors) {
   });
 }
 
-/// What tells a run of a study from another, and what its error is compared with.
+/// What distinguishes a run of a study from another, and what its error is compared with.
 template <class Io, class AnyRecord>
 void study_fields(Io& io, AnyRecord& record) {
   io.field("asked", record.prescribed);
@@ -522,7 +522,7 @@ Record record_of_json(const std::string& line) {
     record_fields(reader, record);
     return record;
   } catch (const Json::exception& error) {
-    throw InputError(std::string("no run of ours: ") + error.what());
+    throw InputError(std::string("not an Elastin run record: ") + error.what());
   }
 }
 

@@ -7,7 +7,7 @@ namespace elastin::lab {
 struct Machine {
   std::string processor;
   int cores = 0;
-  double load = 0;  ///< of all its programs, over the last minute; NaN where it is not told
+  double load = 0;  ///< of all its programs, over the last minute; NaN where it is unknown
   std::string compiler, flags;
   std::string text() const;  ///< in one line
 };

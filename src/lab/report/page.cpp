@@ -27,7 +27,7 @@ constexpr double kFile = 760;                 // px, of plots alone
 
 using Colours = std::map<std::string, int>;
 
-/// Records of one scene with all that is told of them.
+/// Records of one scene with all that is reported of them.
 struct Scenery {
   std::vector<Record> records;
   Ranking ranking;
@@ -47,7 +47,7 @@ std::vector<Scenery> by_scene(const std::vector<Record>& records) {
   return scenes;
 }
 
-/// Whether each strategy's body stands, and what the solver found out about it: a row for all of whom it is the same.
+/// Whether each strategy's body stands, and what the solver found out about it: a row for all for which it is the same.
 Table stability_table(const Scenery& scene) {
   struct Finding {
     std::string verdict, solver, more;
@@ -84,7 +84,7 @@ Table stability_table(const Scenery& scene) {
 }
 
 std::string warnings_html(const Scenery& scene) {
-  std::vector<std::pair<std::string, std::vector<std::string>>> said;  // what, and of whom
+  std::vector<std::pair<std::string, std::vector<std::string>>> said;  // what, and of which strategies
   for (const Record& record : scene.records)
     for (const std::string& warning : record.warnings) {
       const auto same = [&](const auto& known) { return known.first == warning; };
@@ -177,7 +177,7 @@ struct View {
   const std::string* line;
 };
 
-/// The states with at most so many frames, evenly spread, the last among them.
+/// The states with at most this number of frames, evenly spread, the last among them.
 std::string thinned(const std::string& line, std::size_t most) {
   nlohmann::json states = nlohmann::json::parse(line);
   nlohmann::json& frames = states["frames"];
@@ -188,7 +188,7 @@ std::string thinned(const std::string& line, std::size_t most) {
   return states.dump();
 }
 
-/// States of these strategies, as many of each as there is room for; whom there is no room for is left out.
+/// States of these strategies, as many of each as fit; the rest is omitted.
 std::string states_html(const std::vector<const View*>& views, std::size_t room) {
   std::string out;
   for (const std::size_t most : {25, 13, 7, 4, 2}) {
@@ -206,7 +206,7 @@ std::string states_html(const std::vector<const View*>& views, std::size_t room)
 }
 
 /// The body with its strategies' states, the best first; of a study the variant with most molecules.
-/// `taken`: bytes of the page beside it.
+/// `taken`: bytes of the rest of the page.
 std::string stage_html(const Scenery& scene, const std::vector<std::string>& views, std::size_t scenes,
                        std::size_t taken) {
   std::map<int, std::vector<View>> bodies;  // by molecules
@@ -340,7 +340,7 @@ std::string page_text(const PageMatter& matter) {
   out += fmt::format(
       "</main>\n<footer><p>{}</p><p><code>{}</code></p><p>Times: build and solve of each strategy, its body given; the "
       "least of all repeats. The best is near enough (0.1 %, or the least there is), with nothing to warn of, "
-      "and then the fastest; where the measures do not tell strategies apart, the simplest.</p><p>Bodies are drawn by "
+      "and then the fastest; where the measures do not distinguish strategies, the simplest.</p><p>Bodies are drawn by "
       "three.js (MIT licence).</p></footer>\n",
       escaped(matter.machine), escaped(matter.command));
   out += packed_html("id=\"three\"", base64(k_three.data(), k_three.size()));

@@ -12,12 +12,12 @@ struct PageMatter {
   std::vector<Record> records;     ///< of all scenes, scene by scene
   std::vector<std::string> views;  ///< lines of body_view and states_view
   std::vector<Peer> peers;
-  std::string machine, command;       ///< what it was measured on, and how it was asked for
-  std::vector<Record> baseline = {};  ///< of an earlier comparison, to tell what changed
+  std::string machine, command;       ///< what it was measured on, and its command line
+  std::vector<Record> baseline = {};  ///< of an earlier comparison, to report what changed
   std::string baseline_name = {};     ///< its folder
 };
 
-/// One HTML page that needs nothing beside itself: for each scene the advice, error against time, the course of the
+/// One HTML page that needs no other file: for each scene the advice, error against time, the time history of the
 /// load, the body in 3D, all tables and warnings; of several scenes a summary in front.
 std::string page_text(const PageMatter& matter);
 

@@ -5,7 +5,7 @@
 
 namespace elastin::lab {
 
-/// A page up to its header's text: it needs nothing beside itself.
+/// A page up to its header's text: it needs no other file.
 std::string page_begin(const std::string& title, const std::string& brand);
 
 /// A plot, wide and narrow, that can be saved under a name; nothing where it has no series.

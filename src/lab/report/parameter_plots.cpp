@@ -75,10 +75,10 @@ std::vector<Parameter> parameters_of(const std::vector<Record>& records, const s
     if (parameter.counts) parameter.axis = {"molecules", "", true};
     for (const Record& record : records)
       if (std::isfinite(parameter.of(record))) values.insert(parameter.of(record));
-    const bool told = std::any_of(found.begin(), found.end(), [&](const Parameter& other) {
+    const bool followed = std::any_of(found.begin(), found.end(), [&](const Parameter& other) {
       return (other.counts && parameter.counts) || follows(records, key, other.key);
     });
-    if (values.size() > 1 && !told) found.push_back(parameter);
+    if (values.size() > 1 && !followed) found.push_back(parameter);
   }
   return found;
 }

@@ -4,7 +4,7 @@
 
 namespace elastin::lab {
 
-/// A solution by another program, to stand beside ours.
+/// A solution by another program, to be compared with Elastin's.
 struct Peer {
   std::string scene;  ///< whose problem it solves; empty = of every scene
   std::string name;

@@ -35,7 +35,7 @@ constexpr std::array<std::array<int, 3>, kPlotHues> kHues{{{59, 130, 246},
 constexpr std::array<std::pair<int, double>, kPlotShades> kShades{{{0, 0}, {255, 0.45}, {0, 0.35}, {150, 0.55}}};
 constexpr double kFont = 12, kLetter = 7.3;  // px
 
-/// Of what is asked for, so that it is seen on a curve that follows it.
+/// Of the target, so that it is seen on a curve that follows it.
 constexpr const char* kInk = "var(--ink)";
 
 constexpr const char* kStyle =
@@ -64,7 +64,7 @@ struct Scale {
 
 Scale logarithmic_scale(double least, double most) {
   Scale scale{std::log10(least), std::log10(most), true, {}};
-  const bool fine = scale.high - scale.low < 2.5;  // 1, 2, 5 of each decade are told
+  const bool fine = scale.high - scale.low < 2.5;  // 1, 2, 5 of each decade are labelled
   const auto below = [&](double v) {
     const double decade = std::floor(v + 1e-9), mantissa = std::pow(10., v - decade);
     if (!fine) return decade;
@@ -83,8 +83,8 @@ Scale logarithmic_scale(double least, double most) {
     for (int digit = 1; digit < 10; ++digit) {
       const double at = decade + std::log10(digit);
       if (at < scale.low - 1e-9 || at > scale.high + 1e-9 || (digit > 1 && every > 1)) continue;
-      const bool told = digit == 1 ? decade % every == 0 : fine && (digit == 2 || digit == 5);
-      scale.ticks.push_back({std::pow(10., at), told});
+      const bool labelled = digit == 1 ? decade % every == 0 : fine && (digit == 2 || digit == 5);
+      scale.ticks.push_back({std::pow(10., at), labelled});
     }
   return scale;
 }
@@ -118,7 +118,7 @@ Scale scale_of(const Plot& plot, const PlotAxis& axis, double PlotPoint::*value,
   return axis.logarithmic ? logarithmic_scale(least, most) : linear_scale(least, most);
 }
 
-/// The prefix in which all ticks of an axis are told.
+/// The prefix of the labels of all ticks of an axis.
 std::pair<double, std::string> prefix_of(const std::string& unit, double size) {
   constexpr std::pair<double, const char*> prefixes[]{{1e9, "G"},  {1e6, "M"},  {1e3, "k"}, {1, ""},
                                                       {1e-3, "m"}, {1e-6, "µ"}, {1e-9, "n"}};
@@ -143,8 +143,8 @@ std::string tick_text(double value, const PlotAxis& axis, double step) {
 /// Of the labels of an axis, in px.
 double widest_label(const Scale& scale, const PlotAxis& axis) {
   std::size_t letters = 0;
-  for (const auto& [value, told] : scale.ticks)
-    if (told) letters = std::max(letters, tick_text(value, axis, scale.step()).size());
+  for (const auto& [value, labelled] : scale.ticks)
+    if (labelled) letters = std::max(letters, tick_text(value, axis, scale.step()).size());
   return kLetter * static_cast<double>(letters);
 }
 
@@ -165,20 +165,20 @@ struct Sheet {
 void add_grid(Sheet& sheet) {
   sheet.add("<g class=\"ticks\">");
   double free_from = 0;  // labels that would run into the one before are left out
-  for (const auto& [value, told] : sheet.x.ticks) {
+  for (const auto& [value, labelled] : sheet.x.ticks) {
     sheet.add("<path class=\"grid\" d=\"M{0:.1f} {1:.1f}V{2:.1f}\" opacity=\"{3}\"/>", sheet.px(value), sheet.top,
-              sheet.bottom, told ? 1 : 0.5);
-    const std::string label = told ? tick_text(value, sheet.plot.x, sheet.x.step()) : "";
+              sheet.bottom, labelled ? 1 : 0.5);
+    const std::string label = labelled ? tick_text(value, sheet.plot.x, sheet.x.step()) : "";
     const double half = kLetter / 2 * static_cast<double>(label.size()), at = sheet.px(value);
     if (label.empty() || at - half < free_from) continue;
     free_from = at + half + kLetter;
     sheet.add("<text x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"middle\">{}</text>", at, sheet.bottom + 18,
               escaped(label));
   }
-  for (const auto& [value, told] : sheet.y.ticks) {
+  for (const auto& [value, labelled] : sheet.y.ticks) {
     sheet.add("<path class=\"grid\" d=\"M{:.1f} {:.1f}H{:.1f}\" opacity=\"{}\"/>", sheet.left, sheet.py(value),
-              sheet.right, told ? 1 : 0.5);
-    if (told)
+              sheet.right, labelled ? 1 : 0.5);
+    if (labelled)
       sheet.add("<text x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"end\">{}</text>", sheet.left - 7, sheet.py(value) + 4,
                 escaped(tick_text(value, sheet.plot.y, sheet.y.step())));
   }

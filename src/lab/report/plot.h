@@ -18,7 +18,7 @@ struct PlotAxis {
 
 struct PlotPoint {
   double x = 0, y = 0;  ///< above 0 on a logarithmic axis
-  std::string text;     ///< what it is, for who points at it; empty = the point cannot be pointed at
+  std::string text;     ///< tooltip; empty = the point has none
 };
 
 struct PlotSeries {
@@ -49,7 +49,7 @@ Plot overlaid(const std::vector<std::pair<std::string, Plot>>& plots);
 /// draws, in its order. JSON without "<".
 std::string plot_json(const Plot& plot);
 
-/// "#3b82f6": of a series on the page, in plots and beside them.
+/// "#3b82f6": of a series on the page, in and next to plots.
 std::string plot_colour(int colour);
 
 /// A text with what HTML, XML and their attributes read as their own made harmless; bytes that no XML may hold go.

@@ -35,7 +35,7 @@ class Progress {
   void set_count(const RunCount& count);
   /// Wipes the line, so that something else can be printed; the clock starts again with the next set().
   void pause();
-  /// A line that stays: a run is finished. Only where the whole work takes long enough to tell of it.
+  /// A line that stays: a run is finished. Only where the whole work takes long enough to report it.
   void note(const std::string& line);
 
  private:

@@ -32,7 +32,7 @@ void keep_ranked(const Record& record, std::vector<std::string>& names) {
   if (left_out && std::none_of(names.begin(), names.end(), has_unit)) names.clear();
 }
 
-/// "the computed reference of E is uncertain by 12 %"; "" where there is none that is uncertain.
+/// "the computed reference of E is uncertain by 12 %"; "" where no reference is uncertain.
 std::string uncertain_text(const Record& record) {
   for (const Reference& reference : record.references)
     if (!reference.certain())

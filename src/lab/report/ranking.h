@@ -16,9 +16,9 @@ bool solved(const Record& record);
 /// with.
 bool has_own_error(const Record& record);
 
-/// Which strategy of a comparison to take.
+/// The recommended strategy of a comparison.
 struct Ranking {
-  /// What counts: every main measure with a certain reference, which solves the same problem; where there is none, the
+  /// What counts: every main measure with a certain reference, which solves the same problem; without one, the
   /// first with a value of the material, which is met only where the grips do not disturb. Empty: nothing to go by.
   std::vector<std::string> measures;
   bool by_reference = false;
@@ -26,7 +26,7 @@ struct Ranking {
   std::string no_reference;
   const Record* best = nullptr;     ///< points into the records; null if each one failed or has a warning
   const Record* warned = nullptr;   ///< the nearest of those that came to their end with a warning
-  std::vector<const Record*> tied;  ///< others that the measures do not tell from the best
+  std::vector<const Record*> tied;  ///< others that the measures do not distinguish from the best
 
   /// Name of a measure's error that counts.
   std::string error_name(const std::string& measure) const { return measure + (by_reference ? "_to_reference" : ""); }

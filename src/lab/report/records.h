@@ -12,39 +12,40 @@ namespace elastin::lab {
 /// How one expectation of a scene came out.
 struct Verdict {
   Expectation expectation;
-  std::string strategy;   ///< the run it was held against
+  std::string strategy;   ///< the run it is compared with
   double measured = 0;    ///< NaN if the run has no such measure
   double difference = 0;  ///< relative to the expected value; both NaN where an outcome is expected
   bool passed = false;
   bool judged = true;  ///< false: the scene says that it is not reproduced
 };
 
-/// Holds what came of a run against one expectation, whatever strategy that is about.
+/// Compares a run with one expectation, whatever strategy that is about.
 Verdict judge(const Expectation& expectation, const Run& run);
 
 /// Connections a molecule has away from the body's surface: of those further from the bounding box's faces than the
-/// longest connection, or of all where there are none.
+/// longest connection, or of all if there is no such molecule.
 struct Neighbours {
   double mean = 0;
   int least = 0;
 };
 Neighbours neighbours_inside(const Body& body);
 
-/// One run with what the scene said about it: a row of every table and file.
+/// One run with what the scene states about it: a row of every table and file.
 struct Record {
   std::string scene, path, title;
   Run run;
   int molecules = 0, connections = 0, cells = 0, threads = 1;
   Neighbours neighbours;
-  int cell_sides = 0;                           ///< beside the connections: those that are sides of cells only
+  int cell_sides = 0;                           ///< in addition to the connections: those that are sides of cells only
   std::string prescribed;                       ///< "E = 5000 Pa, nu = 0.25"
   std::shared_ptr<const MeasureList> measures;  ///< of the experiment's runs; null: of an experiment unknown here
-  std::vector<MainMeasure> main_measures;       ///< of the experiment, with what the material asks for
-  /// What a measure is here; of another experiment's, what it is there. Throws InputError if there is none.
+  std::vector<MainMeasure> main_measures;       ///< of the experiment, with the targets of the material
+  /// The description of a measure here; of another experiment's measure, the one there. Throws InputError if there is
+  /// no such measure.
   const MeasureInfo& measure(const std::string& name) const;
-  /// Name of the measure with this role; "" if there is none.
+  /// Name of the measure with this role; "" if no measure has it.
   std::string measure(MeasureRole role) const;
-  /// By measure, against what the material asks for: relative, or a difference where the measure is a ratio;
+  /// By measure, compared with the target of the material: relative, or a difference where the measure is a ratio;
   /// MEASURE_to_reference against the scene's reference, relative.
   std::vector<std::pair<std::string, double>> errors;
   /// NaN if there is no such error.
@@ -57,7 +58,7 @@ struct Record {
   /// What a study changes from row to row: "body.lattice.molecules" = "[5, 5, 5]"; empty where nothing is.
   std::vector<std::pair<std::string, std::string>> variant;
   bool apparent = false;  ///< `effective_modulus` depends on the body's shape: no error against the material's E
-  std::optional<DirectionErrors> directions;  ///< of a strategy that comes near; none: nobody asked
+  std::optional<DirectionErrors> directions;  ///< of a strategy that comes near; empty: not requested
   std::string no_reference;                   ///< why the material's values rank no strategy here; empty where they do
   double spacing = 0;  ///< of the body's molecules, up to a factor that refinement leaves alone; see relative_spacing
   /// Build and solve of every repeat [s]; `run` has those of the fastest. Empty: one run, not repeated.

@@ -81,7 +81,7 @@ std::string contact_text(const contact::ContactReport& contact, const std::vecto
                            readable_seconds(contact.narrow_seconds));
 }
 
-/// Of a run in time every tenth part of it, and what tells it apart, unless the whole is wanted; its file has all.
+/// Of a run in time ten rows and the telling columns, unless the whole is wanted; its file has all.
 std::string curve_text(const Record& record, bool whole, bool colours) {
   const std::vector<CurvePoint>& points = record.run.curve;
   const bool in_time = record.run.time.has_value();
@@ -175,7 +175,7 @@ std::string run_text(const Record& record, bool colours, bool whole_curve) {
   if (run.identified) out += "  " + identified_text(*run.identified) + "\n";
   if (run.bisected_load_steps)
     out += "  " + counted(run.bisected_load_steps, "load step") +
-           " halved: a cell would have inverted, or no equilibrium was found\n";
+           " bisected: a cell would have inverted, or no equilibrium was found\n";
   for (const std::string& note : record.notes) out += "  " + note + "\n";
   for (const std::string& warning : run.warnings)
     out += "  " + painted("warning: " + warning, Tone::poor, colours) + "\n";

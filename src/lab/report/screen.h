@@ -13,7 +13,7 @@ void say(const std::string& text);
 void set_screen_width(std::size_t columns);
 std::size_t screen_width();
 
-/// Columns of the terminal behind a stream; 0 = it is none, or does not tell.
+/// Columns of the terminal behind a stream; 0 = it is no terminal, or its width is unknown.
 std::size_t terminal_width(int stream);
 
 /// Columns that a terminal uses for a UTF-8 text without wide characters.

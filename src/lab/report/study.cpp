@@ -241,7 +241,7 @@ std::vector<TimesToGoals> times_of_peers(const std::vector<Peer>& peers, const s
 Table time_to_table(const std::vector<Record>& records, const Ranking& ranking, const std::vector<Peer>& peers) {
   std::vector<TimesToGoals> candidates;
   if (!records.empty()) candidates = times_of_peers(peers, records.front().scene);
-  const bool beside = !candidates.empty();
+  const bool with_ratio = !candidates.empty();
   for (const StudyCurve& curve : curves_of(records)) {
     std::vector<std::pair<double, double>> points;
     for (const Record* record : curve.rows)
@@ -259,7 +259,7 @@ Table time_to_table(const std::vector<Record>& records, const Ranking& ranking, 
   std::vector<std::string> head{"strategy"};
   for (const char* goal : {"to 1 %", "to 0.1 %"}) {
     head.push_back(goal);
-    if (beside) head.push_back("of Elastin's best");
+    if (with_ratio) head.push_back("of Elastin's best");
   }
   Table table(head);
   for (const TimesToGoals& times : candidates) {
@@ -269,7 +269,7 @@ Table time_to_table(const std::vector<Record>& records, const Ranking& ranking, 
       cells.push_back(
           number_cell(std::isfinite(seconds) ? readable_seconds(seconds) : "not reached", order_of(seconds)));
       const bool both = std::isfinite(ratio) && std::isfinite(best[goal]);
-      if (beside) cells.push_back(number_cell(both ? fmt::format("× {:.3g}", ratio) : "", ratio));
+      if (with_ratio) cells.push_back(number_cell(both ? fmt::format("× {:.3g}", ratio) : "", ratio));
     }
     table.add(std::move(cells));
   }

@@ -12,7 +12,7 @@ namespace elastin::lab {
 /// The rows of one scene's study that differ in the body alone: one strategy, solver and number of threads under
 /// refinement, from the coarsest on.
 struct StudyCurve {
-  std::string name;  ///< "lattice", "lattice, pcg, 2 threads": what tells it from the others
+  std::string name;  ///< "lattice", "lattice, pcg, 2 threads": what distinguishes it from the others
   std::string strategy;
   std::vector<const Record*> rows;
 };
@@ -45,8 +45,8 @@ Extrapolation extrapolate(const std::vector<std::pair<double, double>>& spacings
 /// where the order shown is there too, the limit is no further away than the orders 1 and 2 make it. Two extrapolations
 /// that agree by chance do not make it more certain than a tenth of the last correction. Values that do not change, to
 /// 1e-7, are the limit. Those that fall into no line have no order (NaN): of two the limit is in the middle of what the
-/// orders 1 and 2 lead to, its uncertainty half of the way; of more it is the last value, its uncertainty the largest
-/// difference between the last three.
+/// orders 1 and 2 lead to, its uncertainty half of the difference; of more it is the last value, its uncertainty the
+/// largest difference between the last three.
 Extrapolation limit_of(const std::vector<std::pair<double, double>>& spacings_and_values);
 
 /// Gives all records of a scene the strategy's own extrapolated values as references, of each main measure that it has;
@@ -60,7 +60,7 @@ double time_to(const std::vector<std::pair<double, double>>& times_and_errors, d
 /// A row a run: what was changed, what came out, its error and times.
 Table study_table(const std::vector<Record>& records, const Ranking& ranking);
 /// Time to 1 % and to 0.1 % of error, a row a curve, and one each of the peers of this scene with how many times the
-/// best of ours they take; the fastest in front.
+/// best of Elastin's runs they take; the fastest in front.
 Table time_to_table(const std::vector<Record>& records, const Ranking& ranking, const std::vector<Peer>& peers = {});
 
 /// Both tables, the references, and what failed.

@@ -14,7 +14,7 @@
 namespace elastin::lab {
 namespace {
 
-/// From here on a molecule has connections enough for a goal to be asked for.
+/// From here on a molecule has connections enough to be judged by the goal.
 constexpr double kEnoughNeighbours = 12;
 
 /// Against the material's value, or where the specimen does not show that, against the reference; of a Poisson's ratio
@@ -220,7 +220,7 @@ std::string bodies_text(const Summary& summary, bool colours) {
                                    counted(judged_bodies, "body", "bodies"), kEnoughNeighbours, met, met_by_springs);
 }
 
-/// What calibrated runs that have the E that was asked for make of the material where they were not calibrated.
+/// Errors of the calibrated runs that have the target E, in other directions than the calibrated one.
 std::string elsewhere_text(const std::vector<const Record*>& runs) {
   std::vector<double> errors;
   const Record* worst = nullptr;
@@ -235,7 +235,7 @@ std::string elsewhere_text(const std::vector<const Record*>& runs) {
                      size_text(worst->directions->worst()), worst->run.strategy, worst->scene);
 }
 
-/// How many calibrated runs have the E that was asked for.
+/// Number of calibrated runs that have the target E.
 std::string calibrated_text(const std::vector<Record>& records) {
   constexpr double goal = 1e-3;
   int runs = 0, met = 0;
@@ -260,17 +260,17 @@ std::string failures_text(const std::vector<Record>& records, bool colours) {
   int met = 0, judged = 0;
   std::string out;
   for (const Record& record : records) {
-    const std::string who = "  " + record.scene + ", " + record.run.strategy + ": ";
+    const std::string run = "  " + record.scene + ", " + record.run.strategy + ": ";
     if (record.run.suited && !solved(record) && !record.stopped_as_expected()) {
       std::string outcome = name_of(record.run.outcome);
       std::replace(outcome.begin(), outcome.end(), '_', ' ');
-      out += painted(who + outcome + ": " + record.run.cause, Tone::bad, colours) + "\n";
+      out += painted(run + outcome + ": " + record.run.cause, Tone::bad, colours) + "\n";
     }
     for (const Verdict& verdict : record.verdicts) {
       judged += verdict.judged;
       met += verdict.judged && verdict.passed;
       if (verdict.judged && !verdict.passed)
-        out += painted(who + (verdict.expectation.outcome.empty()
+        out += painted(run + (verdict.expectation.outcome.empty()
                                   ? verdict.expectation.measure + " " + percent(verdict.difference) + " from expected"
                                   : "expected to stop as " + verdict.expectation.outcome + ": \"" +
                                         verdict.expectation.cause + "\""),

@@ -39,7 +39,7 @@ struct Summary {
   std::vector<BodySummary> bodies;          ///< in the order of the scenes
 };
 
-/// What is asked of the best cell-free strategy on a body: errors of E (relative) and of Poisson's ratio.
+/// The goal of the best cell-free strategy on a body: errors of E (relative) and of Poisson's ratio.
 inline constexpr double kModulusGoal = 0.01, kRatioGoal = 0.01;
 
 /// All runs of a comparison by strategy and by body. The best cell-free strategy has the least of max(|error of E| / 1

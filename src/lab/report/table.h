@@ -26,13 +26,13 @@ inline TableCell number_cell(std::string text, double value, Tone tone = Tone::p
   return {std::move(text), tone, true, value};
 }
 
-/// What a page knows of a row beside its cells.
+/// What a page knows of a row in addition to its cells.
 struct RowTraits {
   std::string series = {};   ///< what it is called in plots; empty = by its first cell
   std::string outcome = {};  ///< what it can be filtered by; empty = not at all
 };
 
-/// Rows of cells, aligned by what a terminal shows. Colours only if asked for.
+/// Rows of cells, aligned by what a terminal shows. Colours only if requested.
 class Table {
  public:
   explicit Table(std::vector<std::string> head) : head_(std::move(head)) {}
@@ -58,13 +58,13 @@ std::string readable(double value, const Dimension& dimension, int digits = 5);
 /// The same of a measure, in its own unit ("N m" of a torque).
 std::string readable(double value, const MeasureInfo& measure, int digits = 5);
 
-/// "+0.02 %" with as many digits as the size asks for; "" for NaN.
+/// "+0.02 %" with as many digits as its size needs; "" for NaN.
 std::string percent(double ratio);
 
 /// "120 µs", "1.2 ms", "3.40 s"
 std::string readable_seconds(double seconds);
 
-/// The comparison of one scene: a row a strategy, what was expected, warnings, and which strategy to take.
+/// The comparison of one scene: a row a strategy, what was expected, warnings, and the recommended strategy.
 std::string comparison_text(const std::vector<Record>& records, bool colours);
 
 /// One run in full: every measure, its curve, expectations, warnings.

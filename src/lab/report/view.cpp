@@ -21,7 +21,7 @@ using Json = nlohmann::ordered_json;
 static_assert(std::endian::native == std::endian::little, "the page reads little-endian arrays");
 
 constexpr std::size_t kMostConnections = 60'000, kMostFrames = 25;
-/// Of the largest number of a frame: displacements are told in steps of 2⁻²⁰ of it, as strains follow from their
+/// Of the largest number of a frame: displacements are written in steps of 2⁻²⁰ of it, as strains follow from their
 /// differences; what is only coloured and read, in steps of 2⁻¹².
 constexpr double kFine = 1 << 20, kCoarse = 1 << 12;
 
@@ -56,7 +56,7 @@ std::array<int, 3> sorted(std::array<int, 3> side) {
 }
 
 /// The cell behind each side of the surface, counted as the states of cells are: triangles, tetrahedra; or cells of
-/// blocks. −1 where there is none.
+/// blocks. −1 without one.
 std::vector<int> cells_behind(const Body& body, const std::vector<std::array<int, 3>>& surface) {
   std::map<std::array<int, 3>, int> behind;
   std::vector<char> outer(static_cast<std::size_t>(body.size()), 0);
@@ -103,7 +103,7 @@ struct Shown {
   std::string note;
 };
 
-/// On the surface: its corners, or where there is none, molecules with fewer connections than most have.
+/// On the surface: its corners, or without one, molecules with fewer connections than most have.
 std::vector<char> on_surface(const Body& body, const std::vector<std::array<int, 3>>& surface) {
   std::vector<char> outer(static_cast<std::size_t>(body.size()), 0);
   for (const auto& side : surface)

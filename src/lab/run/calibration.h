@@ -22,7 +22,7 @@ std::string calibration_unsuited(const Experiment& experiment, const Specimen& s
 /// The springs of a rule, with their volume term if any, without the material's fibres. A choice that is `calibrated`
 /// is fitted to the material by solves of the experiment alone, without the scene's other loads and without fibres:
 ///   * the constants to the first modulus that the experiment measures, by one linear solve of a small load (so that
-///     ways which are curved are straight too);
+///     paths which are curved are straight too);
 ///   * with a volume term, and where the experiment measures both E and ν, constants and term to both, by two linear
 ///     solves and at most two more;
 ///   * where the material prescribes no such modulus (a body that is no prism), constants and term by one factor with

@@ -9,7 +9,7 @@
 namespace elastin::lab {
 namespace {
 
-/// A force that is asked for counts as met when it is this near.
+/// A prescribed force counts as met when it is this near.
 constexpr double kForceTolerance = 1e-7;
 
 }  // namespace
@@ -92,7 +92,8 @@ bool ForceControl::adjust(double force) {
   return true;
 }
 
-/// Along the secant, but to no less than half and no more than twice the way; where nothing resists yet, twice.
+/// Along the secant, but to no less than half and no more than twice the displacement; where nothing resists yet,
+/// twice.
 double ForceControl::towards(double force) const {
   const double slope = (last_force_ - before_force_) / (last_displacement_ - before_displacement_),
                now = std::abs(last_displacement_);

@@ -21,19 +21,19 @@ void note_contact(const contact::ContactReport& report, double copies, Measures&
 /// A state to be looked at, with what touches in it.
 Snapshot snapshot_of(const Model& model, const State& state, double at, int number);
 
-/// Keeps it with the run as far as the options ask for that.
+/// Keeps it with the run as far as the options request it.
 void keep_snapshot(const Model& model, const State& state, double at, int number, const RunOptions& options, Run& run);
 
-/// Finds the way on which something must go until it meets a wanted resistance: secants from equilibrium to
+/// Finds the displacement at which something meets a wanted resistance: secants from equilibrium to
 /// equilibrium.
 class ForceControl {
  public:
   ForceControl() = default;
-  /// `wanted` [N], > 0; `first` [m], > 0: a way to begin with.
+  /// `wanted` [N], > 0; `first` [m], > 0: a first displacement.
   ForceControl(double wanted, double first) : wanted_(wanted), displacement_(first) {}
-  /// From now on `part` (0 … 1) of the force is wanted. Sets the way to where the last points lead.
+  /// From now on `part` (0 … 1) of the force is wanted. Sets the displacement by extrapolation of the last points.
   void aim(double fraction);
-  /// Takes the force [N] that the way was met with. True: the force is not met yet, and the way has changed.
+  /// Takes the force [N] at this displacement. True: the force is not met yet, and the displacement has changed.
   bool adjust(double force);
   double displacement() const { return displacement_; }  ///< [m]
 

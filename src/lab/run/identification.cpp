@@ -156,7 +156,7 @@ bool identify_material(const Identification& wanted, Specimen& specimen, const S
   Curves curves(wanted, specimen, experiment, choice, options);
   for (const auto& point : wanted.guess) curves.modulus = std::max(curves.modulus, point.modulus);
   std::optional<VectorX> scaled = first_guess(wanted, curves);
-  if (!scaled) return fail(Outcome::diverged, "no load curve could be solved for a first idea of the material");
+  if (!scaled) return fail(Outcome::diverged, "no load curve could be solved for an initial guess of the material");
 
   LeastSquaresProblem problem;
   problem.residuals = equations;

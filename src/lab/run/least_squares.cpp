@@ -55,7 +55,7 @@ class Watch final : public ceres::IterationCallback {
   bool enough_ = false;
 };
 
-/// Ceres tells the log of a search that cannot begin, which is an outcome here.
+/// Ceres logs a search that cannot begin, which is an outcome here.
 class Quiet {
  public:
   Quiet() : before_(FLAGS_minloglevel) { FLAGS_minloglevel = google::GLOG_FATAL; }

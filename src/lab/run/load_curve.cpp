@@ -49,12 +49,13 @@ void check_balance(const StaticResult& solved, const Measures& measures, double 
   const double left = std::isfinite(force) && solved.scale > 0 ? balance * std::abs(force) / solved.scale : balance;
   if (whole && solved.residual > kBalanced && run.zero_energy_modes > 0) {
     run.outcome = Outcome::mechanism;
-    run.cause = "the body does not resist this load: what it takes is no more than rounding";
+    run.cause = "the body does not resist this load: its resistance is at the rounding level";
   } else if (whole && solved.residual > kBalanced) {
     run.outcome = Outcome::limit_reached;
-    run.cause = "the unbalanced force is " + number(solved.residual, 2) +
-                " of the load, and rounding of the positions allows no less: too stiff and too soft parts meet, or the "
-                "body lies too far from the origin for its size";
+    run.cause =
+        "the unbalanced force is " + number(solved.residual, 2) +
+        " of the load, and rounding of the positions allows no less: the stiffness contrast is too large, or the "
+        "body lies too far from the origin for its size";
   } else if (left > kBalanced) {
     run.outcome = Outcome::limit_reached;
     run.cause = "the reactions do not balance the loads: they leave " + number(left, 2) + " of them" + where;
@@ -71,8 +72,8 @@ double total_energy(const Model& model, const State& state) {
   return model.elastic_energy(state.positions) + model.load_energy(state);
 }
 
-/// From a scene's own start a body may find no equilibrium, or one where it is tangled up: one of more energy than that
-/// to which it comes from rest. Then that one is taken, and said. [J] `before`: energy of the start.
+/// From a scene's own start a body may find no equilibrium, or one of more energy than the one reached from rest. Then
+/// that one is measured, and a warning says so. [J] `before`: energy of the start.
 StaticResult restart_from_rest(Model& model, const RunOptions& options, double before, StaticResult solved,
                                State& state, Run& run) {
   State other = state_at_rest(model.body());
@@ -85,9 +86,9 @@ StaticResult restart_from_rest(Model& model, const RunOptions& options, double b
   if (found && above <= noise) return solved;
   run.restarted_from_rest = true;
   run.warnings.push_back(std::string("from the scene's start the body ") +
-                         (found ? "comes to rest in a tangle, at more energy than at rest"
+                         (found ? "settles in a higher-energy equilibrium than the one reached from rest"
                                 : "finds no equilibrium (" + solved.cause + ")") +
-                         "; measured from the equilibrium that it has from rest");
+                         "; the equilibrium reached from rest is measured");
   state = std::move(other);
   return from_rest;
 }

@@ -53,7 +53,7 @@ LoadPath::LoadPath(Model& model, StaticRig& rig, const StaticOptions& options, S
   model_.commit_step(state_);
 }
 
-/// Where the last way leads if it goes on: near the next equilibrium, unless a cell inverts or, under loads, the
+/// Extrapolation of the path: near the next equilibrium, unless a cell inverts or, under loads, the
 /// energy is higher than where the body stands (a bar that turns far would be torn).
 State LoadPath::start_of(double factor) const {
   if (options_.linear) return state_;
@@ -92,14 +92,15 @@ int LoadPath::parts_for_obstacles(double factor) {
 }
 
 StaticResult LoadPath::advance(double factor) {
-  const double way = factor - factor_;
-  const int parts = options_.linear ? 1
-                                    : std::max(static_cast<int>(std::ceil(std::abs(way) / rig_.longest_step() - 1e-9)),
-                                               parts_for_obstacles(factor));
+  const double change = factor - factor_;
+  const int parts = options_.linear
+                        ? 1
+                        : std::max(static_cast<int>(std::ceil(std::abs(change) / rig_.longest_step() - 1e-9)),
+                                   parts_for_obstacles(factor));
   StaticResult solved;
   for (int part = parts; part > 0 && solved.outcome == Outcome::converged; --part) {
     const StaticResult before = solved;
-    solved = advance(part == 1 ? factor : factor_ + (factor - factor_) / part, std::abs(way) / parts / 64);
+    solved = advance(part == 1 ? factor : factor_ + (factor - factor_) / part, std::abs(change) / parts / 64);
     add_cost(solved, before);
   }
   return solved;
@@ -114,7 +115,8 @@ StaticResult LoadPath::advance(double factor, double smallest) {
   if (can_be_halved) options.newton_limit = std::min(options.newton_limit, kPatience);
   const bool went_on = any_over(model_.body(), next.positions != state_.positions);
   StaticResult solved = solve_static(model_, next, options);
-  if (solved.outcome == Outcome::diverged && went_on) {  // where the way bends sharply, its end may lead nowhere
+  if (solved.outcome == Outcome::diverged &&
+      went_on) {  // where the path bends sharply, its extrapolation may lead nowhere
     next = state_;
     const StaticResult before = std::exchange(solved, solve_static(model_, next, options));
     add_cost(solved, before);

@@ -9,14 +9,14 @@ void set_load(Model& model, StaticRig& rig, double factor);
 /// Solves again, from the equilibrium that was found, as long as the rig seeks its load.
 void adjust_load(Model& model, StaticRig& rig, const StaticOptions& options, State& state, StaticResult& solved);
 
-/// The way of a body as its load grows: one equilibrium after the other, each started where the last way leads.
+/// Load continuation: one equilibrium after the other, each solve starts from the extrapolated path.
 class LoadPath {
  public:
   /// From `start`, an equilibrium of the load 0. All references must outlive the path.
   LoadPath(Model& model, StaticRig& rig, const StaticOptions& options, State start);
 
-  /// Brings the load to `factor` (0 … 1; less than before: the body is unloaded). Where that would turn a cell over, or
-  /// leads nowhere, it goes in halves, and those in halves, down to 1/64 of the way. An obstacle goes no further in one
+  /// Brings the load to `factor` (0 … 1; less than before: the body is unloaded). Where that would invert a cell, or
+  /// finds no equilibrium, the step is bisected, repeatedly, down to 1/64 of it. An obstacle goes no further in one
   /// part than an eighth of its thickness, or what it meets would leave it by its back. The state stays at the last
   /// equilibrium if that fails. The result is that of the last part, with the iterations of all.
   StaticResult advance(double factor);

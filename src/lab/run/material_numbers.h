@@ -11,7 +11,7 @@
 namespace elastin::lab {
 
 /// A number that can be unknown: of a material one of its law's, of a law's term ("mu_1"), of its curve ("stress_2"),
-/// of its relaxation ("g_1", "tau_1"), or E or ν where these are given and not derived; beside it one of the spring
+/// of its relaxation ("g_1", "tau_1"), or E or ν where these are given and not derived; in addition one of the spring
 /// rule's parameters, or the friction of contact.
 struct MaterialNumber {
   enum class Kind {

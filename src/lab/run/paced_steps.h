@@ -16,7 +16,7 @@ class PacedSteps {
   PacedSteps(Integrator& integrator, const Scheme& scheme, const TimeOptions& options, const StaticOptions& newton);
 
   StepResult advance(Model& model, State& state, double dt);
-  /// Tries a step by dt both ways, by the last step's sweeps and by backward Euler to the end, and takes it back.
+  /// Tries a step by dt by both methods, by the last step's sweeps and by backward Euler to the end, and takes it back.
   void look(Model& model, const State& state, double dt);
   BudgetReport report() const;
 
@@ -25,7 +25,7 @@ class PacedSteps {
 
   Integrator& integrator_;
   std::unique_ptr<Integrator> converged_;
-  int parts_;  ///< of a converged step, where the scheme's own goes in parts
+  int parts_;  ///< of a converged step, where the stepper's own goes in substeps
   double seconds_;
   std::string name_;  ///< of what a step takes some of
   int effort_;

@@ -7,7 +7,7 @@
 namespace elastin::lab {
 
 /// The load curve of one body with one material after the other: each equilibrium is sought from the one that the
-/// material before had under the same load, and along the whole way where that fails.
+/// material before had under the same load, and along the whole load path where that fails.
 class RepeatedCurve {
  public:
   /// @param factors of the load, ascending, > 0 and at most 1
@@ -24,7 +24,7 @@ class RepeatedCurve {
   void expect(std::size_t step, Positions motion);
   /// The unbalanced force that equilibria may have, over the size of loads and reactions.
   void set_tolerance(double tolerance) { options_.tolerance = tolerance; }
-  /// The next curve begins at rest, as where the way there counts.
+  /// The next curve begins at rest, as where the load path counts.
   void forget() { states_.clear(); }
   /// Why the last curve ended early; "" where a visit ended it.
   const std::string& cause() const { return cause_; }

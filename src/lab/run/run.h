@@ -15,7 +15,7 @@
 
 namespace elastin::lab {
 
-/// How a run is said to have ended whose strategy cannot run on its body; beside the names of the outcomes.
+/// Outcome of a run whose strategy cannot run on its body; in addition to the names of the outcomes.
 inline constexpr const char* kUnsuited = "unsuited";
 
 /// Beyond this relative uncertainty a reference ranks nothing.
@@ -38,8 +38,8 @@ struct Reference {
 /// Adds one load, or damping, to a model of the body.
 struct SpecimenLoad {
   std::function<void(Model&)> add;
-  /// Its row in the core's table of loads and its values, for who adds it elsewhere; none: it stands on something else,
-  /// or changes in time.
+  /// Its row in the core's table of loads and its values, for adding it again; empty if it depends on other data or
+  /// changes in time.
   std::optional<std::pair<std::string, LoadValues>> row = {};
 };
 
@@ -69,7 +69,7 @@ struct Snapshot {
   Positions elastic_forces = {};              ///< [N]; only where the body has blocks
 };
 
-/// What came of one strategy on one specimen. Everything in SI units.
+/// Result of one strategy on one specimen. Everything in SI units.
 struct Run {
   std::string strategy;
   int order = 0;  ///< of the strategy, see StrategyChoice::order
@@ -79,7 +79,7 @@ struct Run {
   std::string cause;
   Measures measures;                     ///< of the last converged load step
   std::vector<CurvePoint> curve;         ///< one point a converged load step
-  std::vector<Snapshot> snapshots;       ///< of the start and of each point, or the last of them, if asked for
+  std::vector<Snapshot> snapshots;       ///< of the start and of each point, or the last of them, if requested
   VectorX constants;                     ///< spring constants [N/m]; empty for laws without
   double calibration_factor = 1;         ///< what calibration has multiplied the rule's constants with
   bool calibrated_to_reference = false;  ///< not to the material: it meets the computed reference by construction
@@ -88,7 +88,7 @@ struct Run {
   double build_seconds = 0, solve_seconds = 0;
   int newton_iterations = 0, linear_iterations = 0;
   int cut_steps = 0;            ///< Newton steps that were shortened because they would have inverted a cell
-  int bisected_load_steps = 0;  ///< parts of the load that were bisected, lest a cell turn over
+  int bisected_load_steps = 0;  ///< load steps that were bisected to avoid inverting a cell
   double residual = 0;
   int zero_energy_modes = 0;
   std::vector<std::string> warnings;

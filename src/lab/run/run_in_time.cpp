@@ -41,7 +41,7 @@ double largest_strain(const Model& model, const State& state) {
   return largest_over(model.body(), largest);
 }
 
-/// One run's way through time.
+/// One timed run.
 class TimedRun {
  public:
   TimedRun(Model& model, const TimedExperiment& experiment, const TimedRig& rig, const RunOptions& options, Run& run,

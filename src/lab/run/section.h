@@ -5,10 +5,11 @@ namespace elastin::lab {
 
 /// The cross-section that a body offers to a load along an axis.
 struct Section {
-  double area = 0;       ///< mean over the length [m²]; 0 where the molecules span none
-  double variation = 0;  ///< largest difference of a slab's section from the mean, over the mean; 0 if too few tell
+  double area = 0;  ///< mean over the length [m²]; 0 where the molecules span none
+  double variation =
+      0;  ///< largest difference of a slab's section from the mean, over the mean; 0 if there are too few
   bool of_hull = false;  ///< the body has no cells that fill it: the area is that of its molecules' convex hull
-  /// Whether the section is the same all along the axis, as far as it can be told.
+  /// Whether the section is the same all along the axis, as far as it can be measured.
   bool prism() const { return variation <= (of_hull ? 0.1 : 0.05); }
 };
 

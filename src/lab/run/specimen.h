@@ -34,7 +34,7 @@ std::string unsuited(const Specimen& specimen, const Experiment& experiment, con
 std::optional<ElasticTerms> make_elasticity(const Specimen& specimen, const Experiment& experiment,
                                             const StrategyChoice& choice, const RunOptions& options, Run& run);
 
-/// Adds what acts beside it to a model of the specimen's body: fibres, bending, cables, ties, the scene's loads, its
+/// Adds all other terms to a model of the specimen's body: fibres, bending, cables, ties, the scene's loads, its
 /// contact, and the experiment's supports and load. The rig must not outlive the model.
 std::unique_ptr<Rig> add_surroundings(Model& model, const Specimen& specimen, const Experiment& experiment,
                                       const StrategyChoice& choice);

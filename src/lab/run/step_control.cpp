@@ -57,7 +57,7 @@ StepResult StepControl::one_step(Model& model, State& state, double until) {
     const double left = until - state.time;
     double step = std::min(memory.wanted, memory.stable);
     if (by_error_) step = std::max(step, options_.smallest);
-    // The rest of the frame's time in equal parts; a part that rounding alone makes is none.
+    // The rest of the frame's time in equal steps; a step that rounding alone makes is left out.
     const double count = std::max(1., std::ceil(left / step * (1 - 1e-9)));
     const double dt = left / count;
     if (!(state.time + dt > state.time))

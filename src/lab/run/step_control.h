@@ -9,8 +9,8 @@
 
 namespace elastin::lab {
 
-/// Takes a state from one frame to the next in steps of a length that the options set. What it remembers can be written
-/// down and read again: the steps that follow are then the same, bit by bit.
+/// Takes a state from one frame to the next in steps of a length that the options set. What it keeps as history can be
+/// written down and read again: the steps that follow are then the same, bit by bit.
 class StepControl {
  public:
   /// Throws InputError if nothing says how long a step may be (an explicit scheme on a body that nothing holds

@@ -12,10 +12,10 @@ enum class StepChoice {
   automatic,  ///< explicit schemes: 0.8 of the longest stable step, watched; implicit ones: by their error
   fixed,
   by_error,
-  per_frame,  ///< so many of equal length in each frame
+  per_frame,  ///< a count of equal length in each frame
 };
 
-/// How a scene wants time to go.
+/// Time-stepping options.
 struct TimeOptions {
   double duration = 1;              ///< [s], > 0
   std::optional<Scheme> scheme;     ///< none: velocity_verlet on springs without cells, newmark otherwise
@@ -25,7 +25,7 @@ struct TimeOptions {
   double error = 1e-4;                  ///< of a step in position, as a part of the body's size
   double smallest = 0, largest = 1e30;  ///< [s], of steps by error
   int steps_per_frame = 1;              ///< of StepChoice::per_frame
-  int frames = 100;                     ///< states that are kept beside the first
+  int frames = 100;                     ///< states that are kept in addition to the first
   /// [s], the end of the first frame; that of each other one is the one before times the same factor. 0: equal frames.
   double first_frame = 0;
   double frame_rate = 250;  ///< frames a second at most, where a run is shown live
@@ -44,22 +44,22 @@ struct TimeOptions {
 /// How the steps kept their budget.
 struct BudgetReport {
   double budget = 0;                               ///< [s] by the clock
-  std::string effort;                              ///< what a step takes some of: "sweeps", "iterations", "solves"
+  std::string effort;                              ///< the unit of effort of a step: "sweeps", "iterations", "solves"
   int least = 0, median = 0, most = 0;             ///< of them in a step
   double median_seconds = 0, longest_seconds = 0;  ///< of a step
   double late = 0;                                 ///< part of the steps that took longer than the budget
   /// Largest distance, at the frames, between where a step's sweeps and backward Euler's balance bring a molecule, and
-  /// the largest way of one in such a step [m].
+  /// the largest displacement of one in such a step [m].
   double iteration_error = 0, motion = 0;
 };
 
-/// How time went.
+/// Time-stepping report.
 struct TimeReport {
   std::string scheme, reason;               ///< the scheme, and why it was taken if the scene left that open
   int steps = 0, rejected = 0;              ///< rejected: gone again, shorter, because their error was too large
   double shortest_step = 0, last_step = 0;  ///< [s]
   double critical_step = 0, frequency = 0;  ///< of explicit schemes: longest stable step [s], ω_max [rad/s]
-  double simulated = 0, seconds = 0;        ///< [s] of the body's time and of ours, of this run alone
+  double simulated = 0, seconds = 0;        ///< simulated and wall-clock time of this run alone [s]
   bool resumed = false;
   std::optional<BudgetReport> budget;
 };

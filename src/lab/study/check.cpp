@@ -70,7 +70,7 @@ void add_shape(std::string& out, const Body& body) {
     add_line(out, "triangles", digits(static_cast<int>(body.triangles.size())));
 }
 
-/// Names pieces and faults; returns whether there are none.
+/// Names pieces and faults; returns whether the body is free of them.
 bool add_faults(std::string& out, const Body& body, const std::string& name) {
   const BodyFindings findings = inspect(body);
   const auto pair_name = [&](int c) {
@@ -186,7 +186,7 @@ void add_steps_in_time(std::string& out, Scene& scene) {
   }
 }
 
-/// What each strategy of the scene builds beside the body.
+/// What each strategy of the scene builds in addition to the body.
 void add_built(std::string& out, Scene& scene) {
   std::map<std::string, std::vector<std::string>> built;
   const Body& body = scene.specimen.body;

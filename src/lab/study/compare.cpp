@@ -121,16 +121,16 @@ RunOptions Comparison::options_of(const ScenePlan& plan, const Scene& scene, con
 }
 
 /// Gives the scene its computed references. `run`, which ranks nothing, computes them only where the scene or the
-/// command asks for it, or where there is nothing else to calibrate to.
+/// command requests it, or where there is nothing else to calibrate to.
 void Comparison::add_references(const ScenePlan& plan,
                                 const std::vector<std::pair<std::string, std::string>>& combination,
                                 const std::vector<StrategyChoice>& choices, Scene& scene) {
   if (!wants_computed_references(scene, request_.reference) || !plan.own_reference.empty()) return;
   const bool calibrates = scene.experiment->apparent() &&
                           std::any_of(choices.begin(), choices.end(), [](const auto& c) { return c.name.calibrated; });
-  const bool asked =
+  const bool requested =
       request_.reference == "computed" || scene.computed.when == ComputedReference::When::always || calibrates;
-  if (!request_.compare && !asked) return;
+  if (!request_.compare && !requested) return;
   ComputedReferences found = compute_references(
       scene, catalog_, overrides_of(request_.overrides, combination), store_,
       [this, name = scene.name + ": "](const std::string& doing) {
@@ -271,7 +271,7 @@ void Comparison::finish_run(const ScenePlan& plan, const std::string& key, Recor
     if (!plan.varied()) write_run(request_, *scene, record);
   }
   record.run.snapshots.clear();
-  if (record.run.constants.size() > 1)  // of many rows; the summary asks for the least
+  if (record.run.constants.size() > 1)  // of many rows; the summary needs the least
     record.run.constants.setConstant(1, double{record.run.constants.minCoeff()});
   if (request_.to_screen() && (!request_.compare || (request_.verbose && !key.empty())))
     fmt::print("{}", run_text(record, colours_on(STDOUT_FILENO), request_.verbose));
@@ -279,7 +279,7 @@ void Comparison::finish_run(const ScenePlan& plan, const std::string& key, Recor
   if (request_.compare && rows_ > 1 && !key.empty()) progress_.note(finished_text(record));
   results_.add(std::move(record), repeat);
   if (seconds_since(written_) < 1) return;
-  write_tables(request_, results_.records());  // who looks in while it runs
+  write_tables(request_, results_.records());  // so that partial results are visible
   written_ = Clock::now();
 }
 

@@ -14,14 +14,14 @@ namespace {
 /// "stress" of "stress [Pa]".
 std::string name_of(const std::string& column) { return column.substr(0, column.find(" [")); }
 
-/// "Pa" of "stress [Pa]"; "" where there is none.
+/// "Pa" of "stress [Pa]"; "" without a unit.
 std::string unit_of(const std::string& column) {
   const std::size_t from = column.find(" ["), to = column.rfind(']');
   if (from != std::string::npos && to != std::string::npos) return column.substr(from + 2, to - from - 2);
   return column.ends_with("_s") ? "s" : "";
 }
 
-/// The column of this name as the head has it, with its unit; "" if there is none.
+/// The column of this name as the head has it, with its unit; "" if no column has this name.
 std::string find_column(const Csv& csv, const std::string& name) {
   for (const std::string& column : csv.head)
     if (column == name || name_of(column) == name) return column;
@@ -44,7 +44,7 @@ bool has_number(const Csv& csv, const std::string& column) {
   return false;
 }
 
-/// The first column of numbers from `from` on that are not all the same; "" if there is none.
+/// The first column of numbers from `from` on that are not all the same; "" if there is no such column.
 std::string first_changing(const Csv& csv, std::size_t from) {
   for (std::size_t column = from; column < csv.head.size(); ++column) {
     std::set<double> values;
@@ -69,7 +69,7 @@ std::string first_error(const Csv& csv) {
   throw InputError(SourceLocation{csv.path, 1}, "no run has a measure; choose what to draw with --x and --y");
 }
 
-/// What to draw where the user does not say: the columns along and up.
+/// The default columns of the two axes.
 std::pair<std::string, std::string> usual_columns(const Csv& csv) {
   if (csv.has("method") && csv.has("minimum_s") && csv.has("error")) return {"minimum_s", "error"};
   if (csv.has("strategy")) return {"solve", first_error(csv)};

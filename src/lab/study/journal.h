@@ -25,7 +25,7 @@ class LineFile {
   int file_ = -1;
 };
 
-/// The lines of such a file; a last one that was cut off is none.
+/// The lines of such a file; a last one that was cut off does not count.
 std::vector<std::string> lines_of(const std::string& path);
 
 /// What a scene's runs in a journal are made from: another content gives other runs, whatever the scene is called.
@@ -36,8 +36,8 @@ struct RunSource {
   bool operator==(const RunSource&) const = default;
 };
 
-/// Why runs of another source must not stand beside those that `who`, "this command", wants: "contains runs of …"; ""
-/// if they may.
+/// Why runs of another source must not be put together with those that `who`, "this command", wants: "contains runs of
+/// …"; "" if they may.
 std::string mismatch(const RunSource& there, const std::vector<RunSource>& wanted, const std::string& who);
 
 /// A finished run as a journal has it.
@@ -71,7 +71,7 @@ class Journal {
   LineFile runs_, views_;
 };
 
-/// What tells one run from every other, in 16 letters: a change of any of the parts gives another.
+/// The identity of a run, in 16 letters: a change of any of the parts gives another.
 std::string key_of(const std::vector<std::string>& parts);
 
 }  // namespace elastin::lab

@@ -6,7 +6,7 @@
 
 namespace elastin::lab {
 
-/// Puts the rows of one study together that lie in several folders of `compare --out`, and tells of them as the one
+/// Puts the rows of one study together that lie in several folders of `compare --out`, and reports them as the one
 /// command would have that runs them all: tables, page, files, with times as they were measured. The merged folder is
 /// one of `compare --out` itself: `--resume` continues in it. Says on standard error which rows are missing, and which
 /// are there twice with different numbers; of these the first folder's count.

@@ -106,8 +106,8 @@ contact: {{friction: 0.3}}    # Coulomb's coefficient
 struct Row {
   NewSpecimen specimen;
   const char* text;
-  const char*
-      springs;  ///< rules beside `standard`: under a tool lloyd and van_gelder may find no equilibrium at nu = 0.45
+  const char* springs;  ///< rules in addition to `standard`: under a tool lloyd and van_gelder may find no equilibrium
+                        ///< at nu = 0.45
 };
 
 constexpr const char* kSprings = "lloyd, \"calibrated:van_gelder\"";

@@ -24,7 +24,7 @@ struct ScenePlan {
   bool varied() const { return combinations.size() > 1 || threads.size() > 1; }
 };
 
-/// Reads all scenes before anything runs: a slip in the last one must not cost the others' time.
+/// Reads all scenes before anything runs: an error in the last must not waste the others' run time.
 std::vector<ScenePlan> plan_of(const Request& request, const Catalog& catalog);
 
 /// A row of a plan; points into it.

@@ -29,9 +29,9 @@
 namespace elastin::lab {
 namespace {
 
-/// Another way to compute a reference takes another number, so that older files are not read back.
+/// Another method to compute a reference takes another number, so that older files are not read back.
 constexpr int kVersion = 3;
-/// Of the unbalanced force: far below any uncertainty that a scene may ask for.
+/// Of the unbalanced force: far below any uncertainty that a scene may request.
 constexpr double kTolerance = 1e-7;
 /// How much longer a body takes with twice as many cells along each side.
 constexpr double kGrowth = 12;
@@ -180,7 +180,7 @@ bool solve_from(const Positions& guess, const Scene& scene, const StrategyChoice
   state.positions = guess;
   apply_supports(model, state.positions);
   StaticOptions statics = options.statics;
-  statics.newton_limit = std::min(statics.newton_limit, 30);  // a guess that needs more is none
+  statics.newton_limit = std::min(statics.newton_limit, 30);  // a guess that needs more is useless
   StaticResult solved = solve_static(model, state, statics);
   for (int correction = 0; correction < 10 && solved.outcome == Outcome::converged && rig.adjust(state); ++correction)
     solved = solve_static(model, state, statics);
@@ -190,7 +190,7 @@ bool solve_from(const Positions& guess, const Scene& scene, const StrategyChoice
   return true;
 }
 
-/// `stop` is asked between iterations; a body that it ends has a trouble.
+/// `stop` is called between iterations; a body that it ends has a trouble.
 Level solve_level(Scene& scene, const StrategyChoice& choice, const Positions& guess, double spacing,
                   const std::function<void(const std::string&)>& progress, const std::function<bool()>& stop) {
   const Timer timer;
@@ -304,7 +304,7 @@ class Sequence {
                                          const std::function<bool()>& stop);
   /// Why there is no finer body to solve, or "".
   std::string limit() const;
-  /// How long the next body may take, and how well the measures are known by those before it: for who waits.
+  /// How long the next body may take, and how well the measures are known by those before it: for progress reports.
   std::string outlook(const std::vector<Reference>& references) const;
   void refine();
 
@@ -372,7 +372,7 @@ std::vector<Reference> Sequence::limits_by_order(const Scene& scene, const Strat
     const double value = both[1].measures.get(name), off = both[0].measures.get(name) - value;
     references.push_back(
         {name, value,
-         fmt::format("computed: {} on {} {}, beside first order", law_, both[1].cells, kind_of_cells(body_)),
+         fmt::format("computed: {} on {} {}, compared with first order", law_, both[1].cells, kind_of_cells(body_)),
          part * std::abs(off / value), true});
   }
   return references;
@@ -398,12 +398,12 @@ ComputedReferences Sequence::solve(const std::function<void(const std::string&)>
   const StrategyChoice choice = choose_strategy(catalog_, law_);
   ComputedReferences result;
   for (double spacing = 1;; spacing /= 2) {
-    const auto tell = of_level(progress, outlook(result.references));
+    const auto report = of_level(progress, outlook(result.references));
     const auto scene = scene_on_body();
     const Timer of_body;
     const auto too_long = [&] { return of_body.seconds() > scene_.computed.seconds; };
     levels_.push_back(
-        solve_level(*scene, choice, guess_, spacing, tell, [&] { return (stop && stop()) || too_long(); }));
+        solve_level(*scene, choice, guess_, spacing, report, [&] { return (stop && stop()) || too_long(); }));
     if (!levels_.back().trouble.empty()) {
       const std::string why =
           too_long() ? fmt::format("given up after {} (computed.seconds)", readable_seconds(scene_.computed.seconds))

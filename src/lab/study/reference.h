@@ -8,10 +8,10 @@
 
 namespace elastin::lab {
 
-/// What came of computing the references of a scene.
+/// Result of computing the references of a scene.
 struct ComputedReferences {
   std::vector<Reference> references;  ///< one a main measure that has a limit
-  std::string trouble;                ///< why there are none; empty if there are
+  std::string trouble;                ///< why none was computed; empty if some were
   bool operator==(const ComputedReferences&) const = default;
 };
 
@@ -23,7 +23,7 @@ class ReferenceStore {
   explicit ReferenceStore(const std::string& folder = "");
   /// Null where there is none.
   const ComputedReferences* find(const std::string& key) const;
-  /// Writes the file anew. Throws InputError naming the path.
+  /// Writes the file again. Throws InputError naming the path.
   void add(const std::string& key, ComputedReferences found);
   /// Adds those of another store that are not here. Throws InputError naming the path.
   void add(const ReferenceStore& other);
@@ -42,7 +42,7 @@ bool wants_computed_references(const Scene& scene, const std::string& option);
 /// along its sides again and again; in the cubes of a lattice and between the molecules of a packing tetrahedra that
 /// are made for it. From what the main measures are there follow their limits (see limit_of). It ends where all that
 /// have a unit are known to the uncertainty that the scene states, or at its limits of size and time. Each body begins
-/// where the one before it led to, as long as nothing depends on the way.
+/// where the one before it led to, as long as nothing depends on the load path.
 /// @param overrides as the scene was loaded with; @param progress called before each body; may be empty.
 ComputedReferences compute_references(const Scene& scene, const Catalog& catalog,
                                       const std::vector<std::string>& overrides, ReferenceStore& store,

@@ -62,7 +62,7 @@ void Results::print_scene(const ScenePlan& plan) const {
     for (const std::string& warning : plan.warnings) fmt::print("  warning: {}\n", warning);
 }
 
-/// Where nothing else says what is right, a study's own strategy does, refined; and where the scene asks for that.
+/// Without another reference a study's own strategy is the reference, refined; also where the scene requests it.
 void Results::refer_to_own_values(const std::vector<ScenePlan>& plans) {
   for (const ScenePlan& plan : plans) {
     std::vector<Record> records = records_of(plan.name);

@@ -8,7 +8,8 @@
 
 namespace elastin::lab {
 
-/// The rows of a comparison in the order of its plan, and all that is told of them: tables on the screen, files, page.
+/// The rows of a comparison in the order of its plan, and all that is reported of them: tables on the screen, files,
+/// page.
 class Results {
  public:
   /// Reads the peers and the baseline that the request names, which must outlive this. Throws InputError.
@@ -20,7 +21,7 @@ class Results {
 
   /// The table of one scene of a comparison, as soon as its rows are there: with its warnings, but of a study.
   void print_scene(const ScenePlan& plan) const;
-  /// What a page is told beside its rows.
+  /// What a page shows in addition to its rows.
   struct Origin {
     std::string machine, command;
     std::vector<std::string> views;  ///< lines of body_view and states_view

@@ -16,7 +16,7 @@ Shard read_shard(const std::string& text);
 std::vector<int> deal_rows(std::size_t rows, int shards);
 
 /// What a folder of a comparison says of the study that its rows belong to: its whole plan, so that rows of other
-/// folders are put beside them without the scenes.
+/// folders are put next to them without the scenes.
 struct StudyFile {
   Shard shard;
   std::string command;  ///< as it was typed

@@ -31,7 +31,8 @@ constexpr int kFrames = 20;
 /// Of the explicit steps, over the longest stable one; and of those that stand for the limit of short steps.
 constexpr double kStable = 0.8, kShort = 0.1;
 constexpr int kShortSteps = 20;  // in each step that is compared with them, at least
-/// A body rests whose measure changes by less than this in a tenth of a period, twice; it has so many periods for that.
+/// A body rests whose measure changes by less than this in a tenth of a period, twice; it has this number of periods
+/// for that.
 constexpr double kResting = 1e-6;
 constexpr int kMostPeriods = 10;
 
@@ -81,7 +82,7 @@ const ParameterInfo* effort_of(const Stepper& scheme) {
   return nullptr;
 }
 
-/// A scheme's parameters with so many iterations in each step; 0: until it converges.
+/// A stepper's parameters with this number of iterations in each step; 0: until it converges.
 Variant variant_of(const StepperChoice& choice, int iterations) {
   Variant variant{choice.scheme, choice.parameters, iterations};
   if (const ParameterInfo* effort = effort_of(*choice.scheme)) variant.parameters[effort->name] = iterations;

@@ -5,7 +5,7 @@
 
 namespace elastin::lab {
 
-/// Whether the command, or one of its scenes, asks for steppers instead of strategies. Throws InputError where some
+/// Whether the command, or one of its scenes, compares steppers instead of strategies. Throws InputError where some
 /// scenes do and others do not.
 bool compares_steppers(const Request& request);
 
@@ -16,7 +16,7 @@ bool compare_steppers(const Request& request, const Catalog& catalog);
 ///   * loaded at once, under mass damping that is critical for the loaded shape, until it rests: measures at rest;
 ///   * released from the loaded equilibrium for one period without that damping: errors, energy and time of a step.
 /// Throws InputError where there is no such experiment, or no equilibrium.
-/// @param progress is told what is being done; @param stop ends the comparison after a row.
+/// @param progress gets what is being done; @param stop ends the comparison after a row.
 StepperComparison measure_steppers(Scene& scene, const StepperStudy& study,
                                    const std::function<void(const std::string&)>& progress = {},
                                    const std::function<bool()>& stop = {});

@@ -51,7 +51,7 @@ Record run_case(Scene& scene, const StrategyChoice& choice, const VerifyOptions&
   return make_record(scene, run_strategy(scene.specimen, *scene.experiment, choice, run_options));
 }
 
-/// A scene with a checkpoint is run again from it: the same bits must come of it. Says what differs, or "".
+/// A scene with a checkpoint is run again from it: the result must be bitwise identical. Says what differs, or "".
 std::string resumed(Scene& scene, const StrategyChoice& choice, const Record& whole) {
   if (!scene.time || scene.time->checkpoint == 0 || whole.run.outcome != Outcome::converged) return "";
   RunOptions options;
@@ -130,7 +130,7 @@ StrategyChoice uncalibrated_springs(const Catalog& catalog, const Body& body) {
   return choose_strategy(catalog, body.tetrahedra.empty() && body.triangles.empty() ? "standard" : "van_gelder");
 }
 
-/// What came of a case with another choice, in words.
+/// Result of a case with another choice, in words.
 std::string other_text(const Choice& choice, const SceneSource& source, const Catalog& catalog,
                        const VerifyOptions& options, const Scene& given) {
   const std::vector<std::string>& changes = given.time ? choice.in_time : choice.at_rest;
@@ -172,7 +172,7 @@ std::string verdict_text(const Case& a_case) {
   return own.stopped_as_expected() ? "passed: " + words(outcome_name(own.run)) : "passed";
 }
 
-/// What there is to say beside the verdict: the error, or why it stopped.
+/// Remark next to the verdict: the error, or why it stopped.
 std::string detail_text(const Case& a_case) {
   const Record& own = a_case.own;
   if (!a_case.trouble.empty()) return a_case.trouble;

@@ -187,5 +187,5 @@ TEST_CASE("a row comes back from its line of JSON", "[study]") {
   CHECK(comparison_text({back}, false) == comparison_text({record}, false));
   CHECK(json_text({back}) == json_text({record}));
   CHECK(json_text({record}).find("least_constant") == std::string::npos);
-  CHECK_THROWS_WITH(record_of_json("{\"scene\": 3}"), Contains("no run of ours"));
+  CHECK_THROWS_WITH(record_of_json("{\"scene\": 3}"), Contains("not an Elastin run record"));
 }

@@ -208,7 +208,7 @@ TEST_CASE("where one body alone is affordable its cells' order says how well the
   const ComputedReferences coarse = Written(bar + "reference: {computed: {most_cells: 40}}\n").compute();
   const ComputedReferences exact = Written(bar).compute();
   const Reference &rough = of(coarse, "effective_modulus"), &fine = of(exact, "effective_modulus");
-  CHECK_THAT(rough.source, Contains("on 36 tetrahedra of second order, beside first order"));
+  CHECK_THAT(rough.source, Contains("on 36 tetrahedra of second order, compared with first order"));
   CHECK(std::abs(rough.value / fine.value - 1) <= rough.uncertainty);
   CHECK((rough.uncertainty > 10 * fine.uncertainty && rough.uncertainty < 0.1));
 }

@@ -38,11 +38,11 @@ struct ExperimentInfo {
   /// From the parameters' values, all there, in SI units. Throws InputError if the body does not suit.
   std::function<std::unique_ptr<Experiment>(const ExperimentContext&, const ParameterValues&)> make = {};
   MeasureList measures = {};                ///< as Experiment::measures, without those of a fixture
-  std::vector<config::SceneKey> keys = {};  ///< beside `kind`
+  std::vector<config::SceneKey> keys = {};  ///< in addition to `kind`
   std::function<std::unique_ptr<Experiment>(config::Reader&, const ExperimentContext&)> read = {};
 };
 
-/// The keys of an experiment beside `kind`, those of its parameters too.
+/// The keys of an experiment in addition to `kind`, those of its parameters too.
 std::vector<config::SceneKey> keys_of(const ExperimentInfo& info);
 
 /// All kinds of experiments that scenes may name.

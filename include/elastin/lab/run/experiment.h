@@ -26,7 +26,7 @@ struct MainMeasure {
   double prescribed = std::numeric_limits<double>::quiet_NaN();
 };
 
-/// By which measures the time history of a body is told; "" where the experiment has none.
+/// Measures that describe the time history; "" where the experiment has no such measure.
 struct ResponseMeasures {
   std::string displacement;  ///< that the loaded part makes: "tip_deflection"
   std::string resistance;    ///< of the body to a given displacement: "force", "torque"
@@ -48,7 +48,7 @@ struct Identification {
   std::vector<double> values;                    ///< at each load step, SI, > 0
   int degree = 2;                                ///< of the polynomial
   double up_to = 0;                              ///< strain up to which it counts, > 0; straight on beyond
-  std::vector<StressStrain::SecantPoint> guess;  ///< a first idea of E at some strains, at least one
+  std::vector<StressStrain::SecantPoint> guess;  ///< initial guesses of E at some strains, at least one
 };
 
 class StaticRig;
@@ -85,10 +85,10 @@ class StaticRig : public Rig {
   virtual void shape_start(Positions& /*positions*/) const {}
   /// Moves, before any load, what goes freely until it touches: friction begins there.
   virtual void approach(Positions& /*positions*/) const {}
-  /// The largest part of the load (0 … 1) that one step may add: a turn beyond it would be taken for a shorter one the
-  /// other way round.
+  /// The largest fraction of the load (0 … 1) that one step may add: a turn beyond it would be taken for a shorter one
+  /// in the opposite direction.
   virtual double longest_step() const { return 1; }
-  /// Tells the supports how fast the load moves them: its factor changes by `rate` a second. After set_load.
+  /// Sets the speed of the driven supports: the load factor changes by `rate` a second. After set_load.
   virtual void set_load_rate(double /*rate*/) {}
   /// Takes the load off a body that is to move on its own: forces end, a driven end is free. Nothing happens where
   /// there is no load that could be taken off.
@@ -113,13 +113,13 @@ class TimedRig : public Rig {
   /// How the body stands at time 0, what is held, and what acts from now on, by Model::drive where that changes; the
   /// rig must outlive what it sets there. The result is that of the last static solve that it took, if any.
   virtual StaticResult start(State& state, const StaticOptions& options) = 0;
-  /// Reads one state on the way.
+  /// Reads one state.
   virtual Measures read(const State& state) const = 0;
 };
 
 /// An experiment: how a body is held and loaded, and what is read off it. Immutable: made once for a body, it serves
 /// every strategy on it, from several threads at a time. What it must know of a model stands in the rig that it makes
-/// for each. It is one at rest or one in time.
+/// for each. It is either static or timed.
 class Experiment {
  public:
   virtual ~Experiment() = default;
@@ -132,7 +132,7 @@ class Experiment {
   virtual const StaticExperiment* at_rest() const { return nullptr; }
   /// Itself as an experiment in time, or null.
   virtual const TimedExperiment* in_time() const { return nullptr; }
-  /// The experiment at rest in which spring rules are calibrated; null where there is none.
+  /// The experiment at rest in which spring rules are calibrated; null without one.
   virtual const StaticExperiment* calibration() const { return nullptr; }
   /// Unit direction of the uniaxial stress that it makes; none if it makes another.
   virtual std::optional<Vector3> axis() const { return std::nullopt; }
@@ -171,7 +171,7 @@ class StaticExperiment : public Experiment {
   const std::vector<Support>& further_supports() const { return further_supports_; }
   void set_further_supports(std::vector<Support> supports) { further_supports_ = std::move(supports); }
   virtual int load_steps() const { return 1; }
-  /// The part of the load (0 … 1) at step 1 … load_steps(); a body may be unloaded on the way.
+  /// The part of the load (0 … 1) at step 1 … load_steps(); a body may be unloaded in between.
   virtual double load_factor(int step) const { return static_cast<double>(step) / load_steps(); }
   virtual ResponseMeasures response_measures() const { return {}; }
   /// The material to be found from measured values, if the experiment is there for that.

@@ -16,7 +16,7 @@ namespace elastin::lab {
 enum class MeasureRole {
   none,
   youngs_modulus,  ///< to which rules are calibrated and by which strategies are ranked
-  poissons_ratio,  ///< beside it
+  poissons_ratio,  ///< ranked next to it
   shear_modulus,
   modulus,  ///< any other property of the body under load: a released body has none of them
   strain,
@@ -64,11 +64,11 @@ class MeasureList {
       : response(std::move(response)), rows_(rows) {}
   /// Adds those rows of another list whose names are new, and its axes.
   MeasureList& add(const MeasureList& others);
-  /// By its name or its former one; null if there is none.
+  /// By its name or its former one; null without such a measure.
   const MeasureInfo* find(std::string_view name) const;
   /// Throws InputError with the nearest name.
   const MeasureInfo& at(const std::string& name) const;
-  /// Name of the first with this role; "" if there is none.
+  /// Name of the first with this role; "" if no measure has it.
   std::string named(MeasureRole role) const;
   auto begin() const { return rows_.begin(); }
   auto end() const { return rows_.end(); }

@@ -27,7 +27,7 @@ struct Stated {
   std::string source;
 };
 
-/// What came of one strategy on a scene.
+/// Result of one strategy on a scene.
 struct LaboratoryResult {
   std::string strategy;
   Outcome outcome = Outcome::converged;
@@ -36,8 +36,8 @@ struct LaboratoryResult {
   bool good = true;                ///< as the command's exit code 0: no failure, and every `expect` of the scene holds
   std::vector<Measured> measures;  ///< of the last load step, or of the course of a run in time
   std::vector<std::string> main;   ///< by which of them strategies are compared, the most telling first
-  /// By measure, against what the material asks for: relative, or the difference of a ratio. MEASURE_to_reference:
-  /// relative to the scene's reference.
+  /// By measure, compared with the target of the material: relative, or the difference of a ratio.
+  /// MEASURE_to_reference: relative to the scene's reference.
   std::vector<Measured> errors;
   /// One row a load step or frame: its load factor (time [s] of a run in time) and what was measured there.
   struct Row {
@@ -96,7 +96,7 @@ class Laboratory {
 
   /// Computes the reference of the scene, what its own problem comes to on finer and finer cells, as `elastin compare`
   /// does: as the scene says ("" here), or always ("computed"), or never ("none"). Runs after it have errors to it, and
-  /// calibrate to it. Says in one of the warnings why there is none where there should be one.
+  /// calibrate to it. One of the warnings says why a reference is missing where there should be one.
   void compute_reference(const std::string& option = "", const RunWatch& watch = {});
 
   /// Runs the experiment with a strategy by name ("calibrated:angles", "lattice+volume"); "" takes the scene's own. A
