@@ -60,8 +60,8 @@ struct ResponseAxes {
 class MeasureList {
  public:
   MeasureList() = default;
-  MeasureList(std::initializer_list<MeasureInfo> rows, std::vector<ResponseAxes> response = {})
-      : response(std::move(response)), rows_(rows) {}
+  MeasureList(std::initializer_list<MeasureInfo> rows, std::vector<ResponseAxes> axes = {})
+      : response(std::move(axes)), rows_(rows) {}
   /// Adds those rows of another list whose names are new, and its axes.
   MeasureList& add(const MeasureList& others);
   /// By its name or its former one; null without such a measure.

@@ -196,7 +196,6 @@ std::unique_ptr<StaticRig> Inflation::make_rig(Model& model) const {
 
 const MeasureList& inflation_measures() {
   using namespace dimension;
-  using Role = MeasureRole;
   static const MeasureList list{
       {{"radius", length, "mean distance from the middle, by area at rest"},
        {"stretch", none, "mean radius / that at rest"},

@@ -103,7 +103,6 @@ std::unique_ptr<TimedRig> Parachute::timed_rig(Model& model) const {
 
 const MeasureList& parachute_measures() {
   using namespace dimension;
-  using Role = MeasureRole;
   static const MeasureList list{
       {{"line_force", force, "force of all lines on the load, against the fall"},
        {"largest_line_force", force, "the opening force: the largest line force of all frames"},

@@ -170,7 +170,6 @@ std::unique_ptr<TimedRig> Sliding::timed_rig(Model& model) const { return std::m
 
 const MeasureList& sliding_measures() {
   using namespace dimension;
-  using Role = MeasureRole;
   static const MeasureList list{
       {"slide_distance", length, "displacement of the mass centre down the slope since the start"},
       {"slide_speed", velocity, "speed of the mass centre down the slope"},
