@@ -17,7 +17,8 @@ struct Property {
 };
 
 /// In the order in which they stand in a name.
-constexpr std::array kBeginnings{Property{"prony:", &StrategyName::relaxed}, Property{"mullins:", &StrategyName::softened},
+constexpr std::array kBeginnings{Property{"prony:", &StrategyName::relaxed},
+                                 Property{"mullins:", &StrategyName::softened},
                                  Property{"calibrated:", &StrategyName::calibrated}};
 constexpr std::array kEndings{Property{"+volume", &StrategyName::volume},
                               Property{"+wrinkling", &StrategyName::wrinkling}};
@@ -59,9 +60,7 @@ std::string StrategyName::text() const {
 
 bool StrategyName::of_membrane() const { return rule.ends_with(kMembrane); }
 
-std::string StrategyName::law() const {
-  return of_membrane() ? rule.substr(0, rule.size() - kMembrane.size()) : rule;
-}
+std::string StrategyName::law() const { return of_membrane() ? rule.substr(0, rule.size() - kMembrane.size()) : rule; }
 
 void StrategyName::check() const {
   if (const auto plus = rule.find('+'); plus != std::string::npos)
