@@ -62,6 +62,10 @@ class Key {
     needed_ = std::move(condition);
     return std::move(*this).otherwise(std::move(words));
   }
+  Key optional() && {
+    needed_ = {};
+    return std::move(*this);
+  }
   /// What counts where the key is missing, in the reference's words.
   Key otherwise(std::string words) && {
     rows_.front().fallback = std::move(words);
@@ -95,6 +99,11 @@ class Key {
   Key when(Condition condition) && {
     condition_ = std::move(condition);
     return std::move(*this);
+  }
+  /// The map has this key only together with another.
+  template <class Value>
+  Key when(std::optional<Value> Setup::*other) && {
+    return std::move(*this).when([other](const Setup& setup) { return (setup.*other).has_value(); });
   }
   /// Fails at the value if the key is given, and otherwise at the map, where the whole setup has this fault.
   Key refused_for(Fault fault) && {
@@ -205,6 +214,12 @@ class Keys {
   }
 
   const std::string& first_name() const { return entries_.front().keys_.front().name(); }
+  std::vector<std::string> names() const {
+    std::vector<std::string> names;
+    for (const Entry& entry : entries_)
+      for (const Key<Setup>& key : entry.keys_) names.push_back(key.name());
+    return names;
+  }
 
   /// Reads a whole map: what it does not say stays as `setup` has it. Throws InputError with place and key on a key
   /// that is not among these, on one that is missing, and on what a key refuses. A member `place` of the setup, a
@@ -227,8 +242,7 @@ class Keys {
   }
   /// Lets `map.finish()` know all keys, where none is read.
   void add_to_known(Reader& map) const {
-    for (const Entry& entry : entries_)
-      for (const Key<Setup>& key : entry.keys_) map.has(key.name());
+    for (const std::string& name : names()) map.has(name);
   }
   void check(Reader& map, const Setup& setup) const {
     for (const Entry& entry : entries_) {
@@ -315,6 +329,18 @@ Key<Setup> quantity(std::string name, Member Setup::*member, const Dimension& un
           [=](const Reader& value, Setup& setup, const Frame&) { setup.*member = value.quantity(unit, range); }};
 }
 
+/// Two or three of them.
+template <class Setup, std::size_t size>
+Key<Setup> quantities(std::string name, std::array<double, size> Setup::*member, const Dimension& unit,
+                      std::string text, const Range& range = {}) {
+  return {{std::move(name), size == 2 ? "two quantities" : "three quantities", si_unit(unit),
+           range_text(range.low, range.high, range.open_low), "none", std::move(text)},
+          [=](const Reader& value, Setup& setup, const Frame&) {
+            const std::vector<Reader> items = value.items(size);
+            for (std::size_t i = 0; i < size; ++i) (setup.*member)[i] = items[i].quantity(unit, range);
+          }};
+}
+
 /// A plane angle [rad].
 template <class Setup, class Member>
 Key<Setup> angle(std::string name, Member Setup::*member, std::string text, const Range& range = {}) {
@@ -361,6 +387,12 @@ template <class Setup, class Member>
 Key<Setup> text(std::string name, Member Setup::*member, std::string text) {
   return {{std::move(name), "text", "", "", "none", std::move(text)},
           [=](const Reader& value, Setup& setup, const Frame&) { setup.*member = value.text(); }};
+}
+
+/// A value that is read when more is known.
+template <class Setup>
+Key<Setup> later(SceneKey row, std::optional<Reader> Setup::*member) {
+  return {std::move(row), [member](const Reader& value, Setup& setup, const Frame&) { setup.*member = value; }};
 }
 
 /// The name of a file that exists: its path, from the folder of the file that the value stands in.

@@ -28,14 +28,6 @@ double longest_side(std::span<const Vector3> corners) {
   return longest;
 }
 
-/// "a, b and c left out"; "" for an empty list.
-std::string left_out(const std::vector<std::string>& parts) {
-  std::string text;
-  for (std::size_t part = 0; part < parts.size(); ++part)
-    text += (part == 0 ? "" : part + 1 == parts.size() ? " and " : ", ") + parts[part];
-  return text.empty() ? text : text + " left out";
-}
-
 /// Marks the points of the cells: 0 = used, −1 = not.
 template <std::size_t corners>
 void mark_used(const std::vector<std::array<int, corners>>& cells, std::vector<int>& points) {
@@ -328,19 +320,27 @@ Mesh MeshBuilder::finish(const std::string& path) const {
   if (single_points_ > 0) parts.push_back(counted(single_points_, "point"));
   if (faces > 0) parts.push_back(counted(faces, "triangle"));
   if (unused > 0) parts.push_back(counted(unused, "unused point"));
-  mesh.comment = left_out(parts);
+  mesh.comment = parts.empty() ? "" : listed(parts) + " left out";
   mesh.reoriented = reoriented_;
   return mesh;
 }
 
 namespace {
 
-/// nullptr: read_surface.
-using Reader = void (*)(Cursor, MeshBuilder&);
+struct Format : MeshFormat {
+  void (*read)(Cursor, MeshBuilder&);  ///< null: read_surface
+};
 
-constexpr std::pair<const char*, Reader> kReaders[] = {
-    {".msh", read_gmsh}, {".vtk", read_vtk}, {".vtu", read_vtu}, {".inp", read_inp}, {".bdf", read_bdf},
-    {".nas", read_bdf},  {".unv", read_unv}, {".ply", read_ply}, {".obj", nullptr},  {".stl", nullptr}};
+const Format kFormats[] = {{{".msh", "1, 2.2 and 4.1", MeshContent::cells_with_data}, read_gmsh},
+                           {{".vtk", "", MeshContent::cells_with_data}, read_vtk},
+                           {{".vtu", "", MeshContent::cells_with_data}, read_vtu},
+                           {{".inp", "", MeshContent::cells}, read_inp},
+                           {{".bdf", "", MeshContent::cells}, read_bdf},
+                           {{".nas", "", MeshContent::cells}, read_bdf},
+                           {{".unv", "", MeshContent::cells}, read_unv},
+                           {{".stl", "", MeshContent::surface}, nullptr},
+                           {{".obj", "", MeshContent::surface}, nullptr},
+                           {{".ply", "", MeshContent::surface}, read_ply}};
 
 /// With its dot, in small letters; "" where the name has none.
 std::string ending_of(const std::string& path) {
@@ -350,12 +350,12 @@ std::string ending_of(const std::string& path) {
   return ending;
 }
 
-std::pair<std::string, Reader> reader_for(const std::string& path) {
+const Format& format_of(const std::string& path) {
   const std::string ending = ending_of(path);
   std::vector<std::string> allowed;
-  for (const auto& [known, reader] : kReaders) {
-    if (ending == known) return {ending, reader};
-    allowed.push_back(known);
+  for (const Format& format : kFormats) {
+    if (ending == format.ending) return format;
+    allowed.push_back(format.ending);
   }
   throw InputError(SourceLocation{path, 0, 0}, "unknown ending " + quoted(ending) + suggestion(ending, allowed));
 }
@@ -364,10 +364,10 @@ std::pair<std::string, Reader> reader_for(const std::string& path) {
 
 Mesh read_mesh(const File& file) {
   MeshBuilder mesh;
-  if (const auto [ending, read] = reader_for(file.path); read)
-    read(Cursor(file), mesh);
+  if (const Format& format = format_of(file.path); format.read)
+    format.read(Cursor(file), mesh);
   else
-    read_surface(file, ending, mesh);
+    read_surface(file, format.ending, mesh);
   return mesh.finish(file.path);
 }
 
@@ -375,23 +375,29 @@ Mesh read_mesh(const File& file) {
 
 bool is_mesh_file(const std::string& path) {
   const std::string ending = format::ending_of(path);
-  return std::any_of(std::begin(format::kReaders), std::end(format::kReaders),
-                     [&](const auto& reader) { return ending == reader.first; });
+  return std::any_of(std::begin(format::kFormats), std::end(format::kFormats),
+                     [&](const MeshFormat& known) { return ending == known.ending; });
 }
 
+std::vector<MeshFormat> mesh_formats() { return {std::begin(format::kFormats), std::end(format::kFormats)}; }
+
 Mesh load_mesh(const std::string& path) {
-  format::reader_for(path);  // an unknown ending is told first, whether the file exists or not
+  format::format_of(path);  // an unknown ending is told first, whether the file exists or not
   return format::read_mesh(format::load_file(path));
 }
 
 CellData load_cell_data(const std::string& path, const std::string& name) {
-  const auto [ending, read] = format::reader_for(path);
-  if (ending != ".vtu" && ending != ".vtk" && ending != ".msh")
-    throw InputError(SourceLocation{path, 0, 0}, "data of cells are read from .vtu, .vtk and .msh");
+  const format::Format& known = format::format_of(path);
+  if (known.content != MeshContent::cells_with_data) {
+    std::vector<std::string> endings;
+    for (const MeshFormat& other : format::kFormats)
+      if (other.content == MeshContent::cells_with_data) endings.push_back(other.ending);
+    throw InputError(SourceLocation{path, 0, 0}, "data of cells are read from " + listed(endings));
+  }
   const format::File file = format::load_file(path);
   format::MeshBuilder mesh;
   mesh.want_data(name);
-  read(format::Cursor(file), mesh);
+  known.read(format::Cursor(file), mesh);
   return mesh.finish_data(path);
 }
 

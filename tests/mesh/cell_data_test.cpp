@@ -84,5 +84,5 @@ TEST_CASE("data of cells that are not there or do not fit are refused", "[mesh]"
                     Contains("a cell's value"));
   CHECK_THROWS_WITH(read("a.msh", kMsh22 + "$ElementData\n1\n\"k\"\n0\n3\n0\n1\n1\n99 7\n$EndElementData\n", "k"),
                     Contains("data of a cell that $Elements does not have"));
-  CHECK_THROWS_WITH(read("a.stl", "", "k"), Contains("data of cells are read from .vtu, .vtk and .msh"));
+  CHECK_THROWS_WITH(read("a.stl", "", "k"), Contains("data of cells are read from .msh, .vtk and .vtu"));
 }

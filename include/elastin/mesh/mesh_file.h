@@ -35,6 +35,22 @@ struct Mesh {
 /// times as far apart as by order_in_space: then they get that order, for passes over them would wait for the memory.
 Mesh load_mesh(const std::string& path);
 
+enum class MeshContent {
+  surface,          ///< triangles alone
+  cells,            ///< triangles, or the cells of a solid
+  cells_with_data,  ///< and load_cell_data reads the file, too
+};
+
+/// The files of one ending.
+struct MeshFormat {
+  std::string ending;    ///< with its dot
+  std::string versions;  ///< "1, 2.2 and 4.1"; empty where one reader reads all
+  MeshContent content;
+};
+
+/// The files that load_mesh reads.
+std::vector<MeshFormat> mesh_formats();
+
 /// Whether load_mesh reads files of this ending.
 bool is_mesh_file(const std::string& path);
 

@@ -14,4 +14,11 @@ std::string counted(std::ptrdiff_t count, const std::string& singular, const std
   return std::to_string(count) + " " + (count == 1 ? singular : plural.empty() ? singular + "s" : plural);
 }
 
+std::string listed(const std::vector<std::string>& items, const std::string& before_last) {
+  std::string text;
+  for (std::size_t i = 0; i < items.size(); ++i)
+    text += (i == 0 ? "" : i + 1 < items.size() ? ", " : " " + before_last + " ") + items[i];
+  return text;
+}
+
 }  // namespace elastin

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "elastin/core/base/error.h"
+#include "elastin/core/base/text.h"
 #include "lab/experiment/fixture.h"
 #include "lab/experiment/read_experiment.h"
 #include "lab/run/common_measures.h"
@@ -100,10 +101,7 @@ std::string timed_experiment_names(const ExperimentCatalog& catalog) {
   std::vector<std::string> names;
   for (const ExperimentInfo& info : catalog.experiments())
     if (info.in_time) names.push_back(info.name);
-  std::string text;
-  for (std::size_t i = 0; i < names.size(); ++i)
-    text += (i == 0 ? "" : i + 1 < names.size() ? ", " : " and ") + names[i];
-  return text;
+  return listed(names);
 }
 
 }  // namespace elastin::lab

@@ -14,26 +14,40 @@ namespace {
 /// what a layer of cells does, and does not slow the solver much.
 constexpr double kTieStiffness = 100;
 
-/// Where the body stands: turned about the origin, then moved. Returns the rotation.
-Matrix3 pose_body(Reader& reader, Body& body) {
-  const auto turn = reader.find("turn");
-  const Matrix3 rotation = turn ? turn->rotation() : Matrix3(Matrix3::Identity());
-  if (turn) rotate(body, rotation);
-  if (auto at = reader.find("at")) body.rest.colwise() += at->vector(dimension::length);
-  return rotation;
+struct BodyItem {
+  std::string name;
+  std::optional<Reader> name_place, material;
+  bool rigid = false;
+  Matrix3 turn = Matrix3::Identity();
+  Vector3 at = Vector3::Zero();
+};
+
+/// In addition to those of a body.
+Keys<BodyItem> keys_of_item() {
+  using S = BodyItem;
+  return {
+      key::text("name", &S::name, "what ties, experiments and `--set` call the body")
+          .needed()
+          .place(&S::name_place)
+          .refused_for([](const S& setup) {
+            return setup.name.empty() ? "give the body a name that ties and experiments can say" : "";
+          }),
+      Key<S>({"material", "map", "", "", "the scene's", "what differs from the scene's [material](#material)"},
+             [](const Reader& value, S& setup, const Frame&) {
+               setup.material = value;
+               setup.material->set_section("material");
+             }),
+      key::flag("rigid", &S::rigid, "whether the body never deforms"),
+      key::rotation("turn", &S::turn, "rotation about the origin, before `at`"),
+      key::vector("at", &S::at, dimension::length, "displacement of the whole body to its position").otherwise("0")};
 }
 
-/// {name: cartilage, at: [0, 0, 1 mm], turn: {axis: z, angle: 1}, material: {…}, rigid: true} and what a body has.
 void read_one(Reader item, const elastin::Table<MaterialLaw>& laws, Specimen& specimen, Remarks remarks) {
-  Part part;
-  const Reader name = item.at("name");
-  part.name = name.text();
-  if (part.name.empty()) name.fail("give the body a name that ties and experiments can say");
-  auto own = item.find("material");
-  if (own) own->set_section("material");
+  BodyItem setup;
+  keys_of_item().read_into(item, setup);
+  keys_of_item().check(item, setup);
+  auto& own = setup.material;
   Material material = own ? read_material(*own, laws, &specimen.material) : specimen.material;
-  if (auto rigid = item.find("rigid")) part.rigid = rigid->choice<bool>({{"true", true}, {"false", false}});
-  for (const char* key : {"at", "turn"}) item.has(key);
   Body body = read_body(item, material, remarks);
   if (own) check_material(*own, material, body);
   if (own)
@@ -41,22 +55,24 @@ void read_one(Reader item, const elastin::Table<MaterialLaw>& laws, Specimen& sp
   if (material.bending_rigidity > 0) (own ? *own : item).fail("bending needs a scene of one body, `body`");
   Material turned = material;
   const Vector3 before = body.rest.col(0);
-  const Matrix3 rotation = pose_body(item, body);
-  rotate(turned, rotation);
-  const Vector3 moved = body.rest.col(0) - rotation * before;
+  rotate(body, setup.turn);
+  body.rest.colwise() += setup.at;
+  rotate(turned, setup.turn);
+  const Vector3 moved = body.rest.col(0) - setup.turn * before;
   if (turned.around) turned.around->point += moved;
   if (turned.field) turned.field->shift += moved;
-  const bool whole = own && own->given_material("given");
-  if (own && (whole || own->has("fibre"))) material.fibre = turned.fibre;
-  if (own && (whole || own->has("active"))) material.active = turned.active;
-  if (own && (whole || own->has("law"))) material.law = turned.law;
-  if (own && (whole || own->has("around"))) material.around = turned.around;
-  if (own && (whole || own->has("fields"))) material.field = turned.field;
+  Part part{.name = setup.name, .rigid = setup.rigid};
   if (own) {
+    const bool whole = own->given_material("given") != nullptr;
+    if (whole || own->has("fibre")) material.fibre = turned.fibre;
+    if (whole || own->has("active")) material.active = turned.active;
+    if (whole || own->has("law")) material.law = turned.law;
+    if (whole || own->has("around")) material.around = turned.around;
+    if (whole || own->has("fields")) material.field = turned.field;
     part.material = static_cast<int>(specimen.materials.size());
     specimen.materials.push_back(std::move(material));
   }
-  name.located([&] { add_part(specimen.body, body, std::move(part)); });
+  setup.name_place->located([&] { add_part(specimen.body, body, std::move(part)); });
 }
 
 /// Puts the sets of a body whose molecules begin at `first` to those of the bodies before it.
@@ -74,20 +90,31 @@ void renumber(const std::vector<int>& numbers, MoleculeSets& sets) {
   }
 }
 
-/// {between: [femur, cartilage], within: 0.5 mm}
-void read_tie(Reader item, Specimen& specimen, MoleculeSets& sets, Remarks remarks) {
-  const std::vector<Reader> names = item.at("between").items(2);
+struct TieSetup {
+  std::vector<Reader> between;
+  double within = 0;
+  std::optional<Reader> place;
+};
+
+Keys<TieSetup> keys_of_tie() {
+  using S = TieSetup;
+  return {Key<S>({"between", "two names", "", "", "", "the bodies that are joined"},
+                 [](const Reader& value, S& setup, const Frame&) { setup.between = value.items(2); })
+              .needed(),
+          key::quantity("within", &S::within, dimension::length, "largest distance that is tied", kPositive).needed()};
+}
+
+void read_tie(const Reader& item, Specimen& specimen, MoleculeSets& sets, Remarks remarks) {
+  const TieSetup setup = keys_of_tie().read(item);
   double modulus = 0;
-  for (const Reader& name : names) {
+  for (const Reader& name : setup.between) {
     const Part& part = name.located([&]() -> const Part& { return find_part(specimen.body, name.text()); });
     modulus = std::max(modulus, specimen.materials[part.material].youngs_modulus);
   }
-  const double within = item.at("within").quantity(dimension::length, kPositive);
-  item.finish();
-  const std::string one = names[0].text(), other = names[1].text();
+  const std::string one = setup.between[0].text(), other = setup.between[1].text();
   std::vector<int> numbers;
-  const TieReport report =
-      item.located([&] { return tie_parts(specimen.body, one, other, within, kTieStiffness * modulus, numbers); });
+  const TieReport report = item.located(
+      [&] { return tie_parts(specimen.body, one, other, setup.within, kTieStiffness * modulus, numbers); });
   renumber(numbers, sets);
   std::string how;
   const auto add = [&](int count, const std::string& what) {
@@ -122,19 +149,10 @@ void read_bodies(const Reader& list, std::optional<Reader> ties, const elastin::
 }
 
 std::vector<KeySection> bodies_keys() {
-  return {{"bodies",
-           "Bodies",
-           "Each item of `bodies` has the keys of a [body](#body), and these:",
-           {{"name", "text", "", "", "needed", "what ties, experiments and `--set` call the body"},
-            {"material", "map", "", "", "the scene's", "what differs from the scene's [material](#material)"},
-            {"rigid", "`true`, `false`", "", "", "`false`", "whether the body never deforms"},
-            {"turn", "rotation", "", "", "none", "rotation about the origin, before `at`"},
-            {"at", "vector", "m", "", "0", "displacement of the whole body to its position"}}},
-          {"ties",
-           "",
-           "Each item of `ties` joins the molecules of one body to the surface of another:",
-           {{"between", "two names", "", "", "needed", "the bodies that are joined"},
-            {"within", "quantity", "m", "> 0", "needed", "largest distance that is tied"}}}};
+  return {
+      {"bodies", "Bodies", "Each item of `bodies` has the keys of a [body](#body), and these:", keys_of_item().rows()},
+      {"ties", "",
+       "Each item of `ties` joins the molecules of one body to the surface of another:", keys_of_tie().rows()}};
 }
 
 }  // namespace elastin::lab

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 
 #include "elastin/core/base/text.h"
 #include "elastin/core/shapes/arrays.h"
@@ -11,88 +10,158 @@
 #include "elastin/core/shapes/surfaces.h"
 #include "elastin/hull/delaunay.h"
 #include "elastin/mesh/mesh_file.h"
-#include "lab/scene/parts.h"
 #include "lab/scene/pick.h"
+#include "lab/scene/shapes.h"
 
 namespace elastin::lab {
 namespace {
 
-/// Three counts along the axes, of cells with `per_cell` molecules each.
-std::array<int, 3> read_counts(const Reader& reader, double per_cell) {
-  const std::vector<Reader> items = reader.items(3);
-  const std::array counts{items[0].whole(1), items[1].whole(1), items[2].whole(1)};
-  reader.check_size(per_cell * counts[0] * counts[1] * counts[2]);
-  return counts;
+/// How many there are along x, y, z, of cells with so many molecules each.
+template <class Setup, class Count>
+Key<Setup> counts_key(std::string name, std::array<int, 3> Setup::*member, std::string text, Count molecules) {
+  return sized(key::wholes(std::move(name), member, 1, std::move(text)), [=](const Setup& setup) {
+    const auto& counts = setup.*member;
+    return static_cast<double>(molecules(setup)) * counts[0] * counts[1] * counts[2];
+  });
 }
 
-CubicPattern read_pattern(const Reader& reader) {
-  CubicPattern pattern{false, false, false};
-  for (const Reader& item : reader.items())
-    *item.choice<bool*>({{"axis", &pattern.axis}, {"face", &pattern.face}, {"space", &pattern.space}}) = true;
-  return pattern;
+enum class LatticeKind { cubic, body_centred, face_centred };
+
+struct LatticeSetup : CellOrder {
+  LatticeKind kind = LatticeKind::cubic;
+  std::array<int, 3> counts{};         ///< of molecules or cells
+  std::optional<double> spacing;       ///< one for all directions
+  Vector3 spacings = Vector3::Zero();  ///< otherwise
+  CubicPattern pattern = {};           ///< of cubic lattices
+  bool second = false;                 ///< of the others: second neighbours are joined, too
+  std::optional<double> reach;         ///< of the connections, in the place of these
+  std::optional<Reader> connections;
+  bool is_cubic() const { return kind == LatticeKind::cubic; }
+};
+
+/// `connections`: a map with their reach, or what `read` reads.
+template <class Setup>
+Key<Setup> connections_key(SceneKey row, std::optional<double> Setup::*reach,
+                           std::function<void(const Reader&, Setup&)> read) {
+  const Key<Setup> within = reach_key(reach, "joins all molecules at most this far apart", "none");
+  std::vector<SceneKey> rows{std::move(row)};
+  rows.insert(rows.end(), within.rows().begin(), within.rows().end());
+  return {"connections", std::move(rows),
+          [within, read = std::move(read)](const Reader& value, Setup& setup, const Frame& frame) {
+            value.is_map() ? within.read(value, setup, frame) : read(value, setup);
+          }};
 }
 
-/// connections: {within: 12 mm} on any body.
-std::optional<double> read_reach(std::optional<Reader> connections) {
-  if (!connections || !connections->is_map()) return std::nullopt;
-  const double reach = connections->at("within").quantity(dimension::length, kPositive);
-  connections->finish();
-  return reach;
+Keys<LatticeSetup> lattice_keys() {
+  using S = LatticeSetup;
+  return {
+      key::choice("kind", &S::kind,
+                  {{"cubic", LatticeKind::cubic},
+                   {"body_centred", LatticeKind::body_centred},
+                   {"face_centred", LatticeKind::face_centred}},
+                  "where the molecules of a cube are")
+          .needed(),
+      counts_key("molecules", &S::counts, "molecules along x, y, z", [](const S&) { return 1; })
+          .needed("needed for `cubic`")
+          .when(&S::is_cubic),
+      counts_key("cells", &S::counts, "cubes along x, y, z",
+                 [](const S& setup) { return setup.kind == LatticeKind::body_centred ? 2 : 4; })
+          .needed("needed for the others")
+          .when(std::not_fn(&S::is_cubic)),
+      Key<S>({"spacing", "quantity, or vector", "m", "> 0", "", "side of a cube; three values stretch the lattice"},
+             [](const Reader& value, S& setup, const Frame&) {
+               if (value.is_text())
+                 setup.spacing = value.quantity(dimension::length, kPositive);
+               else
+                 setup.spacings = value.vector(dimension::length, kPositive);
+             })
+          .needed(),
+      connections_key<S>(
+          {"connections", "list of `axis`, `face`, `space`; or `nearest`, `second`; or map", "", "",
+           "`[axis]`, `nearest`",
+           "of `cubic`: along axes, face diagonals, space diagonals; of the others: nearest neighbours, or second ones "
+           "too"},
+          &S::reach,
+          [](const Reader& value, S& setup) {
+            if (!setup.is_cubic()) {
+              setup.second = value.choice<bool>({{"nearest", false}, {"second", true}});
+              return;
+            }
+            CubicPattern& pattern = setup.pattern = {false, false, false};
+            for (const Reader& item : value.items())
+              *item.choice<bool*>({{"axis", &pattern.axis}, {"face", &pattern.face}, {"space", &pattern.space}}) = true;
+          })
+          .place(&S::connections)
+          .refused_for([](const S& setup) {
+            return setup.order && setup.connections
+                       ? "the sides of its cells are the connections; leave `connections` out"
+                       : "";
+          }),
+      Key<S>(key::choice("order", &CellOrder::order, {{"1", 1}, {"2", 2}},
+                         "of `cubic`: fills each box with a hexahedron, of 8 or of 27 molecules")
+                 .otherwise("no cells")
+                 .place(&CellOrder::order_place))};
 }
 
-/// The order that a body's cells are to have: chosen once all its molecules are where they belong.
-using Order = std::optional<Reader>;
-
-Body read_lattice(Reader reader, Order& order, const std::shared_ptr<const Processes>& processes) {
-  enum class Kind { cubic, body_centred, face_centred };
-  const Kind kind = reader.at("kind").choice<Kind>(
-      {{"cubic", Kind::cubic}, {"body_centred", Kind::body_centred}, {"face_centred", Kind::face_centred}});
-  order = reader.find("order");
-  const Reader spacings = reader.at("spacing");  // one for all directions, or [x, y, z]
-  const bool equal = spacings.is_text();
-  const double spacing = equal ? spacings.quantity(dimension::length, kPositive) : 1;
-  const auto connections = reader.find("connections");
-  if (order && connections) connections->fail("the sides of its cells are the connections; leave `connections` out");
-  const std::optional<double> reach = read_reach(connections);
-  Body body;
-  if (kind == Kind::cubic) {
-    const auto molecules = read_counts(reader.at("molecules"), 1);
-    const CubicPattern pattern = connections && !reach ? read_pattern(*connections) : CubicPattern{};
-    body = processes ? cubic_lattice_share(molecules, spacing, pattern, processes)
-                     : cubic_lattice(molecules, spacing, pattern);
-  } else {
-    const auto cells = read_counts(reader.at("cells"), kind == Kind::body_centred ? 2 : 4);
-    const bool second = connections && !reach && connections->choice<bool>({{"nearest", false}, {"second", true}});
-    body = kind == Kind::body_centred ? body_centred_lattice(cells, spacing, second)
-                                      : face_centred_lattice(cells, spacing, second);
-  }
-  if (!equal) stretch(body, spacings.vector(dimension::length, kPositive));
-  if (reach) body.connections = connections_within(body.rest, *reach);
-  reader.finish();
+Body make_lattice(const LatticeSetup& setup, const std::shared_ptr<const Processes>& processes) {
+  const double spacing = setup.spacing.value_or(1);
+  Body body = setup.is_cubic() ? (processes ? cubic_lattice_share(setup.counts, spacing, setup.pattern, processes)
+                                            : cubic_lattice(setup.counts, spacing, setup.pattern))
+              : setup.kind == LatticeKind::body_centred ? body_centred_lattice(setup.counts, spacing, setup.second)
+                                                        : face_centred_lattice(setup.counts, spacing, setup.second);
+  if (!setup.spacing) stretch(body, setup.spacings);
+  if (setup.reach) body.connections = connections_within(body.rest, *setup.reach);
   return body;
 }
 
-Body read_packing(Reader reader) {
-  const Vector3 size = reader.at("size").vector(dimension::length, kPositive);
-  const double distance = reader.at("distance").quantity(dimension::length, kPositive);
-  const double molecules = (size.array() / distance + 1).prod();
-  if (!(molecules < 5e6))
-    reader.fail("a box of this size has too many molecules at this distance: at most 5e6 are allowed");
-  reader.check_size(molecules);
-  const int seed = reader.has("seed") ? reader.at("seed").whole(0) : 1;
-  const auto reach = read_reach(reader.find("connections"));
-  reader.finish();
-  return random_packing(size, distance, reach.value_or(1.5 * distance), static_cast<std::uint64_t>(seed));
+Shape lattice_shape() {
+  return shape("lattice", "", lattice_keys(), [](const LatticeSetup& setup, const ShapeContext& context) {
+    return make_lattice(setup, context.processes);
+  });
 }
 
-Body read_tetrahedra(Reader reader, Order& order) {
-  const BlockKind kind = reader.at("kind").choice<BlockKind>(
-      {{"kuhn", BlockKind::kuhn}, {"alternating", BlockKind::alternating}, {"body_centred", BlockKind::body_centred}});
-  order = reader.find("order");
-  const auto cubes = read_counts(reader.at("cubes"), 2);
-  const Vector3 size = reader.at("size").vector(dimension::length, kPositive);
-  reader.finish();
-  return tetrahedral_block(kind, cubes, size);
+Shape packing_shape() {
+  struct S {
+    Vector3 size = Vector3::Zero();
+    double distance = 0;
+    std::uint64_t seed = 1;
+    std::optional<double> reach;
+    std::optional<Reader> place;
+  };
+  return shape(
+      "packing", ", a random close packing",
+      Keys<S>{key::vector("size", &S::size, dimension::length, "sides of the box", kPositive).needed(),
+              key::quantity("distance", &S::distance, dimension::length, "least distance of two molecules", kPositive)
+                  .needed(),
+              seed_key(&S::seed), reach_key(&S::reach, "reach of the connections", "1.5 `distance`")},
+      [](const S& setup) {
+        const double molecules = (setup.size.array() / setup.distance + 1).prod();
+        if (!(molecules < 5e6))
+          setup.place->fail("a box of this size has too many molecules at this distance: at most 5e6 are allowed");
+        setup.place->check_size(molecules);
+        return random_packing(setup.size, setup.distance, setup.reach.value_or(1.5 * setup.distance), setup.seed);
+      });
+}
+
+Shape tetrahedra_shape() {
+  struct S : CellOrder {
+    BlockKind kind = BlockKind::kuhn;
+    std::array<int, 3> cubes{};
+    Vector3 size = Vector3::Zero();
+  };
+  return shape(
+      "tetrahedra", ", a block",
+      Keys<S>{
+          key::choice("kind", &S::kind,
+                      {{"kuhn", BlockKind::kuhn},
+                       {"alternating", BlockKind::alternating},
+                       {"body_centred", BlockKind::body_centred}},
+                      "6, 5 or 12 tetrahedra in each cube")
+              .needed(),
+          counts_key("cubes", &S::cubes, "cubes along x, y, z", [](const S&) { return 2; }).needed(),
+          key::vector("size", &S::size, dimension::length, "sides of the block, from the origin", kPositive).needed(),
+          order_key()},
+      [](const S& setup) { return tetrahedral_block(setup.kind, setup.cubes, setup.size); });
 }
 
 /// A few may be a fault of the mesh; all of them are another program's convention.
@@ -104,112 +173,134 @@ void warn_of_reoriented(const mesh::Mesh& mesh, const std::string& path, std::ve
                      " had their corners in the mirrored order, and were reoriented");
 }
 
-Body read_mesh(Reader reader, Order& order, Remarks remarks) {
-  mesh::Mesh mesh = read_mesh_file(reader);
-  warn_of_reoriented(mesh, reader.path(), remarks.warnings);
-  order = reader.find("order");
-  if (remarks.sets) *remarks.sets = mesh.sets;
-  reader.set_mesh_sets(std::move(mesh.sets));
-  reader.finish();
-  Body body;
-  body.rest = std::move(mesh.points);
-  body.triangles = std::move(mesh.triangles);
-  body.tetrahedra = std::move(mesh.tetrahedra);
-  body.blocks = std::move(mesh.blocks);
-  body.connections = connections_of_cells(body.rest, body.triangles, body.tetrahedra);
-  return body;
+Shape mesh_shape() {
+  struct S : MeshFile, CellOrder {
+    std::optional<Reader> place;
+  };
+  std::string endings;
+  for (const mesh::MeshFormat& format : mesh::mesh_formats())
+    endings +=
+        (endings.empty() ? "`" : ", `") + format.ending + "`" + (format.versions.empty() ? "" : " " + format.versions);
+  return shape("mesh", ", cells from a file: triangles, tetrahedra, prisms, hexahedra, of first or second order",
+               Keys<S>{mesh_file_key(endings), length_unit_key(), order_key()},
+               [](const S& setup, ShapeContext& context) {
+                 mesh::Mesh mesh = setup.load();
+                 warn_of_reoriented(mesh, setup.place->path(), context.remarks.warnings);
+                 if (context.remarks.sets) *context.remarks.sets = mesh.sets;
+                 context.map.set_mesh_sets(std::move(mesh.sets));
+                 Body body;
+                 body.rest = std::move(mesh.points);
+                 body.triangles = std::move(mesh.triangles);
+                 body.tetrahedra = std::move(mesh.tetrahedra);
+                 body.blocks = std::move(mesh.blocks);
+                 body.connections = connections_of_cells(body.rest, body.triangles, body.tetrahedra);
+                 return body;
+               });
 }
 
-/// triangles: [[0, 1, 2], …] of a body given by its molecules.
-Cells<3> read_triangles(const Reader& reader, int count) {
-  Cells<3> triangles;
-  for (const Reader& item : reader.items()) {
-    const auto corners = item.items(3);
-    triangles.push_back({corners[0].molecule(count), corners[1].molecule(count), corners[2].molecule(count)});
-    const auto& [a, b, c] = triangles.back();
-    if (a == b || b == c || c == a) item.fail("a triangle needs three different molecules");
-  }
-  return triangles;
-}
-
-Body read_list(const Reader& molecules, std::optional<Reader> connections, std::optional<Reader> triangles) {
-  std::vector<Vector3> positions;
-  for (const Reader& item : molecules.items()) positions.push_back(item.vector(dimension::length));
-  if (positions.empty()) molecules.fail("a body needs at least one molecule");
+struct ListSetup {
+  std::vector<Vector3> molecules;
   std::vector<std::array<int, 2>> pairs;
-  const auto reach = read_reach(connections);
-  const int count = static_cast<int>(positions.size());
-  if (connections && !reach)
-    for (const Reader& item : connections->items()) {
-      const auto ends = item.items(2);
-      pairs.push_back({ends[0].molecule(count), ends[1].molecule(count)});
-      if (pairs.back()[0] == pairs.back()[1]) item.fail("a connection needs two different molecules");
-    }
-  Body body = listed_body(positions, pairs);
-  if (reach) body.connections = connections_within(body.rest, *reach);
-  if (!triangles) return body;
-  if (connections) triangles->fail("the sides of the triangles are the connections; leave `connections` out");
-  body.triangles = read_triangles(*triangles, count);
-  body.connections = connections_of_cells(body.rest, body.triangles, {});
-  return body;
+  std::optional<double> reach;
+  Cells<3> triangles;
+  std::optional<Reader> connections_place, triangles_place;
+  int count() const { return static_cast<int>(molecules.size()); }
+};
+
+Keys<ListSetup> list_keys() {
+  using S = ListSetup;
+  return {
+      Key<S>({"molecules", "list of vectors", "m", "", "", "positions"},
+             [](const Reader& value, S& setup, const Frame&) {
+               for (const Reader& item : value.items()) setup.molecules.push_back(item.vector(dimension::length));
+               if (setup.molecules.empty()) value.fail("a body needs at least one molecule");
+             })
+          .needed(),
+      connections_key<S>({"connections", "list of pairs of molecules, or map", "", "0 … last molecule", "none",
+                          "pairs of molecules, counted from 0"},
+                         &S::reach,
+                         [](const Reader& value, S& setup) {
+                           for (const Reader& item : value.items()) {
+                             const auto ends = item.items(2);
+                             setup.pairs.push_back({ends[0].molecule(setup.count()), ends[1].molecule(setup.count())});
+                             if (setup.pairs.back()[0] == setup.pairs.back()[1])
+                               item.fail("a connection needs two different molecules");
+                           }
+                         })
+          .place(&S::connections_place),
+      Key<S>({"triangles", "list of triples of molecules", "", "0 … last molecule", "none",
+              "corners of triangles, whose sides are the connections"},
+             [](const Reader& value, S& setup, const Frame&) {
+               if (setup.connections_place)
+                 value.fail("the sides of the triangles are the connections; leave `connections` out");
+               for (const Reader& item : value.items()) {
+                 const auto corners = item.items(3);
+                 setup.triangles.push_back({corners[0].molecule(setup.count()), corners[1].molecule(setup.count()),
+                                            corners[2].molecule(setup.count())});
+                 const auto& [a, b, c] = setup.triangles.back();
+                 if (a == b || b == c || c == a) item.fail("a triangle needs three different molecules");
+               }
+             })
+          .place(&S::triangles_place)};
 }
 
-const std::vector<std::string> kShapes{"lattice", "packing", "tetrahedra", "sphere", "sphere_octant", "disc",
-                                       "sheet",   "canopy",  "mesh",       "fill",   "molecules"};
-
-/// `volumes` of the molecules [m³] are set where the shape knows them, and left alone where it does not.
-Body read_shape(Reader& reader, VectorX& volumes, Order& order, Remarks remarks,
-                const std::shared_ptr<const Processes>& processes) {
-  for (const char* key : {"given", "given_shape"})
-    if (const auto given = reader.given_body(key)) {
-      order = reader.find("order");
-      return *given;
-    }
-  std::optional<Reader> shape;
-  std::string name;
-  for (const std::string& key : kShapes)
-    if (auto found = reader.find(key)) {
-      if (shape) found->fail("the body has a shape already: " + shape->path());
-      shape = found;
-      name = key;
-    }
-  if (!shape) {
-    for (const char* key : {"radius", "jitter", "grade", "cells", "connections", "triangles", "regions", "lines"})
-      reader.has(key);
-    reader.finish();
-    std::string known;
-    for (const std::string& key : kShapes) known += (known.empty() ? "" : key == kShapes.back() ? " or " : ", ") + key;
-    reader.fail("needs a shape: " + known);
-  }
-  if (name == "lattice") return read_lattice(*shape, order, processes);
-  if (name == "packing") return read_packing(*shape);
-  if (name == "tetrahedra") return read_tetrahedra(*shape, order);
-  if (name == "mesh") return read_mesh(*shape, order, remarks);
-  if (name == "fill") {
-    for (const char* key : {"jitter", "grade", "cells", "connections"})
-      if (auto other = reader.find(key))
-        other->fail(key == std::string("cells") || key == std::string("connections")
-                        ? "of a filled body this key stands inside `fill`"
-                        : "a filled body cannot have this: it would leave its surface");
-    order = shape->find("order");
-    return read_fill(*shape, volumes, remarks);
-  }
-  if (name != "molecules") return read_surface(name, *shape);
-  return read_list(*shape, reader.find("connections"), reader.find("triangles"));
+/// Its keys are among those of the body.
+Shape molecules_shape() {
+  const auto make = [keys = list_keys()](const Reader&, ShapeContext& context) {
+    ListSetup setup;
+    keys.read_into(context.map, setup);
+    Body body = listed_body(setup.molecules, setup.pairs);
+    if (setup.reach) body.connections = connections_within(body.rest, *setup.reach);
+    if (!setup.triangles_place) return body;
+    body.triangles = std::move(setup.triangles);
+    body.connections = connections_of_cells(body.rest, body.triangles, {});
+    return body;
+  };
+  return {"molecules", ", positions one by one; its other keys are keys of the body", "body", list_keys().rows(), make};
 }
 
-void read_grade(Reader reader, Body& body) {
-  const int axis = reader.at("axis").choice<int>({{"x", 0}, {"y", 1}, {"z", 2}});
-  const double ratio = reader.at("ratio").quantity(dimension::none, {0.01, 100});
-  const auto ends = reader.find("ends");
-  const bool both = ends && ends->choice<bool>({{"one", false}, {"both", true}});
-  reader.finish();
-  if (!both) return grade(body, axis, ratio);
+const std::vector<Shape>& shapes() {
+  static const std::vector<Shape> all = [] {
+    std::vector<Shape> list{lattice_shape(), packing_shape(), tetrahedra_shape()};
+    for (Shape& surface : surface_shapes()) list.push_back(std::move(surface));
+    for (const Shape& other : {mesh_shape(), fill_shape(), molecules_shape()}) list.push_back(other);
+    return list;
+  }();
+  return all;
+}
+
+std::vector<std::string> shape_names() {
+  std::vector<std::string> names;
+  for (const Shape& shape : shapes()) names.push_back(shape.name);
+  return names;
+}
+
+/// Spacings grow along an axis.
+struct Grade {
+  int axis = 0;
+  double ratio = 1;
+  bool both = false;  ///< from both ends
+};
+
+Keys<Grade> grade_keys() {
+  return {
+      key::choice("axis", &Grade::axis, {{"x", 0}, {"y", 1}, {"z", 2}}, "the axis").needed(),
+      key::quantity("ratio", &Grade::ratio, dimension::none,
+                    "spacing at the far end over that at the near end; with `ends: both` in the middle over that at "
+                    "both ends",
+                    {0.01, 100})
+          .needed(),
+      key::choice("ends", &Grade::both, {{"one", false}, {"both", true}},
+                  "whether the spacing grows from one end, or from both")};
+}
+
+void apply_grade(const Grade& setup, Body& body) {
+  if (!setup.both) return grade(body, setup.axis, setup.ratio);
   // The half beyond the middle is the mirror image of the other, which is graded as a body of its own would be.
-  const double low = body.rest.row(axis).minCoeff(), length = body.rest.row(axis).maxCoeff() - low;
-  const double growth = std::log(ratio);
+  const double low = body.rest.row(setup.axis).minCoeff(), length = body.rest.row(setup.axis).maxCoeff() - low;
+  const double growth = std::log(setup.ratio);
   if (!(length > 0) || growth == 0) return;
-  for (double& position : body.rest.row(axis)) {
+  for (double& position : body.rest.row(setup.axis)) {
     const double at = 2 * (position - low) / length - 1, depth = 1 - std::abs(at);
     const double graded = std::expm1(growth * depth) / std::expm1(growth);
     position = low + length * (1 + std::copysign(1 - graded, at)) / 2;
@@ -217,10 +308,9 @@ void read_grade(Reader reader, Body& body) {
   set_present_lengths(body);
 }
 
-/// cells: delaunay. The sides that are no connections of the body's own become sides of cells only; all of them its
-/// connections where it has none.
-void read_cells(const Reader& reader, Body& body, std::vector<std::string>& warnings) {
-  reader.choice<int>({{"delaunay", 0}});
+/// The sides that are no connections of the body's own become sides of cells only; all of them its connections where
+/// it has none.
+void fill_with_tetrahedra(const Reader& reader, Body& body, std::vector<std::string>& warnings) {
   if (!body.tetrahedra.empty() || !body.triangles.empty()) reader.fail("the body has cells already");
   body.tetrahedra = reader.located([&] { return hull::delaunay_tetrahedra(body.rest); });
   if (body.connections.size() == 0)
@@ -234,10 +324,10 @@ void read_cells(const Reader& reader, Body& body, std::vector<std::string>& warn
 }
 
 /// Cells of first order are what bodies of tetrahedra and triangles have anyway.
-void choose_order(const Reader& reader, Body& body, VectorX& volumes) {
-  const int order = reader.choice<int>({{"1", 1}, {"2", 2}});
+void choose_order(const CellOrder& chosen, Body& body, VectorX& volumes) {
+  const int order = *chosen.order;
   if (order == 1 && body.blocks.empty() && body.cubes.empty()) return;
-  body = reader.located([&] { return with_order(body, order); });
+  body = chosen.order_place->located([&] { return with_order(body, order); });
   volumes.resize(0);
 }
 
@@ -255,35 +345,6 @@ void add_between(const Body& body, MoleculeSets& sets) {
       members.push_back(static_cast<int>(first + i));
     }
   }
-}
-
-/// Gives what lies between picked molecules alone other stiffness, and these other mass. Returns how many connections
-/// and cells that are.
-std::size_t set_picked_region(Body& body, const std::vector<int>& molecules, double stiffness, double mass) {
-  const auto picked = [&](int molecule) { return std::binary_search(molecules.begin(), molecules.end(), molecule); };
-  std::size_t found = 0;
-  const auto set = [&](std::ptrdiff_t count, const auto& molecules_of_member, VectorX& factors) {
-    if (factors.size() == 0) factors = VectorX::Ones(count);
-    for (std::ptrdiff_t member = 0; member < count; ++member) {
-      const auto& corners = molecules_of_member(member);
-      if (!std::all_of(corners.begin(), corners.end(), picked)) continue;
-      factors[member] = stiffness;
-      ++found;
-    }
-  };
-  const auto set_cells = [&](const auto& cells, VectorX& factors) {
-    set(
-        static_cast<std::ptrdiff_t>(cells.size()), [&](std::ptrdiff_t cell) -> const auto& { return cells[cell]; },
-        factors);
-  };
-  set_cells(body.connections.ends, body.connection_stiffness);
-  body.tetrahedra.empty() ? set_cells(body.triangles, body.cell_stiffness)
-                          : set_cells(body.tetrahedra, body.cell_stiffness);
-  for (CellBlock& block : body.blocks)
-    set(
-        block.size(), [&](std::ptrdiff_t cell) { return block.cell(static_cast<int>(cell)); }, block.stiffness);
-  for (const int molecule : molecules) body.mass[molecule] *= mass;
-  return found;
 }
 
 /// Cells of which the box has a part but not all: those whose middle lies in it count whole.
@@ -307,208 +368,225 @@ std::size_t cells_cut(const Body& body, const Vector3& low, const Vector3& high)
   return count;
 }
 
-/// {from: [x, y, z], to: [x, y, z], stiffness: 1e6, mass: 10}, or {molecules: …, stiffness: 1e6}
-void read_region(Reader reader, Body& body, std::vector<std::string>& notes) {
-  const auto molecules = reader.find("molecules");
-  if (molecules) {
-    std::vector<int> picked = read_molecules(*molecules, body, Matrix3::Identity());
-    std::sort(picked.begin(), picked.end());
-    const auto stiffness = reader.find("stiffness"), mass = reader.find("mass");
-    reader.finish();
-    const auto factor = [](const std::optional<Reader>& value) {
-      return value ? value->quantity(dimension::none, {1e-12, 1e12, false}) : 1;
-    };
-    if (set_picked_region(body, picked, factor(stiffness), factor(mass)) == 0 && stiffness)
-      reader.fail("no cell and no connection has all its molecules among these, so that none gets this stiffness");
-    return;
-  }
-  const Reader to = reader.at("to");
-  const Vector3 low = reader.at("from").vector(dimension::length), high = to.vector(dimension::length);
-  const auto factor = [&](const char* key) {
-    const auto value = reader.find(key);
-    return value ? value->quantity(dimension::none, {1e-12, 1e12, false}) : 1;
+/// A part of the body with other stiffness or mass: a box, or what lies between these molecules alone.
+struct Region : BoxCorners {
+  std::optional<std::vector<int>> molecules;
+  double stiffness = 1, mass = 1;
+  std::optional<Reader> place;
+};
+
+Keys<Region> region_keys() {
+  using S = Region;
+  const Range factor{1e-12, 1e12};
+  const auto of_box = [](const Key<BoxCorners>& corner) {
+    return Key<S>(corner).needed("needed, or `molecules`").when([](const S& setup) { return !setup.molecules; });
   };
-  const double stiffness = factor("stiffness"), mass = factor("mass");
-  reader.finish();
-  if (!((high - low).array() >= 0).all()) to.fail("must not lie below `from` in any direction");
+  return {molecules_key("molecules", &S::molecules, "the region is what lies between these alone")
+              .otherwise("needed, or `from` and `to`"),
+          of_box(low_corner_key()), of_box(high_corner_key()),
+          key::quantity("stiffness", &S::stiffness, dimension::none, "factor of the material's stiffness", factor),
+          key::quantity("mass", &S::mass, dimension::none, "factor of the material's mass", factor)};
+}
+
+void apply_picked_region(const Region& region, Body& body) {
+  std::vector<char> picked(static_cast<std::size_t>(body.size()));
+  for (const int molecule : *region.molecules) picked[molecule] = 1, body.mass[molecule] *= region.mass;
+  bool found = false;
+  change_stiffness(body, [&](const auto& molecules, double& factor) {
+    if (!std::all_of(molecules.begin(), molecules.end(), [&](int molecule) { return picked[molecule]; })) return;
+    factor = region.stiffness;
+    found = true;
+  });
+  if (!found && region.stiffness != 1)
+    region.place->fail("no cell and no connection has all its molecules among these, so that none gets this stiffness");
+}
+
+void apply_region(const Region& region, Body& body, std::vector<std::string>& notes) {
+  if (region.molecules) return apply_picked_region(region, body);
   const Vector3 least = body.rest.rowwise().minCoeff(), most = body.rest.rowwise().maxCoeff();
-  const double slack = 1e-9 * (high - low).norm();
-  const bool has_molecules = (((body.rest.colwise() - low).array() >= -slack).colwise().all() &&
-                              ((-body.rest).colwise() + high).array().colwise().minCoeff() >= -slack)
+  const double slack = 1e-9 * (region.to - region.from).norm();
+  const bool has_molecules = (((body.rest.colwise() - region.from).array() >= -slack).colwise().all() &&
+                              ((-body.rest).colwise() + region.to).array().colwise().minCoeff() >= -slack)
                                  .any();
-  if (set_region(body, low, high, stiffness, mass) == 0 && (stiffness != 1 || !has_molecules))
-    reader.fail(
+  if (set_region(body, region.from, region.to, region.stiffness, region.mass) == 0 &&
+      (region.stiffness != 1 || !has_molecules))
+    region.place->fail(
         fmt::format("no cell and no connection has its middle in this box; the body reaches from [{:.6g}, "
                     "{:.6g}, {:.6g}] mm to [{:.6g}, {:.6g}, {:.6g}] mm",
                     1e3 * least.x(), 1e3 * least.y(), 1e3 * least.z(), 1e3 * most.x(), 1e3 * most.y(), 1e3 * most.z()));
-  if (const std::size_t cut = cells_cut(body, low, high); cut > 0)
-    notes.push_back(reader.path() + ": the box has a part of " + counted(static_cast<std::ptrdiff_t>(cut), "cell") +
-                    "; those whose middle lies in it count whole");
+  if (const std::size_t cut = cells_cut(body, region.from, region.to); cut > 0)
+    notes.push_back(region.place->path() + ": the box has a part of " +
+                    counted(static_cast<std::ptrdiff_t>(cut), "cell") + "; those whose middle lies in it count whole");
 }
 
-/// lines: {to: [0, 0, -6 m], stiffness: 20 kN, mass: 20 kg}, from: ends | rim.
-void read_lines(Reader reader, Body& body) {
-  const auto from = reader.find("from"), radius = reader.find("radius");
-  const HungFrom hung =
-      from ? from->choice<HungFrom>({{"ends", HungFrom::ends}, {"rim", HungFrom::rim}}) : HungFrom::ends;
-  const Vector3 to = reader.at("to").vector(dimension::length);
-  const double stiffness = reader.at("stiffness").quantity(dimension::force, kPositive);
-  const double mass = reader.at("mass").quantity(dimension::mass, kPositive);
-  const double size = radius ? radius->quantity(dimension::length, kPositive) : body.radius.maxCoeff();
+struct Jitter {
+  double amount = 0;
+  std::uint64_t seed = 1;
+};
+
+/// A load that hangs on cables.
+struct Lines {
+  HungFrom from = HungFrom::ends;
+  Vector3 to = Vector3::Zero();
+  double stiffness = 0, mass = 0;
+  std::optional<double> radius;
+  std::optional<Reader> place;
+};
+
+/// The keys of all bodies.
+struct BodySetup {
+  std::optional<double> radius;
+  std::optional<Jitter> jitter;
+  std::vector<Grade> grades;
+  std::optional<bool> delaunay;
+  std::optional<Lines> lines;
+  std::optional<Reader> cells, regions;
+};
+
+Keys<BodySetup> own_body_keys() {
+  using S = BodySetup;
+  return {
+      key::quantity("radius", &S::radius, dimension::length, "radius of each molecule", kPositive)
+          .otherwise("half the shortest connection"),
+      key::map("jitter", &S::jitter,
+               {key::quantity("amount", &Jitter::amount, dimension::none,
+                              "random displacement of each molecule over the shortest connection; end faces stay plane",
+                              {0, 0.5})
+                    .needed(),
+                seed_key(&Jitter::seed)}),
+      Key<S>("grade",
+             key::rows_below("grade", "map, or list of maps", "lets the spacing grow along an axis", grade_keys()),
+             [](const Reader& value, S& setup, const Frame& frame) {
+               for (const Reader& item : value.is_map() ? std::vector{value} : value.items())
+                 setup.grades.push_back(grade_keys().read(item, frame));
+             }),
+      key::choice("cells", &S::delaunay, {{"delaunay", true}},
+                  "tetrahedra between the molecules, which fill the convex hull")
+          .place(&S::cells),
+      Key<S>("regions",
+             key::rows_below("regions", "list of maps", "boxes of other stiffness or mass; not with `curve` or `fibre`",
+                             region_keys()),
+             [](const Reader& value, S& setup, const Frame&) { setup.regions = value; }),
+      key::map("lines", &S::lines,
+               {key::choice("from", &Lines::from, {{"ends", HungFrom::ends}, {"rim", HungFrom::rim}},
+                            "the molecules from which the cables hang"),
+                key::vector("to", &Lines::to, dimension::length, "position of the load").needed(),
+                key::quantity("stiffness", &Lines::stiffness, dimension::force, "axial stiffness EA of each cable",
+                              kPositive)
+                    .needed(),
+                key::quantity("mass", &Lines::mass, dimension::mass, "mass of the load", kPositive).needed(),
+                key::quantity("radius", &Lines::radius, dimension::length, "radius of the load", kPositive)
+                    .otherwise("the largest molecule's")},
+               "a load that hangs on cables from a body of triangles")};
+}
+
+/// The body as its shape has it, or as a program gives it.
+Body make_shape(Reader& reader, ShapeContext& context) {
+  for (const char* key : {"given", "given_shape"})
+    if (const auto given = reader.given_body(key)) {
+      Keys<CellOrder>{order_key()}.read_into(reader, context.order);
+      return *given;
+    }
+  const Shape* shape = nullptr;
+  std::optional<Reader> value;
+  for (const Shape& row : shapes())
+    if (const auto found = reader.find(row.name)) {
+      if (shape) found->fail("the body has a shape already: " + value->path());
+      shape = &row;
+      value = found;
+    }
+  if (shape) return shape->make(*value, context);
+  own_body_keys().add_to_known(reader);
+  list_keys().add_to_known(reader);
   reader.finish();
-  if (body.triangles.empty()) reader.fail("lines hang a load on a body of triangles; this one has none");
-  reader.located([&] { hang_load(body, hung, to, stiffness, mass, size); });
+  reader.fail("needs a shape: " + listed(shape_names(), "or"));
 }
 
 }  // namespace
 
-std::vector<std::pair<std::string, double>> length_units() {
-  return {{"m", 1}, {"cm", 1e-2}, {"mm", 1e-3}, {"um", 1e-6}, {"nm", 1e-9}};
+Key<CellOrder> order_key() {
+  return key::choice("order", &CellOrder::order, {{"1", 1}, {"2", 2}},
+                     "order of the cells: 2 puts a molecule in the middle of each edge")
+      .otherwise("`1`")
+      .place(&CellOrder::order_place);
 }
 
-mesh::Mesh read_mesh_file(Reader& reader) {
-  const Reader file = reader.at("file");
-  const double unit = reader.at("length_unit").choice<double>(length_units());
-  const std::string path = file.existing_file();
+mesh::Mesh MeshFile::load() const {
   try {
     mesh::Mesh mesh = mesh::load_mesh(path);
-    mesh.points *= unit;
+    mesh.points *= length_unit;
     return mesh;
   } catch (const InputError& error) {
-    file.fail(error.what());
+    file->fail(error.what());
   }
+}
+
+Key<MeshFile> mesh_file_key(std::string text) {
+  return key::file("file", &MeshFile::path, std::move(text)).needed().place(&MeshFile::file);
+}
+
+Key<MeshFile> length_unit_key() {
+  return key::choice("length_unit", &MeshFile::length_unit,
+                     {{"m", 1}, {"cm", 1e-2}, {"mm", 1e-3}, {"um", 1e-6}, {"nm", 1e-9}},
+                     "unit of the file's coordinates")
+      .needed();
 }
 
 bool makes_shares(Reader body, int processes) {
   const std::vector<std::string> keys = body.keys();
   const auto known = [](const std::string& key) { return key == "lattice" || key == "radius"; };
-  if (!std::all_of(keys.begin(), keys.end(), known)) return false;
-  auto lattice = body.find("lattice");
-  if (!lattice || !lattice->is_map() || !lattice->has("kind") || !lattice->has("molecules")) return false;
-  const auto connections = lattice->find("connections");
-  if (lattice->at("kind").text() != "cubic" || lattice->has("order") || (connections && connections->is_map()))
-    return false;
-  return lattice->at("molecules").items(3)[2].whole(1) >= 2 * processes;
+  const auto lattice = body.find("lattice");
+  if (!lattice || !std::all_of(keys.begin(), keys.end(), known)) return false;
+  const LatticeSetup setup = lattice_keys().read(*lattice);
+  return setup.is_cubic() && !setup.order && !setup.reach && setup.counts[2] >= 2 * processes;
 }
 
 Body read_body(Reader reader, const Material& material, Remarks remarks,
                const std::shared_ptr<const Processes>& processes) {
   reader.set_section("body");
-  VectorX volumes;
-  Order order;
-  Body body = reader.located([&] { return read_shape(reader, volumes, order, remarks, processes); });
-  if (auto jitter = reader.find("jitter")) {
-    const double amount = jitter->at("amount").quantity(dimension::none, {0, 0.5, false});
-    const int seed = jitter->has("seed") ? jitter->at("seed").whole(0) : 1;
-    jitter->finish();
-    add_jitter(body, amount * shortest_connection(body), static_cast<std::uint64_t>(seed));
-  }
-  if (auto grading = reader.find("grade"))
-    for (const Reader& along : grading->is_map() ? std::vector{*grading} : grading->items()) read_grade(along, body);
-  if (auto cells = reader.find("cells")) read_cells(*cells, body, remarks.warnings);
-  if (order) {
-    choose_order(*order, body, volumes);
+  ShapeContext context{reader, remarks, processes};
+  Body body = reader.located([&] { return make_shape(reader, context); });
+  BodySetup setup;
+  own_body_keys().read_into(reader, setup);
+  reader.finish();
+  if (setup.jitter) add_jitter(body, setup.jitter->amount * shortest_connection(body), setup.jitter->seed);
+  for (const Grade& grade : setup.grades) apply_grade(grade, body);
+  if (setup.cells) fill_with_tetrahedra(*setup.cells, body, remarks.warnings);
+  if (context.order.order) {
+    choose_order(context.order, body, context.volumes);
     MoleculeSets sets = reader.mesh_sets();
     add_between(body, sets);
     if (remarks.sets) *remarks.sets = sets;
     reader.set_mesh_sets(std::move(sets));
   }
-  const auto radius = reader.find("radius"), regions = reader.find("regions"), lines = reader.find("lines");
-  reader.finish();
-  const std::optional<double> given =
-      radius ? std::optional(radius->quantity(dimension::length, kPositive)) : std::nullopt;
-  if (!reader.given_body("given") || order)
-    reader.located([&] { set_matter(body, material.density, material.thickness, given); });
-  else if (given)
-    body.radius.setConstant(*given);
-  if (volumes.size()) body.mass = material.density * volumes;
-  if (regions && (material.curve || material.fibre)) regions->fail("regions need a material without curve or fibre");
-  if (regions)
-    for (const Reader& item : regions->items()) read_region(item, body, remarks.notes);
-  if (lines) read_lines(*lines, body);
+  if (!reader.given_body("given") || context.order.order)
+    reader.located([&] { set_matter(body, material.density, material.thickness, setup.radius); });
+  else if (setup.radius)
+    body.radius.setConstant(*setup.radius);
+  if (context.volumes.size()) body.mass = material.density * context.volumes;
+  if (const auto& regions = setup.regions) {
+    if (material.curve || material.fibre) regions->fail("regions need a material without curve or fibre");
+    for (const Reader& item : regions->items())
+      apply_region(region_keys().read(item, {Matrix3::Identity(), &body}), body, remarks.notes);
+  }
+  if (const auto& lines = setup.lines) {
+    if (body.triangles.empty()) lines->place->fail("lines hang a load on a body of triangles; this one has none");
+    lines->place->located([&] {
+      hang_load(body, lines->from, lines->to, lines->stiffness, lines->mass,
+                lines->radius.value_or(body.radius.maxCoeff()));
+    });
+  }
   return body;
 }
 
-SceneKey order_key() {
-  return {"order", "`1`, `2`", "", "", "`1`", "order of the cells: 2 puts a molecule in the middle of each edge"};
-}
-
 std::vector<KeySection> body_keys() {
-  const SceneKey seed{"seed", "whole", "", "≥ 0", "1", "seed of the random numbers"};
-  const SceneKey order = order_key();
-  const SceneKey within{
-      "connections.within", "quantity", "m", "> 0", "none", "joins all molecules that are at most so far apart"};
-  return {
-      {"body",
-       "Body",
-       "A body has one shape, " + words_text(kShapes) + ", with the keys of its own table, and these keys beside it:",
-       {{"radius", "quantity", "m", "> 0", "half the shortest connection", "radius of each molecule"},
-        {"jitter.amount", "number", "", "0 … 0.5", "needed",
-         "random displacement of each molecule over the shortest connection; end faces stay plane"},
-        {"jitter.seed", "whole", "", "≥ 0", "1", "seed of the random numbers"},
-        {"grade", "map, or list of maps", "", "", "none", "lets the spacing grow along an axis"},
-        {"grade.axis", "`x`, `y`, `z`", "", "", "needed", "the axis"},
-        {"grade.ratio", "number", "", "0.01 … 100", "needed",
-         "spacing at the far end over that at the near end; with `ends: both` in the middle over that at both ends"},
-        {"grade.ends", "`one`, `both`", "", "", "`one`", "whether the spacing grows from one end, or from both"},
-        {"cells", "`delaunay`", "", "", "none", "tetrahedra between the molecules, which fill the convex hull"},
-        {"regions", "list of maps", "", "", "none", "boxes of other stiffness or mass; not with `curve` or `fibre`"},
-        {"regions.from", "vector", "m", "", "needed, or `molecules`", "lowest corner of the box"},
-        {"regions.to", "vector", "m", "", "needed, or `molecules`", "highest corner of the box"},
-        {"regions.molecules", "list of molecules, or [pick](#picked-molecules)", "", "0 … last molecule",
-         "needed, or `from` and `to`", "the region is what lies between these alone"},
-        {"regions.stiffness", "number", "", "1e-12 … 1e+12", "1", "factor of the material's stiffness"},
-        {"regions.mass", "number", "", "1e-12 … 1e+12", "1", "factor of the material's mass"},
-        {"lines", "map", "", "", "none", "a load that hangs on cables from a body of triangles"},
-        {"lines.from", "`ends`, `rim`", "", "", "`ends`", "the molecules from which the cables hang"},
-        {"lines.to", "vector", "m", "", "needed", "position of the load"},
-        {"lines.stiffness", "quantity", "N", "> 0", "needed", "axial stiffness EA of each cable"},
-        {"lines.mass", "quantity", "kg", "> 0", "needed", "mass of the load"},
-        {"lines.radius", "quantity", "m", "> 0", "the largest molecule's", "radius of the load"}}},
-      {"body.lattice",
-       "",
-       "Shape `lattice`:",
-       {{"kind", "`cubic`, `body_centred`, `face_centred`", "", "", "needed", "where the molecules of a cube are"},
-        {"molecules", "three wholes", "", "≥ 1", "needed for `cubic`", "molecules along x, y, z"},
-        {"cells", "three wholes", "", "≥ 1", "needed for the others", "cubes along x, y, z"},
-        {"spacing", "quantity, or vector", "m", "> 0", "needed", "side of a cube; three values stretch the lattice"},
-        {"connections", "list of `axis`, `face`, `space`; or `nearest`, `second`; or map", "", "",
-         "`[axis]`, `nearest`",
-         "of `cubic`: along axes, face diagonals, space diagonals; of the others: nearest neighbours, or second ones "
-         "too"},
-        within,
-        {"order", "`1`, `2`", "", "", "no cells",
-         "of `cubic`: fills each box with a hexahedron, of 8 or of 27 molecules"}}},
-      {"body.packing",
-       "",
-       "Shape `packing`, a random close packing:",
-       {{"size", "vector", "m", "> 0", "needed", "sides of the box"},
-        {"distance", "quantity", "m", "> 0", "needed", "least distance of two molecules"},
-        seed,
-        {"connections.within", "quantity", "m", "> 0", "1.5 `distance`", "reach of the connections"}}},
-      {"body.tetrahedra",
-       "",
-       "Shape `tetrahedra`, a block:",
-       {{"kind", "`kuhn`, `alternating`, `body_centred`", "", "", "needed", "6, 5 or 12 tetrahedra in each cube"},
-        {"cubes", "three wholes", "", "≥ 1", "needed", "cubes along x, y, z"},
-        {"size", "vector", "m", "> 0", "needed", "sides of the block, from the origin"},
-        order}},
-      {"body.mesh",
-       "",
-       "Shape `mesh`, cells from a file: triangles, tetrahedra, prisms, hexahedra, of first or second order:",
-       {{"file", "file beside the scene", "", "", "needed",
-         "`.msh` 1, 2.2 and 4.1, `.vtk`, `.vtu`, `.inp`, `.bdf`, `.unv`, `.stl`, `.obj`, `.ply`"},
-        {"length_unit", kLengthUnits, "", "", "needed", "unit of the file's coordinates"},
-        order}},
-      {"body",
-       "",
-       "Shape `molecules`, positions one by one; its other keys stand beside it:",
-       {{"molecules", "list of vectors", "m", "", "needed", "positions"},
-        {"connections", "list of pairs of molecules, or map", "", "0 … last molecule", "none",
-         "pairs of molecules, counted from 0"},
-        within,
-        {"triangles", "list of triples of molecules", "", "0 … last molecule", "none",
-         "corners of triangles, whose sides are the connections"}}}};
+  std::vector<KeySection> sections{{"body", "Body",
+                                    "A body has one shape, " + words_text(shape_names()) +
+                                        ", with the keys of its own table, and these keys in addition:",
+                                    own_body_keys().rows()}};
+  for (const Shape& shape : shapes())
+    sections.push_back({shape.section, "", "Shape `" + shape.name + "`" + shape.text + ":", shape.keys});
+  return sections;
 }
 
 }  // namespace elastin::lab

@@ -47,10 +47,9 @@ Positions read_convex(const Reader& list) {
   return points;
 }
 
-contact::shape::Mesh read_surface_file(Reader reader) {
-  const Reader file = reader.at("file");
-  const mesh::Mesh mesh = read_mesh_file(reader);
-  reader.finish();
+contact::shape::Mesh surface_of(const MeshFile& named) {
+  const Reader& file = *named.file;
+  const mesh::Mesh mesh = named.load();
   if (!mesh.tetrahedra.empty()) file.fail("an obstacle is a surface of triangles; this mesh has tetrahedra");
   const std::string fault = contact::check_surface(mesh.points, mesh.triangles);
   if (!fault.empty()) file.fail("the surface encloses no volume: " + fault);
@@ -92,13 +91,12 @@ std::vector<Key<ObstacleSetup>> shape_keys() {
                                       "four points or more that do not lie in one plane"},
                                      [](const Reader& value, Convex& convex) { convex.points = read_convex(value); })
                              .needed()}),
-      {Mesh::name,
-       {{"mesh.file", "file next to the scene", "", "", "needed", "a closed surface of triangles"},
-        {"mesh.length_unit", kLengthUnits, "", "", "needed", "unit of the file's coordinates"}},
-       [](const Reader& value, ObstacleSetup& setup) {
-         setup.kind = Mesh::name;
-         setup.shape = read_surface_file(value);
-       }}};
+      key::map_into<ObstacleSetup>(Mesh::name,
+                                   Keys<MeshFile>{mesh_file_key("a closed surface of triangles"), length_unit_key()},
+                                   [](const Reader&, ObstacleSetup& setup, const MeshFile& file) {
+                                     setup.kind = Mesh::name;
+                                     setup.shape = surface_of(file);
+                                   })};
 }
 
 const Keys<ObstacleSetup>& obstacle_keys() {

@@ -1,7 +1,6 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <memory>
 #include <utility>
 
@@ -22,65 +21,111 @@ std::string text_of(const Vector3& place) {
   return "(" + number(place.x()) + ", " + number(place.y()) + ", " + number(place.z()) + ") m";
 }
 
-/// The data of a file's cells, found by place.
-struct FileData {
-  Reader name;
-  std::shared_ptr<const mesh::CellData> data;
-  double length;  ///< unit of the file's coordinates [m]
-  BoxTree tree;
+enum class FieldOf { factors, values, directions, terms };
 
-  int nearest(const Vector3& place) const {
-    return tree.nearest(place, [&](int cell) { return (length * data->middles.col(cell) - place).norm(); }).first;
-  }
+struct FieldSetup : MeshFile {
+  FieldOf of = FieldOf::values;
+  std::optional<Reader> expression, angle, unit;
+  std::string data;
+  std::optional<Reader> data_place;
+  Vector3 about = Vector3::UnitZ();
 };
 
-/// {file: layers.vtk, data: E, length_unit: mm}, of so many values a cell.
-FileData open_data(Reader& reader, int values) {
-  const Reader file = reader.at("file"), name = reader.at("data");
-  const double length = reader.at("length_unit").choice<double>(length_units());
-  const std::string path = file.existing_file();
-  const auto data = [&]() -> std::shared_ptr<const mesh::CellData> {
-    try {
-      return std::make_shared<mesh::CellData>(mesh::load_cell_data(path, name.text()));
-    } catch (const InputError& error) {
-      name.fail(error.what());
-    }
-  }();
-  if (data->values.rows() != values)
-    name.fail("has " + counted(static_cast<std::size_t>(data->values.rows()), "value") +
-              " a cell; needed: " + std::to_string(values));
-  std::vector<Box> points;
-  for (const Vector3 middle : data->middles.colwise()) points.push_back({length * middle, length * middle});
-  return {name, data, length, BoxTree(points)};
+Keys<FieldSetup> keys_of_field() {
+  using S = FieldSetup;
+  std::vector<std::string> endings;
+  for (const mesh::MeshFormat& format : mesh::mesh_formats())
+    if (format.content == mesh::MeshContent::cells_with_data) endings.push_back(format.ending);
+  return {
+      one_of<S>("key 'expression' is missing",
+                {key::later({"expression", "formula, or list", "", "", "",
+                             "[formula](#formulas) of x, y and z, the place in the body at rest; of a direction a list "
+                             "of three, of any length: `[x / 1 mm, 1, 0]`; of `terms` one for each of their numbers"},
+                            &S::expression),
+                 Key<S>(mesh_file_key("mesh file (" + listed(endings, "or") +
+                                      ") with a value for each of its cells; that of the cell whose middle is nearest "
+                                      "counts; of a direction three values a cell"))
+                     .optional()
+                     .when([](const S& setup) { return setup.of != FieldOf::terms; }),
+                 key::later({"angle", "formula", "", "", "",
+                             "of a direction: the material's own is turned by this angle, `30 deg * z / 1 cm`"},
+                            &S::angle)
+                     .when([](const S& setup) { return setup.of == FieldOf::directions; })})
+          .naming_the_second(),
+      key::text("data", &S::data, "name of these data in the file")
+          .needed("needed with `file`")
+          .when<Reader>(&S::file)
+          .place(&S::data_place),
+      Key<S>(length_unit_key()).needed("needed with `file`").when<Reader>(&S::file),
+      key::later(
+          {"unit", "unit", "", "", "needed with `file`, but of factors and directions", "unit of the data: `kPa`"},
+          &S::unit)
+          .when([](const S& setup) { return setup.file && setup.of != FieldOf::directions; })
+          .refused_for([](const S& setup) {
+            const bool factors = setup.of == FieldOf::factors;
+            return factors == !setup.unit ? ""
+                   : factors              ? "these data have no unit; leave it out"
+                                          : "key 'unit' is missing";
+          }),
+      key::direction("about", &S::about, "axis of that turn").needed("needed with `angle`").when(&S::angle)};
 }
 
-/// {…, unit: kPa}: the value of the cell whose middle is nearest.
-ValueAt read_file(Reader& reader, const Dimension& dimension, const Range& range) {
-  const bool plain = dimension == dimension::none;
-  const auto unit = plain ? reader.find("unit") : std::optional(reader.at("unit"));
-  if (unit && plain) unit->fail("these data have no unit; leave it out");
-  const double factor = unit ? unit->located([&] { return parse_quantity("1 " + unit->text(), dimension).value; }) : 1;
-  const auto file = std::make_shared<const FileData>(open_data(reader, 1));
-  const auto& data = file->data;
-  const Reader& name = file->name;
-  const double low = factor * data->values.minCoeff(), high = factor * data->values.maxCoeff();
-  if (low < range.low || high > range.high || (range.open_low && low == range.low))
-    name.fail("has values from " + elastin::number(low) + " to " + elastin::number(high) + " " + si_unit(dimension) +
-              "; they must be " + range_text(range.low, range.high, range.open_low));
-  return [file, factor](const Vector3& place) { return factor * file->data->values(0, file->nearest(place)); };
-}
-
-/// {expression: 10 kPa * (1 + z / 5 mm)} or {file: …}
-ValueAt read_values(Reader reader, const Dimension& dimension, const Range& range) {
+FieldSetup read_field(Reader reader, FieldOf of) {
   reader.set_section("material.fields");
-  if (reader.has("file")) {
-    ValueAt values = read_file(reader, dimension, range);
-    reader.finish();
-    return values;
+  FieldSetup setup;
+  setup.of = of;
+  return keys_of_field().read(reader, {}, std::move(setup));
+}
+
+/// The data of a file's cells, found by place.
+class FileData {
+ public:
+  FileData(const FieldSetup& setup, int values_per_cell)
+      : name_(*setup.data_place), length_(setup.length_unit), data_(load(setup)), tree_(boxes()) {
+    if (data_.values.rows() != values_per_cell)
+      name_.fail("has " + counted(data_.values.rows(), "value") +
+                 " a cell; needed: " + std::to_string(values_per_cell));
   }
-  const Reader expression = reader.at("expression");
-  reader.finish();
-  return expression.of_place(dimension, range);
+
+  const Reader& name() const { return name_; }
+  const Eigen::MatrixXd& values() const { return data_.values; }
+  /// Of the cell whose middle is nearest.
+  auto at(const Vector3& place) const {
+    const auto distance = [&](int cell) { return (length_ * data_.middles.col(cell) - place).norm(); };
+    return data_.values.col(tree_.nearest(place, distance).first);
+  }
+
+ private:
+  static mesh::CellData load(const FieldSetup& setup) {
+    try {
+      return mesh::load_cell_data(setup.path, setup.data);
+    } catch (const InputError& error) {
+      setup.data_place->fail(error.what());
+    }
+  }
+  std::vector<Box> boxes() const {
+    std::vector<Box> boxes;
+    for (const Vector3 middle : data_.middles.colwise()) boxes.push_back({length_ * middle, length_ * middle});
+    return boxes;
+  }
+
+  Reader name_;
+  double length_;  ///< unit of the file's coordinates [m]
+  mesh::CellData data_;
+  BoxTree tree_;
+};
+
+ValueAt read_values(const Reader& reader, const Dimension& dimension, const Range& range) {
+  const FieldSetup setup = read_field(reader, dimension == dimension::none ? FieldOf::factors : FieldOf::values);
+  if (setup.expression) return setup.expression->of_place(dimension, range);
+  const auto& unit = setup.unit;
+  const double factor = unit ? unit->located([&] { return parse_quantity("1 " + unit->text(), dimension).value; }) : 1;
+  const auto file = std::make_shared<const FileData>(setup, 1);
+  const double low = factor * file->values().minCoeff(), high = factor * file->values().maxCoeff();
+  if (low < range.low || high > range.high || (range.open_low && low == range.low))
+    file->name().fail("has values from " + elastin::number(low) + " to " + elastin::number(high) + " " +
+                      si_unit(dimension) + "; they must be " + range_text(range.low, range.high, range.open_low));
+  return [file, factor](const Vector3& place) { return factor * file->at(place)[0]; };
 }
 
 /// [x / 1 mm, 1, 0], of any length.
@@ -94,39 +139,29 @@ DirectionAt read_components(const Reader& list) {
   };
 }
 
-/// {expression: [x / 1 mm, 1, 0]}, {file: …} or {angle: 30 deg * z / 1 cm, about: z}
-DirectionAt read_directions(Reader reader) {
-  reader.set_section("material.fields");
-  if (reader.has("file")) {
-    const auto file = std::make_shared<const FileData>(open_data(reader, 3));
-    reader.finish();
-    return [file](const Vector3&, const Vector3& place) -> Vector3 {
-      const Vector3 found = file->data->values.col(file->nearest(place));
-      if (!(found.norm() > 0)) file->name.fail("is no direction in the cell nearest to " + text_of(place) + ": all 0");
-      return found.normalized();
-    };
-  }
-  if (const auto angle = reader.find("angle")) {
-    const Vector3 axis = reader.at("about").direction();
-    reader.finish();
-    return [by = angle->of_place(dimension::none, {}), axis](const Vector3& given, const Vector3& place) -> Vector3 {
+DirectionAt read_directions(const Reader& reader) {
+  const FieldSetup setup = read_field(reader, FieldOf::directions);
+  if (setup.expression) return read_components(*setup.expression);
+  if (setup.angle)
+    return [by = setup.angle->of_place(dimension::none, {}), axis = setup.about](const Vector3& given,
+                                                                                 const Vector3& place) -> Vector3 {
       return Eigen::AngleAxisd(by(place), axis) * given;
     };
-  }
-  const Reader expression = reader.at("expression");
-  reader.finish();
-  return read_components(expression);
+  const auto file = std::make_shared<const FileData>(setup, 3);
+  return [file](const Vector3&, const Vector3& place) -> Vector3 {
+    const Vector3 found = file->at(place);
+    if (!(found.norm() > 0)) file->name().fail("is no direction in the cell nearest to " + text_of(place) + ": all 0");
+    return found.normalized();
+  };
 }
 
 /// Of the material: each sets one of its numbers or directions to that of a place.
 using Setter = std::function<void(Material& own, const Vector3& place)>;
 
 /// {expression: [[10 kPa * (1 + z / 5 mm), 1.3], …]}: as many as the material's own terms.
-Setter read_terms(Reader reader, const MaterialLaw& law, const Material& material) {
-  reader.set_section("material.fields");
-  const Reader list = reader.at("expression");
-  reader.finish();
-  const std::vector<Reader> items = list.items(material.law->terms.size());
+Setter read_terms(const Reader& reader, const MaterialLaw& law, const Material& material) {
+  const FieldSetup setup = read_field(reader, FieldOf::terms);
+  const std::vector<Reader> items = setup.expression->items(material.law->terms.size());
   std::vector<std::vector<ValueAt>> values;
   for (const Reader& item : items) {
     const bool alone = law.columns.size() == 1;
@@ -170,30 +205,49 @@ void read_constants(const Reader& constants, const MaterialLaw& law, const Mater
   }
 }
 
+struct FieldsSetup {
+  std::optional<Reader> stiffness, youngs_modulus, density, poissons_ratio, constants, fibre_direction,
+      active_direction;
+};
+
+Keys<FieldsSetup> keys_of_fields() {
+  using S = FieldsSetup;
+  const auto field = [](const char* name, std::optional<Reader> S::*member, const char* text) {
+    return key::later({name, "map", "", "", "none", text}, member);
+  };
+  return {field("stiffness", &S::stiffness, "a factor of all moduli that differs from place to place"),
+          field("youngs_modulus", &S::youngs_modulus, "the same of E in Pa, of a material without a law"),
+          field("density", &S::density, "the same of the density in kg/m³"),
+          field("poissons_ratio", &S::poissons_ratio, "the same of ν, of a material without a law; springs ignore it"),
+          key::later({"constants", "map of maps", "", "", "none",
+                      "the same of the law's constants by their names, `c1`, `terms`, `direction`; springs have the E "
+                      "of them"},
+                     &S::constants),
+          field("fibre_direction", &S::fibre_direction, "a direction of fibres that differs from place to place"),
+          field("active_direction", &S::active_direction, "the same of active fibres")};
+}
+
 /// What the fields say of the numbers and directions of a material.
-std::vector<Setter> read_setters(Reader& reader, const MaterialLaw* law, const Material& material) {
+std::vector<Setter> read_setters(const FieldsSetup& fields, const MaterialLaw* law, const Material& material) {
   std::vector<Setter> setters;
-  if (const auto constants = reader.find("constants")) {
-    if (!law || law->from_moduli) constants->fail("are those of a `law`, and the material has none");
-    read_constants(*constants, *law, material, setters);
+  if (const auto& field = fields.constants) {
+    if (!law || law->from_moduli) field->fail("are those of a `law`, and the material has none");
+    read_constants(*field, *law, material, setters);
   }
-  if (const auto field = reader.find("poissons_ratio")) {
+  if (const auto& field = fields.poissons_ratio) {
     if (law && !law->from_moduli) field->fail("follows from the constants of the law");
-    setters.push_back([at = read_values(*field, dimension::none, {-0.99, 0.4999, false})](
+    setters.push_back([at = read_values(*field, dimension::none, {-0.99, 0.4999})](
                           Material& own, const Vector3& place) { own.poissons_ratio = at(place); });
   }
-  if (const auto field = reader.find("fibre_direction")) {
-    if (!material.fibre) field->fail("the material has no `fibre`");
-    setters.push_back([at = read_directions(*field)](Material& own, const Vector3& place) {
-      own.fibre->direction = at(own.fibre->direction, place);
-    });
-  }
-  if (const auto field = reader.find("active_direction")) {
-    if (!material.active) field->fail("the material has no `active`");
-    setters.push_back([at = read_directions(*field)](Material& own, const Vector3& place) {
-      own.active->direction = at(own.active->direction, place);
-    });
-  }
+  const auto turn = [&](const std::optional<Reader>& field, auto member, const std::string& name) {
+    if (field && !(material.*member)) field->fail("the material has no `" + name + "`");
+    if (field)
+      setters.push_back([member, at = read_directions(*field)](Material& own, const Vector3& place) {
+        (own.*member)->direction = at((own.*member)->direction, place);
+      });
+  };
+  turn(fields.fibre_direction, &Material::fibre, "fibre");
+  turn(fields.active_direction, &Material::active, "active");
   return setters;
 }
 
@@ -205,21 +259,7 @@ Vector3 middle_of(const Body& body, const Members& members) {
 }
 
 void multiply_stiffness(const ValueAt& factor, Body& body) {
-  const auto multiply = [&](std::size_t count, const auto& members, VectorX& factors) {
-    const auto size = static_cast<Eigen::Index>(count);
-    if (factors.size() == 0) factors = VectorX::Ones(size);
-    for (Eigen::Index i = 0; i < size; ++i) factors[i] *= factor(middle_of(body, members(static_cast<std::size_t>(i))));
-  };
-  const auto each = [](const auto& list) {
-    return [&list](std::size_t i) -> const auto& { return list[i]; };
-  };
-  multiply(body.connections.ends.size(), each(body.connections.ends), body.connection_stiffness);
-  body.tetrahedra.empty() ? multiply(body.triangles.size(), each(body.triangles), body.cell_stiffness)
-                          : multiply(body.tetrahedra.size(), each(body.tetrahedra), body.cell_stiffness);
-  for (CellBlock& block : body.blocks)
-    multiply(
-        static_cast<std::size_t>(block.size()), [&](std::size_t cell) { return block.cell(static_cast<int>(cell)); },
-        block.stiffness);
+  change_stiffness(body, [&](const auto& members, double& own) { own *= factor(middle_of(body, members)); });
 }
 
 /// The material's law at the middles of all cells is checked as its own is; connections get the E of their middle
@@ -254,12 +294,10 @@ void check_at_all_places(const Reader& fields, const MaterialLaw* law, const Mat
 }  // namespace
 
 void set_fields(const Reader& fields, const elastin::Table<MaterialLaw>& laws, Material& material, Body& body) {
-  Reader reader = fields;
+  const FieldsSetup setup = keys_of_fields().read(fields);
   const auto row = material.law ? laws.find(material.law->law) : nullptr;
-  const std::vector<Setter> setters = read_setters(reader, row.get(), material);
-  const auto stiffness = reader.find("stiffness"), modulus = reader.find("youngs_modulus"),
-             density = reader.find("density");
-  reader.finish();
+  const std::vector<Setter> setters = read_setters(setup, row.get(), material);
+  const auto &stiffness = setup.stiffness, &modulus = setup.youngs_modulus, &density = setup.density;
   for (const auto& field : {stiffness, modulus})
     if (field && (material.curve || material.fibre)) field->fail("needs a material without curve or fibre");
   if (modulus && material.law)
@@ -281,24 +319,13 @@ void set_fields(const Reader& fields, const elastin::Table<MaterialLaw>& laws, M
     body.mass[molecule] *= at(body.rest.col(molecule)) / material.density;
 }
 
+std::vector<SceneKey> rows_of_fields() { return key::rows_below("fields", "", "", keys_of_fields()); }
+
 std::vector<KeySection> field_keys() {
-  return {
-      {"material.fields",
-       "",
-       "Each of `fields` has an `expression`, or a `file` with `data`; a direction may have an `angle` instead. A cell "
-       "has what is there at its middle:",
-       {{"expression", "formula, or list", "", "", "needed, or `file`",
-         "[formula](#formulas) of x, y and z, the place in the body at rest; of a direction a list of three, of any "
-         "length: `[x / 1 mm, 1, 0]`; of `terms` one for each of their numbers"},
-        {"file", "file beside the scene", "", "", "none",
-         "mesh file (.vtu, .vtk, .msh) with a value for each of its cells; that of the cell whose middle is "
-         "nearest counts; of a direction three values a cell"},
-        {"data", "text", "", "", "needed with `file`", "name of these data in the file"},
-        {"length_unit", kLengthUnits, "", "", "needed with `file`", "unit of the file's coordinates"},
-        {"unit", "unit", "", "", "needed with `file`, but of factors and directions", "unit of the data: `kPa`"},
-        {"angle", "formula", "", "", "none",
-         "of a direction: the material's own is turned by this angle, `30 deg * z / 1 cm`"},
-        {"about", "direction", "", "", "needed with `angle`", "axis of that turn"}}}};
+  return {{"material.fields", "",
+           "Each of `fields` has an `expression`, or a `file` with `data`; a direction may have an `angle` instead. A "
+           "cell has what is there at its middle:",
+           keys_of_field().rows()}};
 }
 
 }  // namespace elastin::lab

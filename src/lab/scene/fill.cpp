@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "elastin/contact/surface_check.h"
-#include "lab/scene/parts.h"
+#include "lab/scene/shapes.h"
 
 namespace elastin::lab {
 namespace {
@@ -13,18 +13,11 @@ namespace {
 /// Below this part of the surface's volume the filling is another body.
 constexpr double kLeastVolume = 0.9;
 
-mesh::FillOptions read_options(Reader& reader) {
-  mesh::FillOptions options;
-  options.most_molecules = std::min(options.most_molecules, reader.most_molecules());
-  options.spacing = reader.at("spacing").quantity(dimension::length, kPositive);
-  if (auto packing = reader.find("packing"))
-    options.packing = packing->choice<mesh::FillPacking>(
-        {{"lattice", mesh::FillPacking::lattice}, {"blue_noise", mesh::FillPacking::blue_noise}});
-  if (auto seed = reader.find("seed")) options.seed = static_cast<std::uint64_t>(seed->whole(0));
-  if (auto boundary = reader.find("boundary"))
-    options.follow = boundary->choice<bool>({{"follow", true}, {"none", false}});
-  return options;
-}
+struct FillSetup : MeshFile, CellOrder, mesh::FillOptions {
+  bool cells = true;
+  std::optional<double> reach;
+  std::optional<Reader> place, spacing_place;
+};
 
 void report(const std::string& path, const std::string& name, const mesh::Filling& filling, Remarks remarks) {
   const double part = filling.volume / filling.surface_volume;
@@ -45,33 +38,24 @@ void report(const std::string& path, const std::string& name, const mesh::Fillin
         fmt::format("{}: only {:.1f} % of the surface's volume is filled: give a smaller spacing", path, 100 * part));
 }
 
-}  // namespace
-
-Body read_fill(Reader reader, VectorX& volumes, Remarks remarks) {
-  Reader file = reader.at("file");
-  const mesh::Mesh mesh = read_mesh_file(reader);
-  const mesh::FillOptions options = read_options(reader);
-  const auto cells = reader.find("cells"), connections = reader.find("connections");
-  const bool with_cells = !cells || cells->choice<bool>({{"delaunay", true}, {"none", false}});
-  double reach = 0;
-  if (auto pairs = connections) {
-    reach = pairs->at("within").quantity(dimension::length, kPositive);
-    pairs->finish();
-  }
-  reader.finish();
+Body fill(const FillSetup& setup, ShapeContext& context) {
+  const mesh::Mesh mesh = setup.load();
+  const Reader& file = *setup.file;
   if (!mesh.tetrahedra.empty()) file.fail("contains tetrahedra: use the shape `mesh`; a surface consists of triangles");
   const std::string wrong = contact::check_surface(mesh.points, mesh.triangles);
   if (!wrong.empty()) file.fail("'" + file.text() + "' encloses no volume that could be filled: " + wrong);
 
+  mesh::FillOptions options = setup;
+  options.most_molecules = std::min(options.most_molecules, file.most_molecules());
   const mesh::FillRegion inside(mesh.points, mesh.triangles);
-  const mesh::Filling filling = reader.at("spacing").located([&] { return inside.fill(options); });
-  report(reader.path(), file.text(), filling, remarks);
+  const mesh::Filling filling = setup.spacing_place->located([&] { return inside.fill(options); });
+  report(setup.place->path(), file.text(), filling, context.remarks);
   Body body;
   body.rest = filling.positions;
-  volumes = filling.surface_volume * filling.share;
-  body.connections =
-      reach > 0 ? inside.connections_within(filling, reach) : connections_of_cells(body.rest, {}, filling.tetrahedra);
-  if (with_cells) {
+  context.volumes = filling.surface_volume * filling.share;
+  body.connections = setup.reach ? inside.connections_within(filling, *setup.reach)
+                                 : connections_of_cells(body.rest, {}, filling.tetrahedra);
+  if (setup.cells) {
     body.tetrahedra = filling.tetrahedra;
     add_cell_sides(body, sides_of(body.tetrahedra));
   } else {
@@ -80,21 +64,38 @@ Body read_fill(Reader reader, VectorX& volumes, Remarks remarks) {
   return body;
 }
 
-std::vector<KeySection> fill_keys() {
-  return {{"body.fill",
-           "",
-           "Shape `fill`, the inside of a closed surface:",
-           {{"file", "file beside the scene", "", "", "needed", "a surface of triangles: `.stl`, `.obj`, `.ply` …"},
-            {"length_unit", kLengthUnits, "", "", "needed", "unit of the file's coordinates"},
-            {"spacing", "quantity", "m", "> 0", "needed", "distance of neighbouring molecules"},
-            {"packing", "`lattice`, `blue_noise`", "", "", "`lattice`", "regular or random positions inside"},
-            {"seed", "whole", "", "≥ 0", "1", "seed of the random numbers"},
-            {"boundary", "`follow`, `none`", "", "", "`follow`",
-             "whether molecules lie on the surface and along its sharp edges"},
-            {"cells", "`delaunay`, `none`", "", "", "`delaunay`", "tetrahedra inside the surface"},
-            {"connections.within", "quantity", "m", "> 0", "sides of the cells",
-             "reach of connections between molecules that see each other inside"},
-            order_key()}}};
+}  // namespace
+
+Shape fill_shape() {
+  using S = FillSetup;
+  std::vector<std::string> endings;
+  for (const mesh::MeshFormat& format : mesh::mesh_formats())
+    if (format.content == mesh::MeshContent::surface) endings.push_back(format.ending);
+  return shape(
+      "fill", ", the inside of a closed surface",
+      Keys<S>{mesh_file_key("a surface of triangles: " + words_text(endings) + " …"), length_unit_key(),
+              Key<S>(key::quantity("spacing", &mesh::FillOptions::spacing, dimension::length,
+                                   "distance of neighbouring molecules", kPositive))
+                  .needed()
+                  .place(&S::spacing_place),
+              key::choice("packing", &mesh::FillOptions::packing,
+                          {{"lattice", mesh::FillPacking::lattice}, {"blue_noise", mesh::FillPacking::blue_noise}},
+                          "regular or random positions inside"),
+              seed_key(&mesh::FillOptions::seed),
+              key::choice("boundary", &mesh::FillOptions::follow, {{"follow", true}, {"none", false}},
+                          "whether molecules lie on the surface and along its sharp edges"),
+              key::choice("cells", &S::cells, {{"delaunay", true}, {"none", false}}, "tetrahedra inside the surface"),
+              reach_key(&S::reach, "reach of connections between molecules that see each other inside",
+                        "sides of the cells"),
+              order_key()},
+      [](const S& setup, ShapeContext& context) {
+        for (const char* key : {"jitter", "grade", "cells", "connections"})
+          if (const auto other = context.map.find(key))
+            other->fail(key == std::string("cells") || key == std::string("connections")
+                            ? "of a filled body this key stands inside `fill`"
+                            : "a filled body cannot have this: it would leave its surface");
+        return fill(setup, context);
+      });
 }
 
 }  // namespace elastin::lab

@@ -49,8 +49,6 @@ std::vector<KeySection> key_sections(const Catalog& catalog, const ExperimentCat
   std::vector<KeySection> all;
   for (const auto& sections : {scene_keys(),
                                body_keys(),
-                               surface_keys(),
-                               fill_keys(),
                                bodies_keys(),
                                material_keys(catalog),
                                strategy_keys(catalog),

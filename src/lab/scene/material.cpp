@@ -422,18 +422,7 @@ Keys<MaterialSetup> all_material_keys(const Table<MaterialLaw>& laws) {
       key::map("softening", &S::softening, softening_keys()).then([](const Reader& value, const Material& material) {
         value.located([&] { check_softening(*material.softening); });
       }),
-      Key<S>(
-          "fields",
-          {{"fields.stiffness", "map", "", "", "none", "a factor of all moduli that differs from place to place"},
-           {"fields.youngs_modulus", "map", "", "", "none", "the same of E in Pa, of a material without a law"},
-           {"fields.density", "map", "", "", "none", "the same of the density in kg/m³"},
-           {"fields.poissons_ratio", "map", "", "", "none",
-            "the same of ν, of a material without a law; springs ignore it"},
-           {"fields.constants", "map of maps", "", "", "none",
-            "the same of the law's constants by their names, `c1`, `terms`, `direction`; springs have the E of them"},
-           {"fields.fibre_direction", "map", "", "", "none", "a direction of fibres that differs from place to place"},
-           {"fields.active_direction", "map", "", "", "none", "the same of active fibres"}},
-          [](const Reader&, S&) {})};  // set_fields() reads them, which knows the body
+      Key<S>("fields", rows_of_fields(), [](const Reader&, S&) {})};  // set_fields() reads them, which knows the body
 }
 
 }  // namespace

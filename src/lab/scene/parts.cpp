@@ -4,8 +4,6 @@
 
 namespace elastin::lab {
 
-double read_length(Reader& reader, const char* key) { return reader.at(key).quantity(dimension::length, kPositive); }
-
 double read_parameter(const Reader& reader, const ParameterInfo& info) {
   if (info.kind == ValueKind::whole) return reader.whole(static_cast<int>(info.low), static_cast<int>(info.high));
   return reader.quantity(info.unit, {info.low, info.high, info.above_low});

@@ -45,12 +45,16 @@ bool makes_shares(Reader body, int processes);
 /// material must be set.
 void read_bodies(const Reader& list, std::optional<Reader> ties, const elastin::Table<MaterialLaw>& laws,
                  Specimen& specimen, Remarks remarks);
-/// {file, length_unit, …}: the file that a body names, points in metres.
-mesh::Mesh read_mesh_file(Reader& reader);
-/// A body that fills a closed surface, and the volume that each molecule stands for [m³]; they sum to the surface's.
-Body read_fill(Reader reader, VectorX& volumes, Remarks remarks);
-/// A body of triangles: sphere, sphere_octant, disc, sheet or canopy.
-Body read_surface(const std::string& shape, Reader reader);
+/// A mesh file that a scene names.
+struct MeshFile {
+  std::string path;
+  double length_unit = 1;      ///< of its coordinates [m]
+  std::optional<Reader> file;  ///< where it is named
+  /// Points in metres. Throws InputError at the place that names the file.
+  mesh::Mesh load() const;
+};
+Key<MeshFile> mesh_file_key(std::string text);
+Key<MeshFile> length_unit_key();
 /// A number in the range of a parameter, SI.
 double read_parameter(const Reader& reader, const ParameterInfo& info);
 /// The keys of all parameters that rows of a table have. A map has those of the row that it has chosen; `chosen` gets
@@ -84,8 +88,6 @@ std::vector<Key<Setup>> parameter_keys(const Rows& rows, ParameterValues Setup::
   }
   return keys;
 }
-/// A length above 0 [m].
-double read_length(Reader& reader, const char* key);
 StrategyChoice read_strategy(Reader reader, const Catalog& catalog);
 /// `strategies` are those of the scene: an expectation may name one by its label. `measures`: those that may be named.
 Expectation read_expectation(const Reader& reader, const std::vector<StrategyChoice>& strategies,
@@ -126,23 +128,37 @@ std::vector<Support> read_supports(const Reader& reader, const Body& body, const
 /// `extends` and `values`, which were put in when the file was opened.
 void read_preamble(Reader& reader);
 
-inline constexpr const char* kLengthUnits = "`m`, `cm`, `mm`, `um`, `nm`";
+/// Calls change(molecules, factor) with the factor of stiffness of each connection and each cell.
+template <class Change>
+void change_stiffness(Body& body, const Change& change) {
+  const auto change_all = [&](int count, const auto& molecules, VectorX& factors) {
+    if (factors.size() == 0) factors = VectorX::Ones(count);
+    for (int i = 0; i < count; ++i) change(molecules(i), factors[i]);
+  };
+  const auto change_cells = [&](const auto& cells, VectorX& factors) {
+    change_all(
+        static_cast<int>(cells.size()), [&](int i) -> const auto& { return cells[i]; }, factors);
+  };
+  change_cells(body.connections.ends, body.connection_stiffness);
+  body.tetrahedra.empty() ? change_cells(body.triangles, body.cell_stiffness)
+                          : change_cells(body.tetrahedra, body.cell_stiffness);
+  for (CellBlock& block : body.blocks)
+    change_all(
+        block.size(), [&](int i) { return block.cell(i); }, block.stiffness);
+}
 /// `fields` of a material: makes the body as stiff and as heavy as they say at the middles of its cells and
 /// connections, and at its molecules, and gives the material what differs beside that. The body is at rest where the
 /// scene's places mean it.
 void set_fields(const Reader& fields, const elastin::Table<MaterialLaw>& laws, Material& material, Body& body);
-/// The words for units of a mesh file's coordinates, and what they are in metres.
-std::vector<std::pair<std::string, double>> length_units();
 
 /// The keys that these functions read, for the key reference.
 std::vector<KeySection> scene_keys();
 std::vector<KeySection> expectation_keys(const Catalog& catalog);
 std::vector<KeySection> body_keys();
-std::vector<KeySection> surface_keys();
-std::vector<KeySection> fill_keys();
-SceneKey order_key();
 std::vector<KeySection> bodies_keys();
 std::vector<KeySection> field_keys();
+/// Of the material's key `fields`.
+std::vector<SceneKey> rows_of_fields();
 std::vector<KeySection> material_keys(const Catalog& catalog);
 std::vector<KeySection> strategy_keys(const Catalog& catalog);
 std::vector<KeySection> solver_keys(const Catalog& catalog);

@@ -7,6 +7,7 @@
 #include <map>
 #include <utility>
 
+#include "elastin/core/base/text.h"
 #include "elastin/core/model/parts.h"
 #include "elastin/core/model/share.h"
 #include "lab/scene/parts.h"
@@ -52,48 +53,90 @@ class Picked {
   Vector3 low_, high_;
 };
 
-void keep_in_box(Reader box, Picked& picked) {
-  const Reader to = box.at("to");
-  const Vector3 low = box.at("from").vector(dimension::length), high = to.vector(dimension::length);
-  box.finish();
-  if (!((high - low).array() >= 0).all()) to.fail("must not lie below `from` in any direction");
+struct PickedPlane {
+  Vector3 point = Vector3::Zero(), normal = Vector3::UnitZ();
+  std::optional<double> within;
+};
+
+struct PickedSphere {
+  Vector3 centre = Vector3::Zero();
+  double radius = 0;
+};
+
+/// Places; those that are given must all hold.
+struct PickSetup {
+  std::optional<BoxCorners> box;
+  std::optional<PickedPlane> plane;
+  std::optional<PickedSphere> sphere;
+  std::optional<Vector3> side, nearest;
+  bool rim = false;
+  std::optional<Reader> rim_place;
+  std::optional<std::vector<int>> set, body;  ///< molecules, ascending
+};
+
+Keys<PickSetup> keys_of_places() {
+  using S = PickSetup;
+  return {
+      key::map("box", &S::box, {low_corner_key(), high_corner_key()}),
+      key::map(
+          "plane", &S::plane,
+          {key::vector("point", &PickedPlane::point, dimension::length, "a point of the plane").needed(),
+           key::direction("normal", &PickedPlane::normal, "its normal").needed(),
+           key::quantity("within", &PickedPlane::within, dimension::length, "distance from it that counts", kPositive)
+               .otherwise("1e-6 of the body")}),
+      key::map("sphere", &S::sphere,
+               {key::vector("centre", &PickedSphere::centre, dimension::length, "middle of the sphere").needed(),
+                key::quantity("radius", &PickedSphere::radius, dimension::length, "its radius", kPositive).needed()}),
+      key::direction("side", &S::side, "the molecules furthest along this direction, of `body` if one is named"),
+      key::vector("nearest", &S::nearest, dimension::length, "the molecule nearest to this point"),
+      key::flag("rim", &S::rim, "the free edge of a body of triangles").place(&S::rim_place),
+      Key<S>({"set", "text", "", "", "none",
+              "a set of the mesh file: a physical group of Gmsh, `*NSET` or `*ELSET` of Abaqus; of several bodies the "
+              "sets of this name in all their files"},
+             [](const Reader& value, S& setup, const Frame&) { setup.set = value.mesh_set(); }),
+      Key<S>({"body", "a body's name", "", "", "all", "the molecules of this one of several `bodies`"},
+             [](const Reader& value, S& setup, const Frame& frame) {
+               if (frame.body->parts.empty()) value.fail("is one of several `bodies`; the scene has one");
+               setup.body = value.located([&] { return molecules_of(find_part(*frame.body, value.text())); });
+             })};
+}
+
+void keep_where(const PickSetup& setup, Picked& picked) {
+  const Body& body = picked.body();
   const double slack = 1e-9 * picked.size();
-  picked.keep([&](int molecule) {
-    const Vector3 place = picked.place(molecule);
-    return ((place - low).array() >= -slack).all() && ((high - place).array() >= -slack).all();
-  });
-}
-
-void keep_in_plane(Reader plane, Picked& picked) {
-  const Vector3 normal = plane.at("normal").direction(), point = plane.at("point").vector(dimension::length);
-  const auto within = plane.find("within");
-  const double reach = within ? within->quantity(dimension::length, kPositive) : 1e-6 * picked.size();
-  plane.finish();
-  picked.keep([&](int molecule) { return std::abs(normal.dot(picked.place(molecule) - point)) <= reach; });
-}
-
-void keep_in_sphere(Reader sphere, Picked& picked) {
-  const Vector3 centre = sphere.at("centre").vector(dimension::length);
-  const double radius = sphere.at("radius").quantity(dimension::length, kPositive) + 1e-9 * picked.size();
-  sphere.finish();
-  picked.keep([&](int molecule) { return (picked.place(molecule) - centre).norm() <= radius; });
-}
-
-void keep_part(const Reader& name, const Body& body, Picked& picked) {
-  if (body.parts.empty()) name.fail("is one of several `bodies`; the scene has one");
-  const Part& part = name.located([&]() -> const Part& { return find_part(body, name.text()); });
-  const std::vector<int> own = molecules_of(part);
-  picked.keep([&](int molecule) { return std::binary_search(own.begin(), own.end(), molecule); });
-}
-
-/// The furthest of what is picked so far: of a body that was named, its own.
-void keep_side(const Reader& side, Picked& picked) {
-  const Vector3 direction = side.direction();
-  const VectorX height = picked.places().transpose() * direction;
-  double end = -std::numeric_limits<double>::infinity();
-  for (const int molecule : picked.molecules()) end = std::max(end, height[molecule]);
-  end = largest_over(picked.body(), end) - 1e-6 * picked.size();
-  picked.keep([&](int molecule) { return height[molecule] >= end; });
+  const auto keep_members = [&](const std::optional<std::vector<int>>& members) {
+    if (!members) return;
+    picked.keep([&](int molecule) { return std::binary_search(members->begin(), members->end(), molecule); });
+  };
+  keep_members(setup.body);
+  if (setup.side) {  // the furthest of what is picked so far: of a body that is named, its own
+    const VectorX height = picked.places().transpose() * *setup.side;
+    double end = -std::numeric_limits<double>::infinity();
+    for (const int molecule : picked.molecules()) end = std::max(end, height[molecule]);
+    end = largest_over(body, end) - 1e-6 * picked.size();
+    picked.keep([&](int molecule) { return height[molecule] >= end; });
+  }
+  if (const auto& box = setup.box)
+    picked.keep([&](int molecule) {
+      const Vector3 place = picked.place(molecule);
+      return ((place - box->from).array() >= -slack).all() && ((box->to - place).array() >= -slack).all();
+    });
+  if (const auto& plane = setup.plane)
+    picked.keep([&, within = plane->within.value_or(1e-6 * picked.size())](int molecule) {
+      return std::abs(plane->normal.dot(picked.place(molecule) - plane->point)) <= within;
+    });
+  if (const auto& sphere = setup.sphere)
+    picked.keep(
+        [&](int molecule) { return (picked.place(molecule) - sphere->centre).norm() <= sphere->radius + slack; });
+  if (setup.rim) {
+    if (!any_over(body, !body.triangles.empty()) || any_over(body, !body.tetrahedra.empty()))
+      setup.rim_place->fail("is of bodies of triangles; this one is a solid");
+    std::vector<char> edge(static_cast<std::size_t>(body.size()), 0);
+    for (const int molecule : rim_of(body)) edge[molecule] = 1;
+    mark_ghosts_as_owners(body, edge);
+    picked.keep([&](int molecule) { return edge[molecule] != 0; });
+  }
+  keep_members(setup.set);
 }
 
 /// Of equally near ones the first of the whole; none where another process has it.
@@ -110,6 +153,18 @@ std::vector<int> nearest_of(const Picked& picked, const std::vector<int>& molecu
 }
 
 }  // namespace
+
+Key<BoxCorners> low_corner_key() {
+  return key::vector("from", &BoxCorners::from, dimension::length, "lowest corner of the box").needed();
+}
+
+Key<BoxCorners> high_corner_key() {
+  return key::vector("to", &BoxCorners::to, dimension::length, "highest corner of the box")
+      .needed()
+      .then([](const Reader& value, const BoxCorners& box) {
+        if (!((box.to - box.from).array() >= 0).all()) value.fail("must not lie below `from` in any direction");
+      });
+}
 
 std::vector<int> rim_of(const Body& body) {
   std::map<std::pair<int, int>, int> sides;
@@ -134,32 +189,14 @@ std::vector<int> read_molecules(const Reader& reader, const Body& body, const Ma
   }
   Reader map = reader;
   map.set_section("pick");
+  const Keys<PickSetup> keys = keys_of_places();
+  const PickSetup setup = keys.read(map, {Matrix3::Identity(), &body});
+  if (reader.keys().empty()) map.fail("names no place: give " + listed(keys.names(), "or"));
   Picked picked(body, rotation);
-  const auto box = map.find("box"), plane = map.find("plane"), sphere = map.find("sphere"), side = map.find("side"),
-             nearest = map.find("nearest"), rim = map.find("rim"), set = map.find("set"), part = map.find("body");
-  map.finish();
-  if (!box && !plane && !sphere && !side && !nearest && !rim && !set && !part)
-    map.fail("names no place: give box, plane, sphere, side, nearest, rim, set or body");
-  if (part) keep_part(*part, body, picked);
-  if (side) keep_side(*side, picked);
-  if (box) keep_in_box(*box, picked);
-  if (plane) keep_in_plane(*plane, picked);
-  if (sphere) keep_in_sphere(*sphere, picked);
-  if (rim && rim->choice<bool>({{"true", true}, {"false", false}})) {
-    if (!any_over(body, !body.triangles.empty()) || any_over(body, !body.tetrahedra.empty()))
-      rim->fail("is of bodies of triangles; this one is a solid");
-    std::vector<char> edge(static_cast<std::size_t>(body.size()), 0);
-    for (const int molecule : rim_of(body)) edge[molecule] = 1;
-    mark_ghosts_as_owners(body, edge);
-    picked.keep([&](int molecule) { return edge[molecule] != 0; });
-  }
-  if (set) {
-    const std::vector<int> members = set->mesh_set();
-    picked.keep([&](int molecule) { return std::binary_search(members.begin(), members.end(), molecule); });
-  }
+  keep_where(setup, picked);
   std::vector<int> molecules = picked.molecules();
   const bool any = any_over(body, !molecules.empty());
-  if (nearest && any) molecules = nearest_of(picked, molecules, nearest->vector(dimension::length));
+  if (setup.nearest && any) molecules = nearest_of(picked, molecules, *setup.nearest);
   if (any) return molecules;
   const Vector3 &low = picked.low(), &high = picked.high();
   map.fail(
@@ -170,25 +207,10 @@ std::vector<int> read_molecules(const Reader& reader, const Body& body, const Ma
 
 std::vector<KeySection> pick_keys() {
   return {
-      {"pick",
-       "Picked molecules",
+      {"pick", "Picked molecules",
        "Where molecules are named there is a list of their numbers, from 0, or a map of these places. Of several, a "
        "molecule must lie in all; `nearest` then picks one of those. Positions are those before `rotate`:",
-       {{"box.from", "vector", "m", "", "needed", "lowest corner"},
-        {"box.to", "vector", "m", "", "needed", "highest corner"},
-        {"plane.point", "vector", "m", "", "needed", "a point of the plane"},
-        {"plane.normal", "direction", "", "", "needed", "its normal"},
-        {"plane.within", "quantity", "m", "> 0", "1e-6 of the body", "distance from it that counts"},
-        {"sphere.centre", "vector", "m", "", "needed", "middle of the sphere"},
-        {"sphere.radius", "quantity", "m", "> 0", "needed", "its radius"},
-        {"side", "direction", "", "", "none", "the molecules furthest along this direction, of `body` if one is named"},
-        {"rim", "`true`, `false`", "", "", "`false`", "the free edge of a body of triangles"},
-        {"set", "text", "", "", "none",
-         "a set of the mesh file: a physical group of Gmsh, `*NSET` or `*ELSET` of Abaqus; of several bodies the sets "
-         "of "
-         "this name in all their files"},
-        {"body", "a body's name", "", "", "all", "the molecules of this one of several `bodies`"},
-        {"nearest", "vector", "m", "", "none", "the molecule nearest to this point"}}}};
+       keys_of_places().rows()}};
 }
 
 }  // namespace elastin::lab

@@ -15,37 +15,51 @@ void fix_along(const Vector3& direction, Matrix3& free) {
   if (left.norm() > 1e-9) free -= left * left.transpose() / left.squaredNorm();
 }
 
-/// "all", or a list of directions.
-std::vector<Vector3> read_fixed(const std::optional<Reader>& reader, const Matrix3& rotation) {
-  if (!reader || (reader->is_text() && reader->text() == "all"))
-    return {rotation.col(0), rotation.col(1), rotation.col(2)};
+struct SupportSetup {
+  std::optional<std::vector<int>> molecules;
   std::vector<Vector3> directions;
-  for (const Reader& item : reader->items()) directions.push_back(rotation * item.direction());
-  if (directions.empty()) reader->fail("names no direction; write all, or a list such as [x, y]");
-  return directions;
+  std::optional<Vector3> symmetry;
+  std::optional<Reader> fix, symmetry_place;
+};
+
+Keys<SupportSetup> keys_of_support() {
+  using S = SupportSetup;
+  return {
+      molecules_key("molecules", &S::molecules, "which molecules are fixed: `{rim: true}` is a clamped rim")
+          .otherwise("needed without `symmetry`")
+          .refused_for(
+              [](const S& setup) { return setup.molecules || setup.symmetry ? "" : "key 'molecules' is missing"; }),
+      Key<S>({"fix", "list of directions, or `all`", "", "", "`all`", "the directions in which they are fixed"},
+             [](const Reader& value, S& setup, const Frame& frame) {
+               if (value.is_text() && value.text() == "all") return;
+               for (const Reader& item : value.items()) setup.directions.push_back(frame.rotation * item.direction());
+               if (setup.directions.empty()) value.fail("names no direction; write all, or a list such as [x, y]");
+             })
+          .place(&S::fix),
+      key::direction("symmetry", &S::symmetry,
+                     "normal of a plane of symmetry through the origin; the body lies on one side of it, and what lies "
+                     "in it stays in it")
+          .place(&S::symmetry_place)
+          .refused_for([](const S& setup) {
+            return setup.symmetry && (setup.molecules || setup.fix)
+                       ? "says itself which molecules are fixed and along what; leave out `molecules` and `fix`"
+                       : "";
+          })};
 }
 
 }  // namespace
 
 std::vector<Support> read_supports(const Reader& reader, const Body& body, const Matrix3& rotation) {
   FixedMolecules fixed;
-  for (Reader item : reader.items()) {
-    const auto symmetry = item.find("symmetry");
-    const auto molecules = symmetry ? item.find("molecules") : std::optional(item.at("molecules"));
-    const auto directions = item.find("fix");
-    item.finish();
-    if (symmetry && (molecules || directions))
-      symmetry->fail("says itself which molecules are fixed and along what; leave out `molecules` and `fix`");
-    if (symmetry) {
-      symmetry->located([&] {
-        fix_in_planes(body, {rotation * symmetry->direction()}, fixed);
-        return 0;
-      });
+  for (const Reader& item : reader.items()) {
+    const SupportSetup setup = keys_of_support().read(item, {rotation, &body});
+    if (setup.symmetry) {
+      setup.symmetry_place->located([&] { fix_in_planes(body, {*setup.symmetry}, fixed); });
       continue;
     }
-    const std::vector<Vector3> along = read_fixed(directions, rotation);
-    for (const int molecule : read_molecules(*molecules, body, rotation))
-      for (const Vector3& direction : along)
+    const std::vector<Vector3> all{rotation.col(0), rotation.col(1), rotation.col(2)};
+    for (const int molecule : *setup.molecules)
+      for (const Vector3& direction : setup.directions.empty() ? all : setup.directions)
         fix_along(direction, fixed.try_emplace(molecule, Matrix3::Identity()).first->second);
   }
   std::vector<Support> supports;
@@ -54,17 +68,10 @@ std::vector<Support> read_supports(const Reader& reader, const Body& body, const
 }
 
 std::vector<KeySection> support_keys() {
-  return {
-      {"supports",
-       "Supports",
-       "What stays where it is, besides the experiment's own grips. Each item of `supports` is a plane of symmetry, "
-       "or some molecules with the directions in which they cannot move:",
-       {{"molecules", "list of molecules, or [pick](#picked-molecules)", "", "0 … last molecule",
-         "needed without `symmetry`", "which molecules are fixed: `{rim: true}` is a clamped rim"},
-        {"fix", "list of directions, or `all`", "", "", "`all`", "the directions in which they are fixed"},
-        {"symmetry", "direction", "", "", "none",
-         "normal of a plane of symmetry through the origin; the body lies on one side of it, and what lies in it "
-         "stays in it"}}}};
+  return {{"supports", "Supports",
+           "What stays where it is, in addition to the experiment's own grips. Each item of `supports` is a plane of "
+           "symmetry, or some molecules with the directions in which they cannot move:",
+           keys_of_support().rows()}};
 }
 
 }  // namespace elastin::lab

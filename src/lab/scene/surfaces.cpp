@@ -1,98 +1,107 @@
 #include "elastin/core/shapes/surfaces.h"
 
-#include "lab/scene/parts.h"
+#include "lab/scene/shapes.h"
 
 namespace elastin::lab {
 namespace {
 
-/// More parts than this along a line are an error of the scene.
+/// More parts along a line are an error of the scene.
 constexpr int kMaxDivisions = 4000;
 
-Body read_sphere(Reader& reader, bool octant) {
-  const double radius = read_length(reader, "radius");
+template <class Setup>
+Key<Setup> length_key(std::string name, double Setup::*member, std::string text) {
+  return key::quantity(std::move(name), member, dimension::length, std::move(text), kPositive).needed();
+}
+
+/// Parts along a line.
+template <class Setup>
+Key<Setup> parts_key(std::string name, int Setup::*member, std::string text,
+                     std::function<double(const Setup&)> molecules) {
+  return sized(key::whole(std::move(name), member, 1, kMaxDivisions, std::move(text)), molecules).needed();
+}
+
+template <bool octant>
+Shape sphere_shape() {
+  struct S {
+    double radius = 0;
+    SphereMesh mesh = octant ? SphereMesh::type_1 : SphereMesh::icosahedron;
+    int divisions = 0;
+  };
   std::vector<std::pair<std::string, SphereMesh>> meshes{{"type_1", SphereMesh::type_1},
                                                          {"type_2", SphereMesh::type_2}};
   if (!octant) meshes.insert(meshes.begin(), {"icosahedron", SphereMesh::icosahedron});
-  const auto mesh = reader.find("mesh");
-  const SphereMesh kind = mesh ? mesh->choice(meshes) : meshes.front().second;
-  const Reader parts = reader.at("divisions");
-  const int divisions = parts.whole(1, kMaxDivisions);
-  if (kind == SphereMesh::type_2 && divisions < 3) parts.fail("'" + parts.text() + "' is below 3, the least of type_2");
-  parts.check_size((octant ? 0.5 : kind == SphereMesh::icosahedron ? 10. : 4.) * divisions * divisions);
-  reader.finish();
-  return octant ? sphere_octant(radius, kind, divisions) : sphere(radius, kind, divisions);
+  const auto molecules = [](const S& setup) {
+    const double each = octant ? 0.5 : setup.mesh == SphereMesh::icosahedron ? 10 : 4;
+    return each * setup.divisions * setup.divisions;
+  };
+  const auto too_few = [](const S& setup) -> std::string {
+    if (setup.mesh != SphereMesh::type_2 || setup.divisions >= 3) return "";
+    return "'" + std::to_string(setup.divisions) + "' is below 3, the least of type_2";
+  };
+  return shape(octant ? "sphere_octant" : "sphere", octant ? ", the part of a sphere in x, y, z ≥ 0" : ", of triangles",
+               Keys<S>{length_key("radius", &S::radius, "radius about the origin"),
+                       key::choice("mesh", &S::mesh, std::move(meshes),
+                                   "one or two triangles meet at the corners of octants in `type_1`, `type_2`"),
+                       parts_key<S>("divisions", &S::divisions, "parts of an edge; at least 3 for `type_2`", molecules)
+                           .refused_for(too_few)},
+               [](const S& setup) {
+                 const auto make = octant ? sphere_octant : sphere;
+                 return make(setup.radius, setup.mesh, setup.divisions);
+               });
 }
 
-Body read_sheet(Reader& reader) {
-  const auto sides = reader.at("size").items(2), counts = reader.at("squares").items(2);
-  const std::array size{sides[0].quantity(dimension::length, kPositive),
-                        sides[1].quantity(dimension::length, kPositive)};
-  const std::array squares{counts[0].whole(1, kMaxDivisions), counts[1].whole(1, kMaxDivisions)};
-  const auto pattern = reader.find("pattern");
-  const SheetPattern kind = pattern ? pattern->choice<SheetPattern>({{"alternating", SheetPattern::alternating},
-                                                                     {"one_way", SheetPattern::one_way},
-                                                                     {"crossed", SheetPattern::crossed}})
-                                    : SheetPattern::alternating;
-  reader.at("squares").check_size((kind == SheetPattern::crossed ? 2. : 1.) * squares[0] * squares[1]);
-  reader.finish();
-  return rectangular_sheet(size, squares, kind);
+Shape disc_shape() {
+  struct S {
+    double radius = 0;
+    int rings = 0;
+  };
+  return shape("disc", ", of triangles",
+               Keys<S>{length_key("radius", &S::radius, "radius about the origin, in the plane z = 0"),
+                       parts_key<S>("rings", &S::rings, "rings of molecules around the middle one",
+                                    [](const S& setup) { return 3. * setup.rings * setup.rings; })},
+               [](const S& setup) { return disc(setup.radius, setup.rings); });
 }
 
-Body read_canopy(Reader& reader) {
-  const double width = read_length(reader, "width"), span = read_length(reader, "span");
-  const Reader across = reader.at("squares");
-  const int squares = across.whole(1, kMaxDivisions);
-  across.check_size(span / width * squares * squares);
-  reader.finish();
-  return cross_canopy(width, span, squares);
+Shape sheet_shape() {
+  struct S {
+    std::array<double, 2> size{};
+    SheetPattern pattern = SheetPattern::alternating;
+    std::array<int, 2> squares{};
+  };
+  const auto molecules = [](const S& setup) {
+    return (setup.pattern == SheetPattern::crossed ? 2. : 1.) * setup.squares[0] * setup.squares[1];
+  };
+  return shape(
+      "sheet", ", a rectangle of triangles",
+      Keys<S>{
+          key::quantities("size", &S::size, dimension::length, "sides along x and y", kPositive).needed(),
+          key::choice("pattern", &S::pattern,
+                      {{"alternating", SheetPattern::alternating},
+                       {"one_way", SheetPattern::one_way},
+                       {"crossed", SheetPattern::crossed}},
+                      "how squares are cut into triangles"),
+          sized(key::wholes("squares", &S::squares, 1, kMaxDivisions, "squares along x and y"), molecules).needed()},
+      [](const S& setup) { return rectangular_sheet(setup.size, setup.squares, setup.pattern); });
+}
+
+Shape canopy_shape() {
+  struct S {
+    double width = 0, span = 0;
+    int squares = 0;
+  };
+  return shape(
+      "canopy", ", a cross of two strips of triangles",
+      Keys<S>{length_key("width", &S::width, "width of the strips"),
+              length_key("span", &S::span, "length of the strips"),
+              parts_key<S>("squares", &S::squares, "squares across the width",
+                           [](const S& setup) { return setup.span / setup.width * setup.squares * setup.squares; })},
+      [](const S& setup) { return cross_canopy(setup.width, setup.span, setup.squares); });
 }
 
 }  // namespace
 
-Body read_surface(const std::string& shape, Reader reader) {
-  if (shape == "sheet") return read_sheet(reader);
-  if (shape == "canopy") return read_canopy(reader);
-  if (shape != "disc") return read_sphere(reader, shape == "sphere_octant");
-  const double radius = read_length(reader, "radius");
-  const Reader parts = reader.at("rings");
-  const int rings = parts.whole(1, kMaxDivisions);
-  parts.check_size(3. * rings * rings);
-  reader.finish();
-  return disc(radius, rings);
-}
-
-std::vector<KeySection> surface_keys() {
-  const auto radius = [](const char* what) { return SceneKey{"radius", "quantity", "m", "> 0", "needed", what}; };
-  const SceneKey divisions{"divisions", "whole", "", "1 … 4000", "needed", "parts of an edge; at least 3 for `type_2`"};
-  const char* corners = "one or two triangles meet at the corners of octants in `type_1`, `type_2`";
-  return {{"body.sphere",
-           "",
-           "Shape `sphere`, of triangles:",
-           {radius("radius about the origin"),
-            {"mesh", "`icosahedron`, `type_1`, `type_2`", "", "", "`icosahedron`", corners},
-            divisions}},
-          {"body.sphere_octant",
-           "",
-           "Shape `sphere_octant`, the part of a sphere in x, y, z ≥ 0:",
-           {radius("radius about the origin"), {"mesh", "`type_1`, `type_2`", "", "", "`type_1`", corners}, divisions}},
-          {"body.disc",
-           "",
-           "Shape `disc`, of triangles:",
-           {radius("radius about the origin, in the plane z = 0"),
-            {"rings", "whole", "", "1 … 4000", "needed", "rings of molecules around the middle one"}}},
-          {"body.sheet",
-           "",
-           "Shape `sheet`, a rectangle of triangles:",
-           {{"size", "two quantities", "m", "> 0", "needed", "sides along x and y"},
-            {"squares", "two wholes", "", "1 … 4000", "needed", "squares along x and y"},
-            {"pattern", "`alternating`, `one_way`, `crossed`", "", "", "`alternating`",
-             "how squares are cut into triangles"}}},
-          {"body.canopy",
-           "",
-           "Shape `canopy`, a cross of two strips of triangles:",
-           {{"width", "quantity", "m", "> 0", "needed", "width of the strips"},
-            {"span", "quantity", "m", "> 0", "needed", "length of the strips"},
-            {"squares", "whole", "", "1 … 4000", "needed", "squares across the width"}}}};
+std::vector<Shape> surface_shapes() {
+  return {sphere_shape<false>(), sphere_shape<true>(), disc_shape(), sheet_shape(), canopy_shape()};
 }
 
 }  // namespace elastin::lab

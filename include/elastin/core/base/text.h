@@ -1,6 +1,7 @@
 #pragma once
 #include <cstddef>
 #include <string>
+#include <vector>
 
 namespace elastin {
 
@@ -9,5 +10,8 @@ std::string number(double value, int digits = 6);
 
 /// "1 molecule", "3 molecules"; a plural that is more than an s is given.
 std::string counted(std::ptrdiff_t count, const std::string& singular, const std::string& plural = "");
+
+/// "a, b and c"
+std::string listed(const std::vector<std::string>& items, const std::string& before_last = "and");
 
 }  // namespace elastin
