@@ -1,4 +1,5 @@
 #pragma once
+#include <algorithm>
 #include <array>
 #include <concepts>
 #include <functional>
@@ -279,9 +280,10 @@ class Forms {
     return rows;
   }
   Setup read(Reader map, const Frame& frame = {}, Setup setup = {}) const {
-    const Keys<Setup>* own = &forms_.back();
-    for (std::size_t form = forms_.size(); form-- > 0;)
-      if (map.has(forms_[form].first_name())) own = &forms_[form];
+    const std::vector<std::string> given = map.keys();
+    const auto own = std::find_if(forms_.begin(), forms_.end() - 1, [&](const Keys<Setup>& form) {
+      return std::find(given.begin(), given.end(), form.first_name()) != given.end();
+    });
     return own->read(std::move(map), frame, std::move(setup));
   }
 

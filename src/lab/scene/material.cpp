@@ -126,14 +126,16 @@ const Keys<FibreSetup>& fibre_keys() {
   using S = FibreSetup;
   static const Keys<S> keys{
       key::direction("direction", &S::direction, "direction of the fibres at rest").needed(),
-      one_of<S>("key 'youngs_modulus' is missing",
-                {Key<S>({"youngs_modulus", "quantity", "Pa", "> 0", "",
-                         "modulus of the fibres; their stress adds to that of the matrix"},
-                        [](const Reader& value, S& fibre) {
-                          fibre.curve = StressStrain::linear(value.quantity(dimension::pressure, kPositive));
-                        }),
-                 Key<S>({"curve", "map", "", "", "", "stress–strain curve of the fibres, as `curve` above"},
-                        [](const Reader& value, S& fibre) { fibre.curve = read_curve(value).curve(); })}),
+      KeyGroup<S>{{Key<S>({"youngs_modulus", "quantity", "Pa", "> 0", "needed, or `curve`",
+                           "modulus of the fibres; their stress adds to that of the matrix"},
+                          [](const Reader& value, S& fibre) {
+                            fibre.curve = StressStrain::linear(value.quantity(dimension::pressure, kPositive));
+                          }),
+                   Key<S>({"curve", "map", "", "", "none", "stress–strain curve of the fibres, as `curve` above"},
+                          [](const Reader& value, S& fibre) { fibre.curve = read_curve(value).curve(); })},
+                  "key 'youngs_modulus' is missing",
+                  true,
+                  ""},
       key::flag("compression", &S::compression, "whether the fibres resist compression")};
   return keys;
 }
