@@ -86,6 +86,7 @@
 #include "elastin/core/solve/stable_step.h"
 #include "elastin/core/solve/statics.h"
 #include "elastin/core/solve/vibrations.h"
+#include "elastin/febio/febio.h"
 #include "elastin/hull/delaunay.h"
 #include "elastin/lab/experiment/experiment_catalog.h"
 #include "elastin/lab/run/experiment.h"

@@ -2,6 +2,9 @@
 
 #ifdef ELASTIN_C_LAB
 #include "elastin/lab/study/laboratory.h"
+#ifdef ELASTIN_C_FEBIO
+#include "elastin/febio/febio.h"
+#endif
 
 struct elastin_scene {
   elastin::lab::Laboratory laboratory;
@@ -48,6 +51,9 @@ elastin_status elastin_scene_load(const char* path, const char* const* overrides
                                   elastin_scene** scene) {
   return guarded([&] {
     given(scene, "scene");
+#ifdef ELASTIN_C_FEBIO
+    elastin::febio::add_scene_format();
+#endif
     elastin::lab::Laboratory laboratory(&given(path, "path"), strings(overrides, override_count, "overrides"));
     *scene = new elastin_scene{std::move(laboratory)};
   });

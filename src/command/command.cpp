@@ -15,6 +15,9 @@
 
 #include "command/row.h"
 #include "elastin/core/base/error.h"
+#ifdef ELASTIN_FEBIO
+#include "elastin/febio/febio.h"
+#endif
 #include "elastin/openmp/openmp.h"
 #include "lab/report/screen.h"
 
@@ -103,6 +106,9 @@ int run_command(int argc, const char* const* argv, const Catalog& catalog) {
   keep_standard_streams();
   const std::string name = argc > 0 ? std::filesystem::path(argv[0]).filename().string() : "elastin";
   try {
+#ifdef ELASTIN_FEBIO
+    febio::add_scene_format();
+#endif
     const int code = run_words(name, {argv + std::min(argc, 1), argv + argc}, catalog);
     if (std::fflush(stdout) == 0 && !std::ferror(stdout)) return code;
     lab::say(fmt::format("{}: standard output could not be written: {}\n", name, std::strerror(errno)));

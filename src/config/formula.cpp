@@ -1,5 +1,7 @@
 #include "config/formula.h"
 
+#include <yaml-cpp/yaml.h>
+
 #include <algorithm>
 #include <charconv>
 #include <cmath>
@@ -40,10 +42,14 @@ using Names = std::function<Value(const std::string&)>;
 /// some of the stack.
 constexpr int kDeepestFormula = 200;
 
+const FormulaLanguage kOfScenes;
+
 /// Reads a formula from left to right. `depth` counts how deep the reader is. Throws InputError.
 class Formula {
  public:
-  Formula(std::string_view text, const Names& names, int& depth) : text_(text), names_(names), depth_(depth) {}
+  /// All must outlive it.
+  Formula(std::string_view text, const Names& names, int& depth, const FormulaLanguage& language = kOfScenes)
+      : text_(text), names_(names), depth_(depth), language_(language) {}
 
   Value value() {
     const Value value = any_value();
@@ -70,9 +76,12 @@ class Formula {
   void skip() {
     while (at_ < text_.size() && text_[at_] == ' ') ++at_;
   }
-  bool take(char sign) {
+  bool stands(char sign) {
     skip();
-    if (at_ >= text_.size() || text_[at_] != sign) return false;
+    return at_ < text_.size() && text_[at_] == sign;
+  }
+  bool take(char sign) {
+    if (!stands(sign)) return false;
     ++at_;
     return true;
   }
@@ -112,15 +121,20 @@ class Formula {
     if (depth_ > kDeepestFormula)
       fail("brackets, signs, exponents and named values stand more than " + std::to_string(kDeepestFormula) +
            " deep in each other");
+    Value value;
     if (take('-')) {
-      Value value = signed_power();
+      value = signed_power();
       value.number = -value.number;
-      return value;
+    } else if (take('+')) {
+      value = signed_power();
+    } else {
+      value = primary();
+      while (take('^')) value = raised(value, language_.powers_from_left && !stands('-') ? primary() : signed_power());
     }
-    if (take('+')) return signed_power();
-    const Value base = primary();
-    if (!take('^')) return base;
-    const Value exponent = signed_power();
+    return value;
+  }
+
+  Value raised(const Value& base, const Value& exponent) const {
     if (exponent.unit != dimension::none) fail("an exponent is a plain number");
     if (base.unit == dimension::none) return {std::pow(base.number, exponent.number), {}, false};
     if (exponent.number != std::round(exponent.number) || std::abs(exponent.number) > 9)
@@ -169,6 +183,7 @@ class Formula {
 
   /// "mm", "m3", "s^2": a unit that stands here, if one does.
   std::optional<Value> unit_here() {
+    if (!language_.units) return std::nullopt;
     const std::size_t before = at_;
     std::string name = word();
     int exponent = 1;
@@ -224,11 +239,13 @@ class Formula {
                                   {"ceil", [](double x) { return std::ceil(x); }},
                                   {"exp", [](double x) { return std::exp(x); }},
                                   {"log", [](double x) { return std::log(x); }}};
-    const Plain& functions = of_angles.contains(name) ? of_angles : of_numbers;
+    const Plain& functions = language_.functions.contains(name) ? language_.functions
+                             : of_angles.contains(name)         ? of_angles
+                                                                : of_numbers;
     const auto found = functions.find(name);
     if (found == functions.end()) {
       std::vector<std::string> known{"sqrt", "abs", "min", "max"};
-      for (const Plain* some : {&of_numbers, &of_angles})
+      for (const Plain* some : {&language_.functions, &of_numbers, &of_angles})
         for (const auto& [own, unused] : *some) known.push_back(own);
       fail("there is no function '" + name + "'" + suggestion(name, known));
     }
@@ -239,6 +256,7 @@ class Formula {
   std::string_view text_;
   const Names& names_;
   int& depth_;
+  const FormulaLanguage& language_;
   std::size_t at_ = 0;
 };
 
@@ -351,6 +369,11 @@ FormulaValues put_in_formulas(const YAML::Node& root,
   return values.known();
 }
 
+FormulaValue formula_value(const std::string& text, const Names& value_of, const FormulaLanguage& language) {
+  int depth = 0;
+  return Formula(text, value_of, depth, language).any_value();
+}
+
 FormulaValue formula_at(const std::string& text, const Vector3& place, const Dimension& of_place,
                         const FormulaValues& values) {
   const Names names = [&](const std::string& name) -> Value {
@@ -361,8 +384,7 @@ FormulaValue formula_at(const std::string& text, const Vector3& place, const Dim
     for (const auto& [own, value] : values) known.push_back(own);
     throw InputError("the formula '" + text + "': there is no value '" + name + "'" + suggestion(name, known));
   };
-  int depth = 0;
-  return Formula(text, names, depth).any_value();
+  return formula_value(text, names);
 }
 
 }  // namespace elastin::config

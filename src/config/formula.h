@@ -1,6 +1,4 @@
 #pragma once
-#include <yaml-cpp/yaml.h>
-
 #include <functional>
 #include <map>
 #include <string>
@@ -8,6 +6,10 @@
 #include "elastin/core/base/error.h"
 #include "elastin/core/base/types.h"
 #include "elastin/core/base/units.h"
+
+namespace YAML {
+class Node;
+}
 
 namespace elastin::config {
 
@@ -25,6 +27,19 @@ using FormulaValues = std::map<std::string, FormulaValue>;
 /// section `values`. Throws InputError with a location.
 FormulaValues put_in_formulas(const YAML::Node& root,
                               const std::function<SourceLocation(const YAML::Node&)>& location_of);
+
+/// How formulas are written, where it is not as in scenes.
+struct FormulaLanguage {
+  bool units = true;              ///< whether units are values, and may stand behind numbers
+  bool powers_from_left = false;  ///< whether 2^3^2 is (2^3)^2
+  /// Functions of plain numbers, in addition to those of scenes or in their place.
+  std::map<std::string, double (*)(double)> functions = {};
+};
+
+/// The value of a formula; it need not be finite. `value_of` gives the value of a name or throws InputError. Throws
+/// InputError.
+FormulaValue formula_value(const std::string& text, const std::function<FormulaValue(const std::string&)>& value_of,
+                           const FormulaLanguage& language = {});
 
 /// A formula of x, y, z, each of what `of_place` says, and of named values. It need not be finite.
 FormulaValue formula_at(const std::string& text, const Vector3& place, const Dimension& of_place,

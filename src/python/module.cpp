@@ -1,5 +1,8 @@
 #include "elastin/core/base/error.h"
 #include "elastin/core/parallel/threads.h"
+#ifdef ELASTIN_FEBIO
+#include "elastin/febio/febio.h"
+#endif
 #include "elastin/openmp/openmp.h"
 #include "lab/report/comparison.h"
 #include "python/bind.h"
@@ -26,6 +29,9 @@ std::vector<std::tuple<std::string, std::string, std::string>> measures() {
 PYBIND11_MODULE(_elastin, module) {
   using namespace elastin::python;
   elastin::openmp::use_openmp();
+#ifdef ELASTIN_FEBIO
+  elastin::febio::add_scene_format();
+#endif
   module.doc() = "Elastin's C++ side; import elastin instead.";
   py::register_exception<elastin::InputError>(module, "InputError", PyExc_ValueError).doc() =
       "Wrong use or wrong input: file:line:column, the key, what was given, what is allowed, the nearest name.";

@@ -144,3 +144,21 @@ TEST_CASE("a name that a formula would take for a unit's power names no value", 
                       StartsWith("a.yaml:1:10: values: '" + name + "' is a unit; call it otherwise"));
   CHECK_NOTHROW(open_scene(SceneSource::of_text("a.yaml", "values: {m_1: 3, n1: 4, force1: 5}\n"), {}, 1e6));
 }
+
+TEST_CASE("another language of formulas has its own powers and functions, and no units", "[formula]") {
+  const config::FormulaLanguage language{
+      .units = false, .powers_from_left = true, .functions = {{"log", [](double x) { return std::log10(x); }}}};
+  const auto name = [](const std::string& word) -> config::FormulaValue {
+    if (word == "m") return {7, {}};
+    throw InputError("no " + word);
+  };
+  const auto value = [&](const std::string& text) { return config::formula_value(text, name, language).number; };
+  CHECK(value("2 ^ 3 ^ 2") == 64);
+  CHECK(value("2 ^ -1 * 4") == 2);
+  CHECK(value("-2 ^ 2") == -4);
+  CHECK(value("log(1000) + exp(0)") == Approx(4));
+  CHECK(value("3 * m") == 21);
+  CHECK_THROWS_WITH(value("3 m"), Contains("'m' is not expected there"));
+  CHECK_THROWS_WITH(value("3 * mm"), Contains("no mm"));
+  CHECK_THROWS_WITH(value("lg(1)"), Contains("there is no function 'lg'; did you mean 'log'?"));
+}

@@ -1,3 +1,13 @@
+# elastin_rooms(SOURCES rooms…): sets SOURCES to the sources of these folders, bottom up: a room includes itself and those
+# before it. tools/check_tree reads the list here; the compiler, which sees one root of all headers, cannot.
+function(elastin_rooms result)
+  foreach(room ${ARGN})
+    file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${room}/*.cpp)
+    list(APPEND all ${sources})
+  endforeach()
+  set(${result} ${all} PARENT_SCOPE)
+endfunction()
+
 # elastin_library(NAME sources…): the static library elastin_NAME, known as elastin::NAME, with the project's options.
 # Its sources include public headers from include/ and private ones from src/.
 function(elastin_library name)

@@ -12,8 +12,8 @@
 #include "elastin/core/base/text.h"
 #include "elastin/core/laws/material_law.h"
 #include "lab/export/deck.h"
+#include "lab/export/febio_shapes.h"
 #include "lab/export/formats.h"
-#include "lab/febio/mesh.h"
 
 namespace elastin::lab {
 namespace {
@@ -148,7 +148,7 @@ class FebioDeck : Deck {
     int number = 0;
     for (std::size_t i = 0; i < problem_.cells.size(); ++i) {
       const ExportedCells& cells = problem_.cells[i];
-      const auto& shapes = febio::solid_shapes();
+      const auto& shapes = febio_solids();
       const auto shape =
           std::find_if(shapes.begin(), shapes.end(), [&](const auto& one) { return one.name == cells.kind->name; });
       if (shape == shapes.end()) refuse("it has no " + std::string(cells.kind->plural));
@@ -264,6 +264,19 @@ class FebioDeck : Deck {
 };
 
 }  // namespace
+
+/// Faces of hex27 come round the sides first, then below and above.
+const std::vector<FebioShape>& febio_solids() {
+  static const std::vector<FebioShape> shapes{
+      {"hex8", "hexahedron8"},
+      {"hex20", "hexahedron20"},
+      {"tet4", "tetrahedron4"},
+      {"tet10", "tetrahedron10"},
+      {"penta6", "prism6"},
+      {"hex27", "hexahedron27", {0,  1,  2,  3,  4,  5,  6,  7,  8,  9,  10, 11, 12, 13,
+                                 14, 15, 16, 17, 18, 19, 22, 21, 23, 20, 24, 25, 26}}};
+  return shapes;
+}
 
 std::string febio_text(const Scene& scene, std::vector<std::string>& notes) {
   StaticProblem problem = problem_of(scene);

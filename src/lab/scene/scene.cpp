@@ -13,10 +13,10 @@
 #include "elastin/core/shapes/shapes.h"
 #include "elastin/core/simulation/prepare.h"
 #include "elastin/core/solve/engine.h"
-#include "lab/febio/model.h"
 #include "lab/run/calibration.h"
 #include "lab/run/common_measures.h"
 #include "lab/scene/parts.h"
+#include "lab/scene/scene_formats.h"
 
 namespace elastin::lab {
 namespace {
@@ -381,25 +381,19 @@ std::unique_ptr<Scene> read_scene(const SceneSource& source, const Catalog& cata
   return scene;
 }
 
-std::unique_ptr<Scene> read_febio_model(const SceneSource& source, const std::vector<std::string>& overrides,
-                                        double most_molecules) {
+std::unique_ptr<Scene> read_other_format(const SceneFormat& format, const SceneSource& source,
+                                         const std::vector<std::string>& overrides, double most_molecules) {
   const auto start = std::chrono::steady_clock::now();
   if (!overrides.empty())
-    throw InputError("--set " + overrides.front() + ": " + source.path() +
-                     " is a model of FEBio and has no keys; change it there");
-  FebioModel model = load_febio_model(source);
-  if (model.specimen.body.size() > most_molecules)
+    throw InputError("--set " + overrides.front() + ": " + source.path() + " is a " + format.summary +
+                     " and has no keys; change it there");
+  auto scene = format.read(source);
+  if (scene->specimen.body.size() > most_molecules)
     throw InputError(SourceLocation{source.path()}, "the model has more molecules than are allowed");
-  auto scene = std::make_unique<Scene>();
   scene->source = source;
   scene->name = std::filesystem::path(source.path()).stem().string();
-  scene->title = model.title.empty() ? scene->name : model.title;
-  scene->specimen = std::move(model.specimen);
-  scene->stiffness = std::move(model.stiffness);
+  if (scene->title.empty()) scene->title = scene->name;
   scene->strategies = {scene->stiffness};
-  scene->warnings = std::move(model.warnings);
-  scene->notes = std::move(model.notes);
-  scene->experiment = model.make_experiment(scene->specimen.body);
   scene->measures = std::make_shared<const MeasureList>(measures_of(*scene->experiment));
   scene->build_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return scene;
@@ -429,7 +423,8 @@ std::unique_ptr<Scene> read_scene_or_say(const SceneSource& source, const Catalo
     return InputError(SourceLocation{source.path()}, "the scene does not fit into this machine's memory");
   };
   try {
-    if (is_febio_model(source.path())) return read_febio_model(source, overrides, most_molecules);
+    if (const SceneFormat* format = scene_format_of(source.path()))
+      return read_other_format(*format, source, overrides, most_molecules);
     return read_scene(source, catalog, overrides, most_molecules, experiments, uses, change);
   } catch (const std::bad_alloc&) {
     throw too_large();

@@ -6,9 +6,9 @@
 
 #include "elastin/core/base/error.h"
 #include "lab/export/calculix_run.h"
-#include "lab/febio/model.h"
 #include "lab/report/json.h"
 #include "lab/run/config_names.h"
+#include "lab/scene/scene_formats.h"
 #include "lab/study/journal.h"
 #include "lab/study/request.h"
 
@@ -24,7 +24,7 @@ ScenePlan plan_scene(const Request& request, const Catalog& catalog, const Scene
   ScenePlan plan;
   plan.source = source;
   plan.scene = load_scene(source, catalog, request.overrides);
-  const std::string with = is_febio_model(source.path()) ? "" : open_scene(source, {}, kMostMolecules).content();
+  const std::string with = scene_format_of(source.path()) ? "" : open_scene(source, {}, kMostMolecules).content();
   plan.content = key_of(std::vector{source.text(), with});
   plan.warnings = plan.scene->warnings;
   plan.name = plan.scene->name;

@@ -15,11 +15,11 @@
 #include "elastin/core/parallel/threads.h"
 #include "elastin/core/solve/energies.h"
 #include "elastin/core/solve/stable_step.h"
-#include "lab/febio/model.h"
 #include "lab/report/files.h"
 #include "lab/report/machine.h"
 #include "lab/report/progress.h"
 #include "lab/report/table.h"
+#include "lab/scene/scene_formats.h"
 #include "lab/study/compare.h"
 
 namespace elastin::lab {
@@ -372,7 +372,7 @@ bool compares_steppers(const Request& request) {
   if (!request.strategies.empty() || !request.vary.empty()) return false;
   std::size_t with = 0;
   for (const SceneSource& source : request.scenes)
-    with += !is_febio_model(source.path()) && open_scene(source, request.overrides, kMostMolecules).has("steppers");
+    with += !scene_format_of(source.path()) && open_scene(source, request.overrides, kMostMolecules).has("steppers");
   if (with > 0 && with < request.scenes.size())
     throw InputError(
         "some of these scenes compare steppers and others strategies: compare them apart, or name --steppers");
