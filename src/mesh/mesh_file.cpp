@@ -327,20 +327,20 @@ Mesh MeshBuilder::finish(const std::string& path) const {
 
 namespace {
 
-struct Format : MeshFormat {
+struct KnownFormat : MeshFormat {
   void (*read)(Cursor, MeshBuilder&);  ///< null: read_surface
 };
 
-const Format kFormats[] = {{{".msh", "1, 2.2 and 4.1", MeshContent::cells_with_data}, read_gmsh},
-                           {{".vtk", "", MeshContent::cells_with_data}, read_vtk},
-                           {{".vtu", "", MeshContent::cells_with_data}, read_vtu},
-                           {{".inp", "", MeshContent::cells}, read_inp},
-                           {{".bdf", "", MeshContent::cells}, read_bdf},
-                           {{".nas", "", MeshContent::cells}, read_bdf},
-                           {{".unv", "", MeshContent::cells}, read_unv},
-                           {{".stl", "", MeshContent::surface}, nullptr},
-                           {{".obj", "", MeshContent::surface}, nullptr},
-                           {{".ply", "", MeshContent::surface}, read_ply}};
+const KnownFormat kFormats[] = {{{".msh", "1, 2.2 and 4.1", MeshContent::cells_with_data}, read_gmsh},
+                                {{".vtk", "", MeshContent::cells_with_data}, read_vtk},
+                                {{".vtu", "", MeshContent::cells_with_data}, read_vtu},
+                                {{".inp", "", MeshContent::cells}, read_inp},
+                                {{".bdf", "", MeshContent::cells}, read_bdf},
+                                {{".nas", "", MeshContent::cells}, read_bdf},
+                                {{".unv", "", MeshContent::cells}, read_unv},
+                                {{".stl", "", MeshContent::surface}, nullptr},
+                                {{".obj", "", MeshContent::surface}, nullptr},
+                                {{".ply", "", MeshContent::surface}, read_ply}};
 
 /// With its dot, in small letters; "" where the name has none.
 std::string ending_of(const std::string& path) {
@@ -350,10 +350,10 @@ std::string ending_of(const std::string& path) {
   return ending;
 }
 
-const Format& format_of(const std::string& path) {
+const KnownFormat& format_of(const std::string& path) {
   const std::string ending = ending_of(path);
   std::vector<std::string> allowed;
-  for (const Format& format : kFormats) {
+  for (const KnownFormat& format : kFormats) {
     if (ending == format.ending) return format;
     allowed.push_back(format.ending);
   }
@@ -364,7 +364,7 @@ const Format& format_of(const std::string& path) {
 
 Mesh read_mesh(const File& file) {
   MeshBuilder mesh;
-  if (const Format& format = format_of(file.path); format.read)
+  if (const KnownFormat& format = format_of(file.path); format.read)
     format.read(Cursor(file), mesh);
   else
     read_surface(file, format.ending, mesh);
@@ -387,7 +387,7 @@ Mesh load_mesh(const std::string& path) {
 }
 
 CellData load_cell_data(const std::string& path, const std::string& name) {
-  const format::Format& known = format::format_of(path);
+  const format::KnownFormat& known = format::format_of(path);
   if (known.content != MeshContent::cells_with_data) {
     std::vector<std::string> endings;
     for (const MeshFormat& other : format::kFormats)

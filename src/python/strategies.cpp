@@ -163,7 +163,8 @@ void add_strategies(py::module_& module) {
                                    py::make_tuple(py::getattr(self, "_own", py::list())));
            })
       .def_property_readonly("names", &Catalog::names)
-      .def("__getitem__", &Catalog::find, py::arg("name"), py::return_value_policy::copy)
+      .def("__getitem__", py::overload_cast<const std::string&>(&Catalog::find, py::const_), py::arg("name"),
+           py::return_value_policy::copy)
       .def("__len__", [](const Catalog& catalog) { return catalog.strategies().size(); })
       .def("__iter__", [](const Catalog& catalog) { return py::iter(py::cast(catalog.strategies())); })
       .def("__repr__", [](const Catalog& c) {
