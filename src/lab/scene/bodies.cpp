@@ -61,7 +61,9 @@ void read_one(Reader item, const elastin::Table<MaterialLaw>& laws, Specimen& sp
   const Vector3 moved = body.rest.col(0) - setup.turn * before;
   if (turned.around) turned.around->point += moved;
   if (turned.field) turned.field->shift += moved;
-  Part part{.name = setup.name, .rigid = setup.rigid};
+  Part part;
+  part.name = setup.name;
+  part.rigid = setup.rigid;
   if (own) {
     const bool whole = own->given_material("given") != nullptr;
     if (whole || own->has("fibre")) material.fibre = turned.fibre;
