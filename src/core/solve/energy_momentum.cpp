@@ -186,7 +186,7 @@ class EnergyMomentum final : public Implicit {
     return false;
   }
 
-  /// Goes by the motion, mixed with the last ones; half as far, and alone, where that turns a cell over.
+  /// Goes by the motion, mixed with the last ones; half as far, and alone, where that inverts a cell.
   bool move(const Model& model, const State& state) {
     mixed_ = motion_;
     mixing_.mix(now_.positions, mixed_);
