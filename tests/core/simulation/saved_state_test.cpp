@@ -18,7 +18,7 @@ constexpr double kStep = 1e-3;  // s
 /// A cube that the ratchet pulls ever harder.
 Simulation ratcheted(const Scheme& scheme) {
   Simulation tissue = simulation_of(tissue_cube(3), scheme);
-  tissue.add_load(ratchet_row(), {.vectors = {{"growth", Vector3(0, 0, 1e-6)}}, .molecules = {{"molecules", {26}}}});
+  tissue.add_load(own::ratchet_row(), {.vectors = {{"growth", Vector3(0, 0, 1e-6)}}, .molecules = {{"molecules", {26}}}});
   tissue.fix(0);
   return tissue;
 }
@@ -94,8 +94,8 @@ TEST_CASE("a state of a model that remembers something else is refused", "[saved
   CHECK_THROWS_WITH(plain.restore(tissue.save()), Contains("has a history that this model does not have"));
   plain.restore(simulation_of(tissue_cube(3)).save());
   Model twice(tissue.body());
-  add_load(twice, ratchet_row(), {.vectors = {{"growth", Vector3(0, 0, 1)}}, .molecules = {{"molecules", {1}}}});
+  add_load(twice, own::ratchet_row(), {.vectors = {{"growth", Vector3(0, 0, 1)}}, .molecules = {{"molecules", {1}}}});
   CHECK_THROWS_WITH(
-      add_load(twice, ratchet_row(), {.vectors = {{"growth", Vector3(0, 0, 1)}}, .molecules = {{"molecules", {1}}}}),
+      add_load(twice, own::ratchet_row(), {.vectors = {{"growth", Vector3(0, 0, 1)}}, .molecules = {{"molecules", {1}}}}),
       Contains("under the name 'ratchet'"));
 }
