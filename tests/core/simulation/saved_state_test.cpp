@@ -18,7 +18,8 @@ constexpr double kStep = 1e-3;  // s
 /// A cube that the ratchet pulls ever harder.
 Simulation ratcheted(const Scheme& scheme) {
   Simulation tissue = simulation_of(tissue_cube(3), scheme);
-  tissue.add_load(own::ratchet_row(), {.vectors = {{"growth", Vector3(0, 0, 1e-6)}}, .molecules = {{"molecules", {26}}}});
+  tissue.add_load(own::ratchet_row(),
+                  {.vectors = {{"growth", Vector3(0, 0, 1e-6)}}, .molecules = {{"molecules", {26}}}});
   tissue.fix(0);
   return tissue;
 }
@@ -95,7 +96,7 @@ TEST_CASE("a state of a model that remembers something else is refused", "[saved
   plain.restore(simulation_of(tissue_cube(3)).save());
   Model twice(tissue.body());
   add_load(twice, own::ratchet_row(), {.vectors = {{"growth", Vector3(0, 0, 1)}}, .molecules = {{"molecules", {1}}}});
-  CHECK_THROWS_WITH(
-      add_load(twice, own::ratchet_row(), {.vectors = {{"growth", Vector3(0, 0, 1)}}, .molecules = {{"molecules", {1}}}}),
-      Contains("under the name 'ratchet'"));
+  CHECK_THROWS_WITH(add_load(twice, own::ratchet_row(),
+                             {.vectors = {{"growth", Vector3(0, 0, 1)}}, .molecules = {{"molecules", {1}}}}),
+                    Contains("under the name 'ratchet'"));
 }

@@ -144,8 +144,8 @@ class Elasticity {
   virtual bool dissipates() const { return false; }
   /// Stored energy [J]; +infinity where a cell is flat or inverted.
   virtual double energy(const Positions& positions) const = 0;
-  /// Energy that the body has stored [J] in a state that commit_step() has seen last, or begin_step() over no time: what
-  /// could still be had back. energy() of a law that relaxes is what the next step minimises.
+  /// Energy that the body has stored [J] in a state that commit_step() has seen last, or begin_step() over no time:
+  /// what could still be had back. energy() of a law that relaxes is what the next step minimises.
   virtual double stored_energy(const Positions& positions) const { return energy(positions); }
   /// Whether no cell is flat or inverted. Energies are +infinity where not; laws without an energy say it here.
   virtual bool admissible(const Positions& /*positions*/) const { return true; }
