@@ -210,7 +210,12 @@ TEST_CASE("a factor of calibration beyond 2 is a warning that names it", "[calib
         "mine", [=](const Body& body, const Material& material, const ParameterValues& values) -> VectorX {
           return times * lattice.constants(body, material, values);
         });
-    const Run run = run_strategy(specimen, *experiment, {"calibrated:mine", rule, true, {}}, {});
+    StrategyChoice choice;
+    choice.label = "calibrated:mine";
+    choice.name.rule = "mine";
+    choice.name.calibrated = true;
+    choice.strategy = rule;
+    const Run run = run_strategy(specimen, *experiment, choice, {});
     REQUIRE(run.outcome == Outcome::converged);
     CHECK(run.calibration_factor == Approx(1 / times).epsilon(1e-6));
     return run.warnings;
