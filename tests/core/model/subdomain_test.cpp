@@ -27,7 +27,7 @@ struct Shared {
     for (int part = 0; part < parts; ++part) {
       subdomains.push_back(make_subdomain(body, owners, part));
       models.emplace_back(*subdomains.back().body);
-      models.back().add(whole.elasticity().front()->on_subdomain(subdomains.back()));
+      for (const auto& law : whole.elasticity()) models.back().add(law->on_subdomain(subdomains.back()));
     }
   }
   static Positions taken(const Subdomain& own, const Positions& of_whole) {

@@ -69,7 +69,7 @@ TEST_CASE("the catalog finds a strategy by its whole name", "[strategy]") {
   CHECK_THROWS_WITH(kCatalog.find("calbrated:lattice"), Contains("did you mean 'calibrated:'"));
   CHECK_THROWS_WITH(kCatalog.find("volume"), Contains("goes with a rule: lattice+volume"));
   CHECK_THROWS_WITH(kCatalog.find("calibrated:neo_hookean"), Contains("only a spring rule can be calibrated"));
-  CHECK_THROWS_WITH(kCatalog.find("calibrated:calibrated:patch"), Contains("calibrated already"));
+  CHECK_THROWS_WITH(kCatalog.find("calibrated:calibrated:patch"), Contains("'calibrated:' is repeated"));
 }
 
 TEST_CASE("a simulation prepares bending: a sheet rolled to a cylinder has D/2 times its curvature squared") {
