@@ -70,8 +70,9 @@ class Formula {
  private:
   [[noreturn]] void fail(const std::string& message) const {
     constexpr std::size_t most = 200;
-    throw InputError("the formula '" + std::string(text_.substr(0, most)) + (text_.size() > most ? "…" : "") +
-                     "': " + message);
+    throw InputError("the formula '" +
+                     std::string(text_.substr(std::min(text_.find_first_not_of(' '), text_.size()), most)) +
+                     (text_.size() > most ? "…" : "") + "': " + message);
   }
   void skip() {
     while (at_ < text_.size() && text_[at_] == ' ') ++at_;
