@@ -352,13 +352,14 @@ std::size_t cells_cut(const Body& body, const Vector3& low, const Vector3& high)
   const double slack = 1e-6 * (high - low).norm();
   std::size_t count = 0;
   const auto look = [&](const auto& cell) {
-    bool in = false, out = false;
+    Vector3 lowest = body.rest.col(*cell.begin()), highest = lowest;  // of the cell's bounding box
     for (const int molecule : cell) {
-      const Vector3 place = body.rest.col(molecule);
-      const double depth = std::min((place - low).minCoeff(), (high - place).minCoeff());
-      in |= depth > slack, out |= depth < -slack;
+      lowest = lowest.cwiseMin(body.rest.col(molecule));
+      highest = highest.cwiseMax(body.rest.col(molecule));
     }
-    count += in && out;
+    const bool inside = ((lowest - low).array() >= -slack).all() && ((high - highest).array() >= -slack).all();
+    const bool apart = ((lowest - high).array() >= -slack).any() || ((low - highest).array() >= -slack).any();
+    count += !inside && !apart;
   };
   if (!has_blocks(body, 3)) std::for_each(body.tetrahedra.begin(), body.tetrahedra.end(), look);
   if (!has_blocks(body, 2) && body.tetrahedra.empty())

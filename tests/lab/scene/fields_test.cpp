@@ -248,7 +248,7 @@ TEST_CASE("a Poisson's ratio that differs from place to place reaches the volume
   const std::string lattice = "lattice: {kind: cubic, molecules: [3, 3, 5], spacing: 5 mm, connections: [axis, face]}";
   for (const auto& [body, strategy] : {std::pair{kBodies[0], "neo_hookean+volume"}, {lattice, "lattice+volume"}}) {
     const auto scene =
-        scene_of(folder, bar_of(body, plain + "0.1" + field + "0.1 + 0.3 * floor(z / 1 cm)}}", strategy));
+        scene_of(folder, bar_of(body, plain + "0.1" + field + "0.1 + 0.3 * floor(z / 1.2 cm)}}", strategy));
     const Run run = run_strategy(scene->specimen, *scene->experiment, scene->stiffness, {.statics = scene->statics});
     CHECK_FALSE(run.suited);
     CHECK_THAT(run.cause, Contains("needs one Poisson's ratio for its volumes"));
@@ -256,7 +256,7 @@ TEST_CASE("a Poisson's ratio that differs from place to place reaches the volume
   // One that is the same at every place is one.
   CHECK(measured(folder, bar_of(kBodies[0], plain + "0.4" + field + "0.4}}", "neo_hookean+volume"), "elongation") ==
         measured(folder, bar_of(kBodies[0], plain + "0.4", "neo_hookean+volume"), "elongation"));
-  const auto scene = scene_of(folder, bar_of(kBodies[0], plain + "0.1" + field + "0.1 + 0.2 * floor(z / 1 cm)}}"));
+  const auto scene = scene_of(folder, bar_of(kBodies[0], plain + "0.1" + field + "0.1 + 0.35 * floor(z / 1.2 cm)}}"));
   CHECK(may_lock(scene->specimen, kCatalog.find("neo_hookean")));
 }
 

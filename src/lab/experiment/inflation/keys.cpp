@@ -20,24 +20,26 @@ const Keys<GasSetup>& gas_keys() {
 
 ExperimentInfo inflation_row() {
   using S = InflationSetup;
-  return with_keys(
-      {.name = "inflation",
-       .summary = "a closed membrane is inflated by pressure, by volume or by gas: radius, wall stress",
-       .source = "",
-       .measures = inflation_measures()},
-      Keys<S>{
-          one_of<S>("give one of pressure, volume_ratio (volume over that at rest) and gas",
-                    {not_zero(key::quantity("pressure", &S::pressure, dimension::pressure,
-                                            "pressure inside over that outside; not 0"),
-                              &S::pressure),
-                     key::quantity("volume_ratio", &S::volume_ratio, dimension::none,
-                                   "enclosed volume over that at rest", kPositive),
-                     Key<S>({"gas", "map", "", "", "none", "gas that is let in; its keys stand below"},
-                            [](const Reader& value, S& setup, const Frame&) { setup.gas = gas_keys().read(value); })}),
-          symmetry_key(&S::symmetry), load_steps_key(&S::load_steps)},
-      [](const ExperimentContext& context, S setup) {
-        setup.axes = context.rotation;
-        return make_inflation(context.body, setup, context.material);
-      });
+  return with_keys({.name = "inflation",
+                    .summary = "a closed membrane is inflated by pressure, by volume or by gas: radius, wall stress",
+                    .source = "",
+                    .measures = inflation_measures()},
+                   Keys<S>{one_of<S>("give one of pressure, volume_ratio (volume over that at rest) and gas",
+                                     {not_zero(key::quantity("pressure", &S::pressure, dimension::pressure,
+                                                             "pressure inside over that outside; not 0"),
+                                               &S::pressure),
+                                      key::quantity("volume_ratio", &S::volume_ratio, dimension::none,
+                                                    "enclosed volume over that at rest", kPositive),
+                                      Key<S>({"gas", "map", "", "", "none", "gas that is let in; its keys stand below"},
+                                             [](const Reader& value, S& setup, const Frame&) {
+                                               Reader map = value;
+                                               map.set_section("gas");
+                                               setup.gas = gas_keys().read(map);
+                                             })}),
+                           symmetry_key(&S::symmetry), load_steps_key(&S::load_steps)},
+                   [](const ExperimentContext& context, S setup) {
+                     setup.axes = context.rotation;
+                     return make_inflation(context.body, setup, context.material);
+                   });
 }
 }  // namespace elastin::lab
