@@ -1,6 +1,4 @@
 #pragma once
-#include <map>
-#include <set>
 #include <string>
 #include <vector>
 
@@ -12,21 +10,11 @@ namespace elastin::config {
 
 /// A table of the key reference: the keys of one map of a scene.
 struct KeySection {
-  std::string path;     ///< under which readers note these keys: "body.lattice"; "" for the scene itself
+  std::string path;     ///< of the map: "body.lattice"; "" for the scene itself
   std::string heading;  ///< "Body"; empty where the table belongs to the heading before it
   std::string text;     ///< above the table: Markdown
   std::vector<SceneKey> keys;
 };
-
-/// How readers read one key while scenes were read.
-struct KeyUse {
-  std::set<std::string> kinds;   ///< "quantity", "number", "angle", "whole", "vector", "list"
-  std::set<std::string> units;   ///< SI, of values that have one
-  std::set<std::string> ranges;  ///< as range_text() writes them
-  std::set<std::string> words;   ///< that could be chosen
-};
-/// By path, without numbers of list items: "body.lattice.spacing".
-using KeyUses = std::map<std::string, KeyUse>;
 
 /// "−0.99", as documents write it.
 std::string number_text(double value);

@@ -82,7 +82,6 @@ std::optional<Reader> Reader::find(const std::string& key) {
          (own.empty() || own.ends_with(']') ? "" : "; write " + own + ": {" + key + ": …}"));
   }
   requested_->keys.push_back(key);
-  if (file_->uses && section_) (*file_->uses)[below(*section_, key)];
   refuse_old_name(key);
   return value_of(key, key);
 }
@@ -223,7 +222,6 @@ std::vector<Reader> Reader::items() const {
                              : ""));
   }
   std::vector<Reader> items;
-  if (KeyUse* noted = use()) noted->kinds.insert("list");
   for (const auto& item : node_) {
     items.emplace_back(file_, item, path_ + "[" + std::to_string(items.size()) + "]", location());
     items.back().section_ = section_;
@@ -300,27 +298,7 @@ const std::vector<int>& Reader::mesh_set() const {
   return file_->sets.at(name);
 }
 
-KeyUse* Reader::use() const { return file_->uses && section_ ? &(*file_->uses)[*section_] : nullptr; }
-
-void Reader::note_use(const std::string& kind, const Dimension& unit, const Range& range) const {
-  KeyUse* noted = use();
-  if (!noted) return;
-  noted->kinds.insert(kind);
-  if (const std::string name = si_unit(unit); !name.empty()) noted->units.insert(name);
-  const std::string text = range_text(range.low, range.high, range.open_low);
-  if (!text.empty()) noted->ranges.insert(text);
-}
-
-void Reader::note_words(const std::vector<std::string>& words) const {
-  if (KeyUse* noted = use()) noted->words.insert(words.begin(), words.end());
-}
-
 double Reader::quantity(const Dimension& dimension, const Range& range) const {
-  note_use(dimension == dimension::none ? "number" : "quantity", dimension, range);
-  return number(dimension, range);
-}
-
-double Reader::number(const Dimension& dimension, const Range& range) const {
   const std::string given = text();
   const Quantity quantity = located([&] { return parse_quantity(given, dimension); });
   if (quantity.value < range.low || quantity.value > range.high || (range.open_low && quantity.value == range.low))
@@ -344,9 +322,8 @@ double Reader::number(const Dimension& dimension, const Range& range) const {
 }
 
 double Reader::angle(const Range& range) const {
-  note_use("angle", dimension::none, range);
   const std::string given = text();
-  const double value = number(dimension::none, range);
+  const double value = quantity(dimension::none, range);
   if (given.ends_with('%')) fail("'" + given + "' is a ratio, no angle; write for example 30 deg, 0.5 rad");
   const bool has_unit = parse_quantity(given, dimension::none).has_unit;
   if (!has_unit && value != 0 && !is_override()) note_plain(given, "30 deg, 0.5 rad");
@@ -379,19 +356,9 @@ void Reader::check_units_agree() const {
                                              first_unit->text() + " has one)");
 }
 
+int Reader::molecule(int count) const { return whole(0, count - 1); }
+
 int Reader::whole(int low, int high) const {
-  constexpr double unlimited = std::numeric_limits<double>::infinity();
-  const bool bounded = high < std::numeric_limits<int>::max();
-  note_use("whole", dimension::none, {static_cast<double>(low), bounded ? high : unlimited});
-  return whole_number(low, high);
-}
-
-int Reader::molecule(int count) const {
-  if (KeyUse* noted = use()) noted->kinds.insert("molecule"), noted->ranges.insert("0 … last molecule");
-  return whole_number(0, count - 1);
-}
-
-int Reader::whole_number(int low, int high) const {
   const std::string given = text();
   int value = 0;
   const auto [end, problem] = std::from_chars(given.data(), given.data() + given.size(), value);
@@ -410,7 +377,6 @@ Vector3 Reader::vector(const Dimension& dimension, const Range& range) const {
     fail("expected a list of three values along x, y, z, found a single value; write for example [0, 0, " + text() +
          "]");
   const auto list = items(3);
-  if (KeyUse* noted = use()) noted->kinds.insert("vector");
   return {list[0].quantity(dimension, range), list[1].quantity(dimension, range), list[2].quantity(dimension, range)};
 }
 
@@ -438,7 +404,6 @@ Matrix3 Reader::rotation() const {
 }
 
 std::function<double(const Vector3&)> Reader::of_place(const Dimension& dimension, const Range& range) const {
-  note_use("formula", dimension::none, {});
   std::string given = text();
   if (given.starts_with('=')) given.erase(0, 1);
   const FormulaValues& values = file_->values;
@@ -480,10 +445,9 @@ Reader Reader::open(const std::string& path) const {
   return open_scene(file_->source.other(path), {}, file_->most_molecules);
 }
 
-Reader open_scene(const SceneSource& source, const std::vector<std::string>& overrides, double most_molecules,
-                  KeyUses* uses) {
+Reader open_scene(const SceneSource& source, const std::vector<std::string>& overrides, double most_molecules) {
   SceneTree tree = load_scene_tree(source, overrides);
-  SceneFile file{source.path(), {}, {}, most_molecules, uses, source};
+  SceneFile file{source.path(), {}, {}, most_molecules, source};
   file.files = std::move(tree.files);
   file.values = std::move(tree.values);
   return {std::make_shared<SceneFile>(std::move(file)), tree.root, ""};

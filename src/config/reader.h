@@ -28,7 +28,6 @@ struct SceneFile {
   /// First one written as a plain number, and the message that it is if units are used.
   std::optional<std::pair<SourceLocation, std::string>> first_plain;
   double most_molecules = std::numeric_limits<double>::infinity();  ///< that a body may have
-  KeyUses* uses = nullptr;  ///< where readers note what they ask for; null: nowhere
   SceneSource source = {};
   std::map<std::string, std::vector<int>> sets = {};  ///< of molecules, ascending, as the body's mesh names them
   std::vector<std::string> files = {};                ///< the scene's own, and those that it extends
@@ -110,7 +109,6 @@ class Reader {
     const std::string word = text();
     std::vector<std::string> names;
     for (const auto& [name, value] : choices) names.push_back(name);
-    note_words(names);
     for (const auto& [name, value] : choices)
       if (name == word) return value;
     fail("'" + word + "' is not known here" + suggested_word(word, names));
@@ -162,12 +160,6 @@ class Reader {
   bool is_override() const;
   void note_unit() const;
   void note_plain(const std::string& given, const std::string& examples) const;
-  /// Notes how this value is read, for the key reference.
-  KeyUse* use() const;
-  void note_use(const std::string& kind, const Dimension& unit, const Range& range) const;
-  void note_words(const std::vector<std::string>& words) const;
-  double number(const Dimension& dimension, const Range& range) const;
-  int whole_number(int low, int high) const;
   void check_units_agree() const;
   std::shared_ptr<SceneFile> file_;
   YAML::Node node_;
@@ -179,7 +171,6 @@ class Reader {
 };
 
 /// Reads a scene's YAML and puts `key.path=value` overrides in. Throws InputError: file:line:column.
-Reader open_scene(const SceneSource& source, const std::vector<std::string>& overrides, double most_molecules,
-                  KeyUses* uses = nullptr);
+Reader open_scene(const SceneSource& source, const std::vector<std::string>& overrides, double most_molecules);
 
 }  // namespace elastin::config

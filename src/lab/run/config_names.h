@@ -20,8 +20,6 @@ using config::key_of;
 using config::KeyGroup;
 using config::Keys;
 using config::KeySection;
-using config::KeyUse;
-using config::KeyUses;
 using config::kNotNegative;
 using config::kPositive;
 using config::missing_file;

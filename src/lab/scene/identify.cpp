@@ -228,8 +228,8 @@ const std::vector<DataTestKind>& data_test_kinds() {
 }
 
 IdentifyTask load_identify_task(const SceneSource& source, const Catalog& catalog,
-                                const std::vector<std::string>& overrides, KeyUses* uses) {
-  Reader reader = open_scene(source, overrides, kMostMolecules, uses);
+                                const std::vector<std::string>& overrides) {
+  Reader reader = open_scene(source, overrides, kMostMolecules);
   read_preamble(reader);
   IdentifyTask task;
   task.source = source;

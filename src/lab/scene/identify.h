@@ -83,7 +83,7 @@ struct IdentifyTask {
 
 /// Throws InputError where the scene has no `identify:` section. The body and experiment of the scene are not built.
 IdentifyTask load_identify_task(const SceneSource& source, const Catalog& catalog,
-                                const std::vector<std::string>& overrides = {}, KeyUses* uses = nullptr);
+                                const std::vector<std::string>& overrides = {});
 
 std::vector<KeySection> identify_keys();
 

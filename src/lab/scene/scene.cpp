@@ -286,9 +286,9 @@ void refuse_of_engine(Reader& reader, const Scene& scene, bool timed, bool conta
 
 std::unique_ptr<Scene> read_scene(const SceneSource& source, const Catalog& catalog,
                                   const std::vector<std::string>& overrides, double most_molecules,
-                                  const ExperimentCatalog& experiments, KeyUses* uses, const BodyChange& change = {}) {
+                                  const ExperimentCatalog& experiments, const BodyChange& change = {}) {
   const auto start = std::chrono::steady_clock::now();
-  Reader reader = open_scene(source, overrides, most_molecules, uses);
+  Reader reader = open_scene(source, overrides, most_molecules);
   reader.set_owners([&](const std::string& key) { return owners_of(key, key_sections(catalog, experiments)); });
   read_preamble(reader);
   auto scene = std::make_unique<Scene>();
@@ -417,15 +417,14 @@ namespace {
 
 std::unique_ptr<Scene> read_scene_or_say(const SceneSource& source, const Catalog& catalog,
                                          const std::vector<std::string>& overrides, double most_molecules,
-                                         const ExperimentCatalog& experiments, KeyUses* uses,
-                                         const BodyChange& change) {
+                                         const ExperimentCatalog& experiments, const BodyChange& change) {
   const auto too_large = [&] {
     return InputError(SourceLocation{source.path()}, "the scene does not fit into this machine's memory");
   };
   try {
     if (const SceneFormat* format = scene_format_of(source.path()))
       return read_other_format(*format, source, overrides, most_molecules);
-    return read_scene(source, catalog, overrides, most_molecules, experiments, uses, change);
+    return read_scene(source, catalog, overrides, most_molecules, experiments, change);
   } catch (const std::bad_alloc&) {
     throw too_large();
   } catch (const std::length_error&) {
@@ -437,8 +436,8 @@ std::unique_ptr<Scene> read_scene_or_say(const SceneSource& source, const Catalo
 
 std::unique_ptr<Scene> load_scene(const SceneSource& source, const Catalog& catalog,
                                   const std::vector<std::string>& overrides, double most_molecules,
-                                  const ExperimentCatalog& experiments, KeyUses* uses) {
-  return read_scene_or_say(source, catalog, overrides, most_molecules, experiments, uses, {});
+                                  const ExperimentCatalog& experiments) {
+  return read_scene_or_say(source, catalog, overrides, most_molecules, experiments, {});
 }
 
 std::unique_ptr<Scene> load_scene_on(const SceneSource& source, const Catalog& catalog,

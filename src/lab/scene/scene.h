@@ -74,12 +74,11 @@ const StrategyChoice* find_strategy(const std::vector<StrategyChoice>& choices, 
 StrategyChoice choose_strategy(const Scene& scene, const Catalog& catalog, const std::string& label);
 
 /// Reads a scene and builds its body and experiment. `overrides` are key.path=value. Throws InputError, of a body with
-/// more molecules than these too. `uses`, if given, gets every key that its readers ask for.
+/// more molecules than these too.
 std::unique_ptr<Scene> load_scene(const SceneSource& source, const Catalog& catalog,
                                   const std::vector<std::string>& overrides = {},
                                   double most_molecules = kMostMolecules,
-                                  const ExperimentCatalog& experiments = built_in_experiments(),
-                                  KeyUses* uses = nullptr);
+                                  const ExperimentCatalog& experiments = built_in_experiments());
 
 /// The same scene on another body: `change` gets the one that the scene describes, before the scene is turned, with its
 /// material.
