@@ -124,12 +124,15 @@ Reader Reader::at(const std::string& key) {
                                                    "a blank stands behind the colon of a key: write " + key + ": " +
                                                    given.substr(key.size() + 1));
     if (misspelt.empty() && meant_key(given, {key}) == key) misspelt = given;
-    if (const std::string instead = instead_of_key(given); !instead.empty())
-      throw InputError(location_of_key(given),
-                       (path_.empty() ? "" : path_ + ": ") + "unknown key '" + given + "'; " + instead);
   }
   if (misspelt.empty()) misspelt = nearest_name(key, unknown);
-  if (misspelt.empty()) fail("key '" + key + "' is missing");
+  if (misspelt.empty()) {
+    for (const std::string& given : unknown)
+      if (const std::string instead = instead_of_key(given); !instead.empty())
+        throw InputError(location_of_key(given),
+                         (path_.empty() ? "" : path_ + ": ") + "unknown key '" + given + "'; " + instead);
+    fail("key '" + key + "' is missing");
+  }
   requested_->misspelt.emplace_back(misspelt, key);
   return *value_of(misspelt, key);
 }

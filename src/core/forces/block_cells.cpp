@@ -913,7 +913,7 @@ class BlockStiffness final : public NodalStiffness, public StiffPoints, public C
   }
   /// Q in δp = Q ∫ φ δJ: M⁻¹ ∫ U″ φ φᵀ M⁻¹.
   void set_stiffness_of_pressures(int cell, const Strains& now) {
-    stiffness_of_pressures_[cell] = cells_.stiffness_of_pressures(cell, now);
+    stiffness_of_pressures_[cell] = cells_.stiffness_of_pressures(cell, now, pressure_part_);
   }
   /// Of each node.
   std::vector<PressureGradient> pressure_gradients(int cell) const {

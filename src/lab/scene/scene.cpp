@@ -442,7 +442,7 @@ std::unique_ptr<Scene> load_scene(const SceneSource& source, const Catalog& cata
 
 std::unique_ptr<Scene> load_scene_on(const SceneSource& source, const Catalog& catalog,
                                      const std::vector<std::string>& overrides, const BodyChange& change) {
-  return read_scene_or_say(source, catalog, overrides, kMostMolecules, built_in_experiments(), nullptr, change);
+  return read_scene_or_say(source, catalog, overrides, kMostMolecules, built_in_experiments(), change);
 }
 
 std::vector<KeySection> scene_keys() {
