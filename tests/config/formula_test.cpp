@@ -80,7 +80,7 @@ TEST_CASE("the option --set changes the values that formulas are made of", "[sce
 TEST_CASE("what is wrong with a formula is told at its place", "[scene][formula]") {
   for (const auto& [formula, message] : std::vector<std::pair<std::string, std::string>>{
            {"= sid / 9", "a.yaml:2:4: x: there is no value 'sid'; did you mean 'side'? (allowed: side, n, E, "},
-           {"= side + E", "x: the formula ' side + E': adds Pa to m"},
+           {"= side + E", "x: the formula 'side + E': adds Pa to m"},
            {"= side - 1", "subtracts a plain number from m"},
            {"= (side", "a bracket is not closed"},
            {"= side /", "it has no end"},
