@@ -150,7 +150,7 @@ class Hands(unittest.TestCase):
         ended = simulation.step(10, check=False)
         self.assertFalse(ended)
         self.assertEqual(ended.outcome, "limit_reached")
-        self.assertIn("parts", ended.cause)
+        self.assertIn("substeps", ended.cause)
         self.assertTrue((simulation.positions == before).all())
 
 

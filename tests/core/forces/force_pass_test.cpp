@@ -11,10 +11,10 @@
 #include "support/allocations.h"
 #include "support/bodies.h"
 
-namespace elastin {
-namespace {
-
+using namespace elastin;
 using namespace elastin::testing;
+
+namespace {
 
 constexpr Material kSoft{.youngs_modulus = 1e4};
 
@@ -258,5 +258,3 @@ TEST_CASE("a force pass allocates nothing after the first", "[force_pass][slow]"
     set_threads(0);
   }
 }
-
-}  // namespace elastin

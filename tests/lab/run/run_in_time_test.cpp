@@ -471,9 +471,9 @@ TEST_CASE("every kind of strategy can be compared in time", "[time]") {
   CHECK(calibrated.calibration_factor != 1);
   CHECK(measured(calibrated, "frequency") == Approx(exact).epsilon(0.1));
   CHECK(measured(run_of(text, {}, {"stiffness=standard"}), "frequency") > 1.2 * exact);  // far too stiff
-  const Run updated = run_of(text, {}, {"stiffness=angles_update"});                     // has no energy
+  const Run updated = run_of(text, {}, {"stiffness=angles_update"});  // has no energy: the work of its forces counts
   CHECK(measured(updated, "frequency") > 0);
-  CHECK_FALSE(std::isfinite(updated.measures.get("energy_balance")));
+  CHECK(measured(updated, "energy_drift") < 0.1);
 }
 
 TEST_CASE("the file of a run in time has a row a frame", "[time][files]") {
