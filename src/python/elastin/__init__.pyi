@@ -31,8 +31,8 @@ class Body:
         """positions (n, 3) [m]; connections (m, 2), numbers of molecules, by default the sides of the cells; triangles
         (k, 3); tetrahedra (k, 4); cells of other shapes by name, {'hexahedron8': (k, 8), …}, nodes as in VTK;
         rest_lengths (m,) [m], by default the distances; masses (n,) [kg], by default from density [kg/m^3] and the
-        cells (triangles: thickness [m]) or the convex hull; radii (n,) [m], by default half the shortest
-        connection. Arrays are copied."""
+        cells (triangles: thickness [m]) or the convex hull; radii (n,) [m], by default half the shortest connection.
+        Arrays are copied."""
     @property
     def positions(self) -> Floats:
         """Positions at rest [m], (n, 3)."""
@@ -765,13 +765,13 @@ class Bubble(Experiment):
     18-25]
     pressure [Pa]: the pressure that `load_steps` reach, or one pressure for each step, ascending (quantity, or list;
     default: this, or measured).
-    load_steps: equal steps in which the load grows (whole; default: 1).
     measured [Pa, m]: `[pressure, height]`, ascending; a file has one pair in each line, with units (list of pairs,
     or file beside the scene; default: this, or pressure).
+    load_steps: equal steps in which the load grows (whole; default: 1).
     identify.degree: finds the secant modulus E(ε) from the measured heights: degree of the polynomial (whole;
     default: 2).
     identify.up_to: strain up to which it counts (number; default: 1.5 × the cap's strain)."""
-    def __init__(self, *, pressure: Any = None, load_steps: Any = None, measured: Any = None, identify: Any =
+    def __init__(self, *, pressure: Any = None, measured: Any = None, load_steps: Any = None, identify: Any =
                  None) -> None: ...
 
 class Indentation(Experiment):
