@@ -6,7 +6,7 @@
 #   consumer_test.sh parts BUILD          its own stepper and load give the closed form
 #   consumer_test.sh c BUILD              the example in C runs on the installed shared library
 #   consumer_test.sh pkg-config BUILD     the same program by pkg-config
-#   consumer_test.sh subdirectory BUILD   the project with Elastin's sources inside: builds the core, some minutes
+#   consumer_test.sh subdirectory BUILD   the project with Elastin's sources inside: builds the core, a few minutes
 set -euo pipefail
 
 what=$1 build=$(readlink -f -- "$2")
@@ -82,7 +82,8 @@ case $what in
     fi
     ;;
   subdirectory)
-    build_project "$work/subdirectory" -DELASTIN_SOURCE="$source" -DCMAKE_BUILD_TYPE=Release -DELASTIN_WERROR=ON \
+    build_project "$work/subdirectory" -DELASTIN_SOURCE="$source" -DELASTIN_UNITY=ON -DELASTIN_WERROR=ON \
+      -DCMAKE_BUILD_TYPE=Debug -DCMAKE_CXX_FLAGS_DEBUG=-O0 \
       -DCMAKE_DISABLE_FIND_PACKAGE_fcl=ON -DCMAKE_DISABLE_FIND_PACKAGE_yaml-cpp=ON
     [[ ! -e $work/subdirectory/bin ]] || fail "Elastin changed where the project's programs go"
     "$work/subdirectory/core_alone"
