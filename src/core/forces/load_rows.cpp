@@ -176,13 +176,28 @@ LoadKind air() {
   return load;
 }
 
+/// Molecules with radii by which they drag as the whole body does, each by its part of the mass; else the body's own.
+/// Drag goes with radius^power.
+Body dragging(const Body& body, const LoadValues& values, double power) {
+  Body molecules;
+  molecules.radius = body.radius;
+  if (!values.has("body_radius")) return molecules;
+  const double mass = sum_over(body, body.mass.head(owned_molecules(body)).sum());
+  molecules.radius = values.numbers.at("body_radius") * (body.mass / mass).array().pow(1 / power);
+  return molecules;
+}
+const ParameterInfo kBodyRadius =
+    optional("body_radius", dimension::length,
+             "of a sphere that drags as the whole body does, shared by mass; without it every molecule drags as a "
+             "sphere of its own radius, and the sum depends on their number");
+
 LoadKind stokes_drag() {
   LoadKind load{{"stokes_drag",
                  "ambient viscous friction F = -6 pi viscosity r V",
                  "[M03]",
-                 {required("viscosity", dimension::viscosity, "viscosity of the medium")}}};
+                 {required("viscosity", dimension::viscosity, "viscosity of the medium"), kBodyRadius}}};
   load.add = [](Model& model, const LoadValues& values, const Material*) {
-    model.add(make_stokes_drag(model.body(), values.numbers.at("viscosity")));
+    model.add(make_stokes_drag(dragging(model.body(), values, 1), values.numbers.at("viscosity")));
   };
   load.acts_at_rest = never_at_rest;
   load.of_shares = true;
@@ -194,9 +209,11 @@ LoadKind quadratic_drag() {
                  "ambient friction F = -1/2 density drag_coefficient pi r^2 |V| V",
                  "[M03, reading]",
                  {required("density", dimension::density, "density of the medium"),
-                  required("drag_coefficient", dimension::none, "drag coefficient of a molecule; 0.47 of a sphere")}}};
+                  required("drag_coefficient", dimension::none, "drag coefficient of a molecule; 0.47 of a sphere"),
+                  kBodyRadius}}};
   load.add = [](Model& model, const LoadValues& values, const Material*) {
-    model.add(make_quadratic_drag(model.body(), values.numbers.at("density"), values.numbers.at("drag_coefficient")));
+    model.add(make_quadratic_drag(dragging(model.body(), values, 2), values.numbers.at("density"),
+                                  values.numbers.at("drag_coefficient")));
   };
   load.acts_at_rest = never_at_rest;
   load.of_shares = true;

@@ -44,15 +44,17 @@ std::string stiffness_text(const Stiffness6& stiffness, bool colours) {
 std::string time_text(const TimeReport& time) {
   const double seconds = std::max(time.seconds, 1e-9), rate = time.simulated / seconds;
   std::string out = fmt::format(
-      "  {}{}: {}{}, last {}{}; {:.4g} s simulated in {}, {:.3g} steps a second, {:.3g} times {} than real time\n",
-      time.resumed ? "resumed, " : "", time.scheme, counted(time.steps, "step"),
-      time.rejected ? fmt::format(" and {} rejected", time.rejected) : "", readable_seconds(time.last_step),
+      "  {}{}: {}{}, last {}{}; {:.4g} s simulated in {}{}\n", time.resumed ? "resumed, " : "", time.scheme,
+      counted(time.steps, "step"), time.rejected ? fmt::format(" and {} rejected", time.rejected) : "",
+      readable_seconds(time.last_step),
       time.critical_step > 0 && std::isfinite(time.critical_step)
           ? fmt::format(" (longest stable {}, ω_max {:.4g} rad/s)", readable_seconds(time.critical_step),
                         time.frequency)
           : "",
-      time.simulated, readable_seconds(time.seconds), time.steps / seconds, rate < 1 ? 1 / rate : rate,
-      rate < 1 ? "slower" : "faster");
+      time.simulated, readable_seconds(time.seconds),
+      rate > 0 ? fmt::format(", {:.3g} steps a second, {:.3g} times {} than real time", time.steps / seconds,
+                             rate < 1 ? 1 / rate : rate, rate < 1 ? "slower" : "faster")
+               : "");
   if (time.budget) {
     const BudgetReport& own = *time.budget;
     out += fmt::format(

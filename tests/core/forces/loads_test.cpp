@@ -3,7 +3,9 @@
 #include <catch2/catch.hpp>
 #include <numbers>
 
+#include "elastin/core/forces/load_table.h"
 #include "elastin/core/forces/model.h"
+#include "elastin/core/shapes/shapes.h"
 #include "support/bodies.h"
 #include "support/forces_of.h"
 
@@ -23,6 +25,27 @@ TEST_CASE("drag balances weight at the terminal velocity of the textbooks", "[lo
   const double speed = std::sqrt(3e-5 * 9.81 / (0.5 * 1000 * 0.47 * std::numbers::pi * 4e-6));
   state.velocities = (g.normalized() * speed).replicate(1, 2);
   CHECK((forces_of(*gravity, state) + forces_of(*make_quadratic_drag(body, 1000, 0.47), state)).norm() < 1e-16);
+}
+
+TEST_CASE("a whole body drags as a sphere does, however many molecules it has", "[loads]") {
+  for (const int molecules : {2, 3, 5}) {
+    Body body = cubic_lattice({molecules, molecules, molecules}, 0.1, {.axis = true});
+    body.mass = VectorX::LinSpaced(body.size(), 1, 2);
+    body.mass *= 3 / body.mass.sum();
+    Model model(body);
+    add_load(model, *built_in_loads().find("stokes_drag"), {.numbers = {{"viscosity", 0.1}, {"body_radius", 0.2}}});
+    add_load(model, *built_in_loads().find("quadratic_drag"),
+             {.numbers = {{"density", 1000}, {"drag_coefficient", 0.47}, {"body_radius", 0.2}}});
+    State state = state_at_rest(body);
+    state.velocities.row(2).setConstant(0.3);
+    const Vector3 viscous = forces_of(*model.loads()[0], state).rowwise().sum();
+    CHECK(viscous.z() == Approx(-6 * std::numbers::pi * 0.1 * 0.2 * 0.3).epsilon(1e-12));
+    const Positions turbulent = forces_of(*model.loads()[1], state);
+    CHECK(turbulent.row(2).sum() == Approx(-0.5 * 1000 * 0.47 * std::numbers::pi * 0.04 * 0.09).epsilon(1e-12));
+    // Shared by mass: no molecule is left behind.
+    CHECK((turbulent.row(2).transpose().array() / body.mass.array() * 3 / turbulent.row(2).sum() - 1).abs().maxCoeff() <
+          1e-12);
+  }
 }
 
 TEST_CASE("loads: energies and changes agree with differences", "[loads]") {
