@@ -4,13 +4,13 @@
 #include <array>
 #include <cmath>
 #include <cstdlib>
+#include <filesystem>
 #include <fstream>
 #include <functional>
 #include <map>
 #include <sstream>
 #include <stdexcept>
 
-#include "calculix_job.h"
 #include "lab/scene/scene.h"
 #include "measure.h"
 #include "support/temporary_folder.h"
@@ -20,6 +20,65 @@ namespace {
 
 using namespace elastin;
 using namespace elastin::lab;
+
+/// An input of CalculiX. Places and cells count from 0 here.
+struct Deck {
+  std::string type;  ///< C3D8I, C3D20R
+  std::vector<Vector3> positions;
+  std::vector<std::vector<int>> cells;
+  std::map<std::string, std::vector<int>> node_sets, cell_sets;
+  std::string rest;  ///< material, supports, steps; the body is the set BODY, "WATCHED" is printed
+};
+
+/// Whether ccx can be started.
+bool calculix_is_here() { return std::system("command -v ccx > /dev/null 2>&1") == 0; }
+
+/// Writes JOB.inp.
+void write_deck(const Deck& deck, const std::string& job) {
+  std::ofstream file(job + ".inp");
+  file << "*NODE, NSET=ALL\n";
+  for (std::size_t i = 0; i < deck.positions.size(); ++i)
+    file << fmt::format("{},{:.15g},{:.15g},{:.15g}\n", i + 1, deck.positions[i].x(), deck.positions[i].y(),
+                        deck.positions[i].z());
+  file << "*ELEMENT, TYPE=" << deck.type << ", ELSET=BODY\n";
+  for (std::size_t i = 0; i < deck.cells.size(); ++i) {
+    file << i + 1;
+    for (std::size_t corner = 0; corner < deck.cells[i].size(); ++corner)
+      file << (corner % 15 == 14 ? ",\n" : ",") << deck.cells[i][corner] + 1;  // 16 numbers a line
+    file << '\n';
+  }
+  const auto write_sets = [&](const char* keyword, const auto& sets) {
+    for (const auto& [name, numbers] : sets) {
+      file << keyword << '=' << name << '\n';
+      for (const int number : numbers) file << number + 1 << ",\n";
+    }
+  };
+  write_sets("*NSET, NSET", deck.node_sets);
+  write_sets("*ELSET, ELSET", deck.cell_sets);
+  file << deck.rest;
+  if (!file.flush()) throw std::runtime_error("cannot write " + job + ".inp");
+}
+
+void run_calculix_job(const std::string& job, int threads) {
+  const std::string line = fmt::format("cd '{}' && OMP_NUM_THREADS={} ccx -i '{}' > '{}.log' 2>&1",
+                                       std::filesystem::path(job).parent_path().string(), threads, job, job);
+  if (std::system(line.c_str()) != 0) throw std::runtime_error("ccx failed: " + line);
+}
+
+/// The last displacements [m] that it has printed.
+std::map<int, Vector3> last_displacements(const std::string& job) {
+  std::ifstream file(job + ".dat");
+  std::map<int, Vector3> found;
+  for (std::string line; std::getline(file, line);) {
+    if (line.find("displacements") != std::string::npos) found.clear();
+    std::istringstream numbers(line);
+    int number = 0;
+    double x, y, z;
+    if (numbers >> number >> x >> y >> z) found[number - 1] = {x, y, z};
+  }
+  if (found.empty()) throw std::runtime_error("CalculiX left no answer in " + job + ".dat");
+  return found;
+}
 
 /// A block of hexahedra as CalculiX wants it, `counts` along x, y, z; quadratic ones have a place in the middle of each
 /// side.
@@ -195,7 +254,8 @@ Reference reference_of(const Task& task) {
 
 std::vector<Row> run_accuracy(const Settings& settings) {
   const int threads = settings.threads.back(), repeats = std::min(settings.repeats, 3);
-  if (!calculix_is_here()) return {{"accuracy", "CalculiX", 0, threads, 0, {}, kCalculixMissing}};
+  if (!calculix_is_here())
+    return {{"accuracy", "CalculiX", 0, threads, 0, {}, "skipped: ccx is not here; apt-get install calculix-ccx"}};
   std::vector<Row> rows;
   for (const Task& task : kTasks) {
     const Reference reference = reference_of(task);

@@ -32,7 +32,6 @@ constexpr Case kCases[] = {
     {"steps",
      "explicit steps (velocity Verlet) of the cube's springs; peers: the same by hand, LAMMPS (package lammps), Bullet",
      bench::run_steps},
-    {"budget", "the largest bodies whose implicit step takes under 1 ms and under 16 ms", bench::run_budget},
     {"cut", "a block of 20 250 cells that is cut while it moves: its steps, and the longest one", bench::run_cut},
     {"laws",
      "force and tangent pass of springs and of every cell law on some 1e5 cells; peer: a plain loop over springs",
@@ -44,11 +43,6 @@ constexpr Case kCases[] = {
     {"convergence",
      "clamped tension, shear, torsion and cantilever under refinement, against converged finite elements",
      bench::run_convergence},
-    {"membrane",
-     "a sphere inflated, error in its radius against time; the smooth sphere with logarithmic strain is exact",
-     bench::run_membrane},
-    {"calculix", "the neo-Hookean static solve at some 1e5 cells; peer: CalculiX (ccx 2.20, package calculix-ccx)",
-     bench::run_calculix},
     {"accuracy",
      "error and time on the problems of scenes/study, Elastin's and CalculiX's, as whole processes; CalculiX's rows go "
      "beside Elastin's by "
@@ -56,17 +50,13 @@ constexpr Case kCases[] = {
      bench::run_accuracy},
     {"contact", "finding what touches, and explicit steps with it; peer: FCL by hand, one collision object a molecule",
      bench::run_contact},
-    {"core", "the tension cube in a program on elastin::core alone; peer: the same with everything linked",
-     bench::run_core},
     {"embed",
      "the largest soft cube (10 cm, 10 kPa) that a host steps 1000 times a second on one core, and how steadily; "
      "limit: "
      "its force passes alone, peer: Bullet",
      bench::run_embed},
     {"web", "explicit steps of springs and of cells; peer: the same core as WebAssembly, in node, on one thread",
-     bench::run_web},
-    {"rules", "setting the constants of every spring rule, 22 molecules a side", bench::run_rules},
-};
+     bench::run_web}};
 
 }  // namespace
 

@@ -1,16 +1,23 @@
+#include <fcl/broadphase/broadphase_dynamic_AABB_tree.h>
+#include <fcl/geometry/shape/halfspace.h>
+#include <fcl/geometry/shape/sphere.h>
+#include <fcl/narrowphase/collision.h>
+#include <fcl/narrowphase/collision_object.h>
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 #include <deque>
 #include <map>
+#include <memory>
 #include <stdexcept>
 
 #include "contact/search.h"
-#include "contact_steps.h"
+#include "elastin/contact/contact.h"
 #include "elastin/core/parallel/threads.h"
 #include "elastin/core/shapes/shapes.h"
-#include "fcl_objects.h"
+#include "elastin/core/simulation/catalog.h"
+#include "elastin/core/solve/integrator.h"
 #include "measure.h"
 
 namespace bench {
@@ -105,6 +112,74 @@ struct Ours {
   }
 };
 
+struct Contacts {
+  fcl::CollisionRequestd request{1, true};
+  std::size_t count = 0;
+};
+
+bool collide(fcl::CollisionObjectd* one, fcl::CollisionObjectd* other, void* context) {
+  Contacts& contacts = *static_cast<Contacts*>(context);
+  fcl::CollisionResultd result;
+  contacts.count += fcl::collide(one, other, contacts.request, result);
+  return false;
+}
+
+std::shared_ptr<fcl::CollisionGeometryd> geometry_of(const ObstacleShape& shape) {
+  if (std::holds_alternative<shape::Plane>(shape)) return std::make_shared<fcl::Halfspaced>(fcl::Vector3d::UnitZ(), 0);
+  if (const auto* ball = std::get_if<shape::Sphere>(&shape)) return std::make_shared<fcl::Sphered>(ball->radius);
+  throw std::runtime_error("the peer knows planes and spheres alone");
+}
+
+/// The peer of contact: FCL as one uses it by hand. One collision object a sphere in a dynamic tree for each group;
+/// every time all are moved, the trees brought up to date, and what the broad phase leaves is asked for contacts.
+class FclObjects {
+ public:
+  /// Groups of molecules (pieces of a body); an obstacle, a plane or a sphere, if there is one group alone.
+  FclObjects(const Body& body, const std::vector<std::vector<int>>& groups, const Obstacle* obstacle) {
+    for (const auto& molecules : groups) {
+      Group& group = *groups_.emplace_back(std::make_unique<Group>());
+      group.molecules = molecules;
+      const auto sphere = std::make_shared<fcl::Sphered>(body.radius[molecules.front()]);  // the same for all
+      std::vector<fcl::CollisionObjectd*> all;
+      for (const int molecule : molecules) {
+        const fcl::Vector3d position = body.rest.col(molecule);
+        group.objects.push_back(std::make_unique<fcl::CollisionObjectd>(sphere, fcl::Matrix3d::Identity(), position));
+        all.push_back(group.objects.back().get());
+      }
+      group.tree.registerObjects(all);
+      group.tree.setup();
+    }
+    if (obstacle)
+      obstacle_ = std::make_unique<fcl::CollisionObjectd>(geometry_of(obstacle->shape), obstacle->pose.turn,
+                                                          obstacle->pose.position);
+  }
+  /// Pairs that touch at these positions.
+  std::size_t find(const Positions& positions) {
+    for (auto& group : groups_) {
+      for (std::size_t i = 0; i < group->objects.size(); ++i) {
+        group->objects[i]->setTranslation(positions.col(group->molecules[i]));
+        group->objects[i]->computeAABB();
+      }
+      group->tree.update();
+    }
+    Contacts contacts;
+    if (obstacle_)
+      groups_[0]->tree.collide(obstacle_.get(), &contacts, &collide);
+    else
+      groups_[0]->tree.collide(&groups_[1]->tree, &contacts, &collide);
+    return contacts.count;
+  }
+
+ private:
+  struct Group {
+    std::vector<int> molecules;
+    std::vector<std::unique_ptr<fcl::CollisionObjectd>> objects;
+    fcl::DynamicAABBTreeCollisionManagerd tree;
+  };
+  std::vector<std::unique_ptr<Group>> groups_;
+  std::unique_ptr<fcl::CollisionObjectd> obstacle_;
+};
+
 /// Elastin's searches and FCL's, in turn, on some number of threads (FCL has one).
 std::vector<Figures> race(Against against, int side, int threads, int repeats) {
   const Scene scene(against, side);
@@ -169,6 +244,65 @@ void add_comparisons(std::vector<Row>& rows) {
   }
 }
 
+enum class Kind { none, far_spheres, far_triangles, pressed_spheres, pressed_triangles };
+constexpr const char* kSteps[] = {"steps: no contact", "steps: plane far away, spheres",
+                                  "steps: plane far away, triangles", "steps: on the plane, spheres",
+                                  "steps: on the plane, triangles"};
+
+/// Velocity Verlet of the cube on its lattice pass, the fastest there is: contact has to be cheap beside it.
+struct Run {
+  Body body;
+  Model model;
+  State state;
+  std::unique_ptr<Integrator> integrator = make_integrator({.scheme = "velocity_verlet"});
+  double dt;
+
+  Run(Kind kind, int side) : body(make_cube(side)), model(body), state(state_at_rest(body)) {
+    const VectorX constants = built_in_catalog().find("lattice").constants(body, kMaterial, {});
+    dt = 0.1 * std::sqrt(body.mass.minCoeff() / (18 * constants.maxCoeff()));
+    model.add(make_springs(body, constants));
+    state.positions.row(2) *= 1.001;  // so that it moves
+    if (kind == Kind::none) return;
+    ContactOptions options;
+    options.stiffness = default_contact_stiffness(body, kMaterial.youngs_modulus);
+    const bool spheres = kind == Kind::far_spheres || kind == Kind::pressed_spheres;
+    options.surface = spheres ? ContactSurface::spheres : ContactSurface::triangles;
+    const bool far = kind == Kind::far_spheres || kind == Kind::far_triangles;
+    const double spacing = kCubeLength / (side - 1);
+    Pose pose;
+    pose.position.z() = far ? -1 : 0.01 * spacing - (spheres ? spacing / 2 : 0);
+    options.obstacles.push_back({"plane", shape::Plane{}, pose});
+    model.add(make_contact(body, options));
+  }
+  void advance(int steps) {
+    for (int step = 0; step < steps; ++step)
+      if (integrator->advance(model, state, dt).outcome != Outcome::converged) throw std::runtime_error("diverged");
+  }
+};
+
+std::vector<Figures> race_steps(int side, int threads, int repeats) {
+  set_threads(threads);
+  std::vector<std::unique_ptr<Run>> runs;
+  for (int kind = 0; kind < static_cast<int>(std::size(kSteps)); ++kind)
+    runs.push_back(std::make_unique<Run>(static_cast<Kind>(kind), side));
+  const double springs = runs[0]->body.connections.size();
+  const int steps =
+      std::clamp(static_cast<int>(2e6 / springs), 1, 200);  // short: few are disturbed, and the minimum counts
+  std::vector<std::function<void()>> works;
+  for (const auto& run : runs) works.emplace_back([&run, steps] { run->advance(steps); });
+  std::vector<Figures> found;
+  for (const Sample& sample : interleaved(works, 10 * repeats)) {
+    Figures figures;
+    figures.molecules = runs[0]->body.size();
+    figures.springs = springs;
+    figures.minimum = sample.minimum / steps;
+    figures.median = sample.median / steps;
+    figures.without = figures.minimum / (found.empty() ? figures.minimum : found[0].minimum);
+    found.push_back(figures);
+  }
+  return found;
+}
+
 }  // namespace
 
 std::vector<Row> run_contact(const Settings& settings) {
@@ -183,8 +317,13 @@ std::vector<Row> run_contact(const Settings& settings) {
           rows.push_back({"contact", scene + ": " + kMethods[i], side, threads, settings.repeats, found[i], ""});
       }
   add_comparisons(rows);
-  const std::vector<Row> steps = run_contact_steps(settings);
-  rows.insert(rows.end(), steps.begin(), steps.end());
+  for (const int side : settings.sides)
+    for (const int threads : settings.threads) {
+      say(fmt::format("contact, steps, side {}, threads {}", side, threads));
+      const auto found = in_child([&] { return race_steps(side, threads, settings.repeats); });
+      for (std::size_t i = 0; i < found.size(); ++i)
+        rows.push_back({"contact", kSteps[i], side, threads, 10 * settings.repeats, found[i], ""});
+    }
   return rows;
 }
 

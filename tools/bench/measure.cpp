@@ -68,7 +68,6 @@ constexpr Column kColumns[] = {
     {"residual", "residual", &Figures::residual, [](double v) { return fmt::format("{:.1e}", v); }},
     {"over_reference", "/reference", &Figures::value, [](double v) { return fmt::format("{:.6f}", v); }},
     {"error", "error", &Figures::error, [](double v) { return fmt::format("{:.4f} %", 100 * v); }},
-    {"mesh_error", "of the mesh", &Figures::mesh_error, [](double v) { return fmt::format("{:.4f} %", 100 * v); }},
     {"order", "order", &Figures::order, [](double v) { return fmt::format("{:.2f}", v); }},
     {"peak_B", "peak MB", &Figures::peak, millions},
 };

@@ -42,9 +42,8 @@ struct Figures {
   double residual = kNone;  ///< ‖b − K x‖/‖b‖ with the assembled matrix; of Newton, unbalanced force over loads
   double value = kNone;     ///< what was solved for over its reference
   double error = kNone;     ///< |value − 1|
-  double mesh_error = kNone;  ///< the same against what the law itself gives on an endlessly fine mesh
-  double order = kNone;       ///< log₂ of the error of twice the spacing over this one
-  double peak = kNone;        ///< [B]: how far the peak of the process's resident memory grew
+  double order = kNone;     ///< log₂ of the error of twice the spacing over this one
+  double peak = kNone;      ///< [B]: how far the peak of the process's resident memory grew
 };
 
 struct Row {
@@ -102,17 +101,12 @@ std::vector<Figures> triad(const Settings& settings);
 std::vector<Row> run_static(const Settings& settings);
 std::vector<Row> run_forces(const Settings& settings);
 std::vector<Row> run_steps(const Settings& settings);
-std::vector<Row> run_budget(const Settings& settings);
 std::vector<Row> run_embed(const Settings& settings);
-std::vector<Row> run_rules(const Settings& settings);
 std::vector<Row> run_laws(const Settings& settings);
 std::vector<Row> run_identify(const Settings& settings);
 std::vector<Row> run_convergence(const Settings& settings);
-std::vector<Row> run_membrane(const Settings& settings);
-std::vector<Row> run_calculix(const Settings& settings);
 std::vector<Row> run_accuracy(const Settings& settings);
 std::vector<Row> run_contact(const Settings& settings);
-std::vector<Row> run_core(const Settings& settings);
 std::vector<Row> run_cut(const Settings& settings);
 std::vector<Row> run_web(const Settings& settings);
 

@@ -1,23 +1,23 @@
-#include <fmt/format.h>
-
 #include <Eigen/IterativeLinearSolvers>
 #include <Eigen/SparseCholesky>
 #ifdef ELASTIN_BENCH_CHOLMOD
 #include <Eigen/CholmodSupport>
 #endif
+#include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <memory>
+#include <numeric>
+#include <random>
 #include <stdexcept>
 
 #include "core/linear/sparse_stiffness.h"
 #include "elastin/core/linear/linear_solver.h"
+#include "elastin/core/model/renumbered.h"
 #include "elastin/core/parallel/threads.h"
 #include "elastin/core/simulation/catalog.h"
 #include "elastin/core/solve/statics.h"
 #include "lab/experiment/tension/tension.h"
 #include "measure.h"
-#include "tension_cube.h"
 
 namespace bench {
 namespace {
@@ -25,6 +25,84 @@ namespace {
 using namespace elastin;
 using namespace elastin::lab;
 using Sparse = Eigen::SparseMatrix<double>;
+
+constexpr double kTolerance = 1e-8;  ///< of the residual, over the loads
+
+/// How a body's molecules and connections are numbered.
+enum class Numbering { lattice, at_random, in_space };
+
+/// The tension cube under the load that stretches it by 1e-5, ready to be solved.
+struct TensionCube {
+  explicit TensionCube(int side, Numbering numbering = Numbering::lattice);
+  Body body;
+  Model model;
+  std::unique_ptr<StaticExperiment> experiment;
+  Positions loads;
+  double renumbering;  ///< what numbered_in_space took of it [s]
+
+ private:
+  struct Cube {
+    Body body;
+    VectorX constants;
+    double renumbering = 0;
+  };
+  static Cube numbered(int side, Numbering numbering);
+  explicit TensionCube(Cube cube);
+};
+
+/// The cube with its springs; of a cube that was numbered at random nothing says that it is a lattice.
+TensionCube::Cube TensionCube::numbered(int side, Numbering numbering) {
+  Body cube = make_cube(side);
+  VectorX constants = built_in_catalog().find("lattice").constants(cube, kMaterial, {});
+  if (numbering == Numbering::lattice) return {std::move(cube), std::move(constants), 0};
+  auto shuffled = [generator = std::mt19937(1)](int count) mutable {
+    std::vector<int> order(static_cast<std::size_t>(count));
+    std::iota(order.begin(), order.end(), 0);
+    std::shuffle(order.begin(), order.end(), generator);
+    return order;
+  };
+  Body body = cube;
+  body.grid.reset();
+  body.cubes.clear();
+  const std::vector<int> molecules = shuffled(cube.size()), connections = shuffled(cube.connections.size());
+  for (int a = 0; a < cube.size(); ++a) body.rest.col(molecules[a]) = cube.rest.col(a);
+  VectorX own(constants.size());
+  for (int c = 0; c < cube.connections.size(); ++c) {
+    const auto& [a, b] = cube.connections.ends[connections[c]];
+    body.connections.ends[c] = {molecules[a], molecules[b]};
+    body.connections.rest_length[c] = cube.connections.rest_length[connections[c]];
+    own[c] = constants[connections[c]];
+  }
+  if (numbering == Numbering::at_random) return {std::move(body), std::move(own), 0};
+  RenumberedBody ordered;
+  const double seconds = seconds_of([&] { ordered = numbered_in_space(body); });
+  return {std::move(ordered.body), own(ordered.connection_from).eval(), seconds};
+}
+
+TensionCube::TensionCube(int side, Numbering numbering) : TensionCube(numbered(side, numbering)) {}
+
+TensionCube::TensionCube(Cube cube) : body(std::move(cube.body)), model(body), renumbering(cube.renumbering) {
+  TensionSetup setup;
+  setup.force = kMaterial.youngs_modulus * kCubeLength * kCubeLength * 1e-5;
+  experiment = make_tension(body, setup);
+  model.add(make_springs(body, std::move(cube.constants)));
+  experiment->static_rig(model)->set_load(1);
+  loads = model.load_forces(state_at_rest(body));
+}
+
+/// K about rest without a shift; the sliding grips leave three rigid motions, on which the load does no work.
+Sparse assembled(TensionCube& cube) {
+  const State rest = state_at_rest(cube.body);
+  const Tangent tangent(cube.model, rest);
+  return sparse_stiffness(tangent, cube.model.supports, 0, stiffness_scale(tangent));
+}
+
+/// The right-hand side that every linear contender gets.
+VectorX free_loads(const TensionCube& cube) {
+  Positions loads = cube.loads;
+  keep_free(cube.model.supports, loads);
+  return Eigen::Map<const VectorX>(loads.data(), loads.size());
+}
 
 struct Solved {
   VectorX motion;  ///< empty for large displacements
@@ -184,49 +262,6 @@ std::vector<Figures> memory(int side, const Entry& entry) {
   return {figures};
 }
 
-/// PETSc in processes of its own, right after: so many MPI ranks for so many threads. Its time is without the matrix.
-std::vector<Row> petsc_rows(int side, const Settings& settings) {
-  constexpr int largest = 47;
-  std::vector<Row> rows;
-  const std::string name = "PETSc GAMG (smoothed aggregation, rigid motions)";
-#ifdef ELASTIN_BENCH_GAMG
-  if (side > largest) return rows;
-  for (const int ranks : settings.threads) {
-    const std::string line =
-        fmt::format("OMP_NUM_THREADS=1 mpirun --allow-run-as-root --oversubscribe -np {} '{}' {} {}", ranks,
-                    ELASTIN_BENCH_GAMG, side, settings.repeats + 1);
-    FILE* output = popen(line.c_str(), "r");
-    std::vector<double> seconds;
-    Figures figures;
-    double time = 0, iterations = 0, residual = 0, peak = 0;
-    while (output && std::fscanf(output, "%lf %lf %lf %lf", &time, &iterations, &residual, &peak) == 4)
-      seconds.push_back(time);
-    if (!output || pclose(output) != 0 || seconds.size() < 2 || !(residual < 10 * kTolerance)) {
-      rows.push_back({"static", name, side, ranks, 0, {}, "failed: " + line});
-      continue;
-    }
-    seconds.erase(seconds.begin());  // to warm up
-    const Sample sample = summary(seconds);
-    figures.minimum = sample.minimum;
-    figures.median = sample.median;
-    figures.iterations = iterations;
-    figures.residual = residual;
-    figures.peak = peak;
-    rows.push_back({"static", name, side, ranks, settings.repeats, figures, "threads: MPI ranks; peak: of all ranks"});
-  }
-#else
-  rows.push_back({"static",
-                  name,
-                  side,
-                  settings.threads.back(),
-                  0,
-                  {},
-                  "skipped: PETSc was not here at build time; apt-get install libpetsc-real-dev"});
-  (void)largest;
-#endif
-  return rows;
-}
-
 }  // namespace
 
 std::vector<Row> run_static(const Settings& settings) {
@@ -259,7 +294,6 @@ std::vector<Row> run_static(const Settings& settings) {
       if (i + 1 == slow.size() || slow[i + 1].contender != slow[i].contender)  // on the most threads
         rows.push_back({"static", slow[i].contender->name, side, slow[i].threads, 1,
                         in_child([&] { return memory(side, slow[i]); }).front(), "once, alone"});
-    for (const Row& row : petsc_rows(side, settings)) rows.push_back(row);
   }
   return rows;
 }
