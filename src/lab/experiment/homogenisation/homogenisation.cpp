@@ -7,6 +7,7 @@
 #include "elastin/core/forces/tangent.h"
 #include "elastin/core/solve/homogenisation.h"
 #include "lab/experiment/driven.h"
+#include "lab/experiment/keys.h"
 #include "lab/run/moduli.h"
 
 namespace elastin::lab {
@@ -119,6 +120,18 @@ const MeasureList& homogenisation_measures() {
 std::unique_ptr<StaticExperiment> make_homogenisation(const Body& body, const HomogenisationSetup& setup,
                                                       const Matrix3& axes) {
   return std::make_unique<Homogenisation>(body, setup.grip_depth, axes);
+}
+
+ExperimentInfo material_row() {
+  return with_keys(
+      {.name = "material",
+       .summary = "six small strains of the surface: the body's 6 × 6 stiffness matrix and its isotropic means",
+       .source = "",
+       .measures = homogenisation_measures()},
+      Keys<HomogenisationSetup>{grip_depth_key(&HomogenisationSetup::grip_depth)},
+      [](const ExperimentContext& context, const HomogenisationSetup& setup) {
+        return make_homogenisation(context.body, setup, context.rotation);
+      });
 }
 
 }  // namespace elastin::lab
