@@ -6,6 +6,7 @@ namespace elastin {
 namespace {
 
 /// Corners counter-clockwise seen from outside.
+constexpr std::array<std::array<int, 2>, 3> kSidesOfTriangle{{{0, 1}, {1, 2}, {2, 0}}};
 constexpr std::array<std::array<int, 3>, 4> kFacesOfTetrahedron{{{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}}};
 constexpr std::array<std::array<int, 4>, 6> kFacesOfCube{
     {{0, 4, 6, 2}, {1, 3, 7, 5}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 2, 3, 1}, {4, 5, 7, 6}}};
@@ -52,5 +53,17 @@ Cells<3> boundary_of(const Cells<4>& tetrahedra) { return alone(faces_of(tetrahe
 std::vector<std::array<int, 4>> faces_of(const Cells<8>& cubes) { return all_faces(cubes, kFacesOfCube); }
 
 std::vector<std::array<int, 4>> boundary_of(const Cells<8>& cubes) { return alone(faces_of(cubes)); }
+
+std::vector<std::array<int, 2>> boundary_of(const Cells<3>& triangles) {
+  return alone(all_faces(triangles, kSidesOfTriangle));
+}
+
+std::vector<int> rim_of(const Cells<3>& triangles) {
+  std::vector<int> rim;
+  for (const auto& side : boundary_of(triangles)) rim.insert(rim.end(), side.begin(), side.end());
+  std::sort(rim.begin(), rim.end());
+  rim.erase(std::unique(rim.begin(), rim.end()), rim.end());
+  return rim;
+}
 
 }  // namespace elastin

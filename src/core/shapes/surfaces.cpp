@@ -7,6 +7,7 @@
 #include <numbers>
 #include <string>
 
+#include "core/geometry/boundary.h"
 #include "elastin/core/base/error.h"
 
 namespace elastin {
@@ -219,15 +220,7 @@ void hang_load(Body& body, HungFrom from, const Vector3& position, double stiffn
   body.between.clear();  // what hangs lies between no others
   std::vector<char> chosen(load, 0);
   if (from == HungFrom::rim) {
-    std::map<std::array<int, 2>, int> sides;
-    for (const auto& triangle : body.triangles)
-      for (std::size_t i = 0; i < 3; ++i) {
-        const int a = triangle[i], b = triangle[(i + 1) % 3];
-        ++sides[{std::min(a, b), std::max(a, b)}];
-      }
-    for (const auto& [side, count] : sides)
-      if (count == 1)
-        for (const int molecule : side) chosen[molecule] = 1;
+    for (const int molecule : rim_of(body.triangles)) chosen[molecule] = 1;
   } else {
     const Vector3 low = body.rest.rowwise().minCoeff(), high = body.rest.rowwise().maxCoeff();
     const double near = 1e-6 * (high - low).norm();

@@ -58,15 +58,4 @@ Matrix3 Driven::virial(const Positions& pull, const Positions& positions) const 
   return sum;
 }
 
-void Driven::add_state(const Model& model, const State& state, const StaticResult& solved, double scale,
-                       Measures& measures) {
-  const Body& body = model.body();
-  if (model.has_energy() && !solved.linear)
-    measures.set("energy", sum_over(body, model.elastic_energy(state.positions)));
-  const Vector3 left =
-      vector_sum_over(body, Vector3(model.load_forces(state).leftCols(owned_molecules(body)).rowwise().sum() +
-                                    solved.reactions.rowwise().sum()));
-  measures.set("reaction_balance", left.norm() / scale);
-}
-
 }  // namespace elastin::lab

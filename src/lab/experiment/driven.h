@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "elastin/lab/run/experiment.h"
+#include "lab/run/common_measures.h"
 
 namespace elastin::lab {
 
@@ -48,9 +49,6 @@ class Driven : public StaticExperiment {
   }
   /// Σ f xᵀ [N m] of the held molecules, at `positions`: the volume times the mean stress of a body in balance.
   Matrix3 virial(const Positions& pull, const Positions& positions) const;
-  /// Energy, and the balance of all forces relative to `scale` [N].
-  static void add_state(const Model& model, const State& state, const StaticResult& solved, double scale,
-                        Measures& measures);
 
   const Body& body_;
   std::vector<Fixed> fixed_;

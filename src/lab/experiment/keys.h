@@ -108,4 +108,27 @@ inline contact::ContactOptions& contact_of_scene(const ExperimentContext& contex
 /// Whether two directions are perpendicular, as far as a scene can write them.
 inline bool perpendicular(const Vector3& a, const Vector3& b) { return std::abs(a.dot(b)) <= 1e-6; }
 
+/// The experiment at rest that says how another one fixes and loads its body. Throws InputError with place and key.
+std::unique_ptr<const StaticExperiment> read_fixture(const Reader& reader, const ExperimentContext& context);
+
+/// Of a setup with the members `fixture` and `context`.
+template <class Setup>
+Key<Setup> fixture_key(std::string text) {
+  return {{"fixture", "experiment at rest", "", "", "none", std::move(text)},
+          [](const Reader& value, Setup& setup, const Frame&) { setup.fixture = read_fixture(value, *setup.context); }};
+}
+
+/// {kind: NAME, …}, of the context's catalog. Throws InputError with source location and key.
+std::unique_ptr<Experiment> read_experiment(Reader reader, const ExperimentContext& context);
+
+/// "motion, release and creep": those that run through time.
+std::string timed_experiment_names(const ExperimentCatalog& catalog);
+
+/// Molecules that are held, with the projector on the directions in which each stays free.
+using FixedMolecules = std::map<int, Matrix3>;
+
+/// Holds the molecules that lie in planes of symmetry through the origin in the directions across these; `normals` are
+/// unit and across each other. Throws InputError where the body lies on both sides of a plane, or none of it in one.
+void fix_in_planes(const Body& body, const std::vector<Vector3>& normals, FixedMolecules& fixed);
+
 }  // namespace elastin::lab

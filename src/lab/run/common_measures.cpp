@@ -1,5 +1,7 @@
 #include "lab/run/common_measures.h"
 
+#include "elastin/core/model/share.h"
+
 namespace elastin::lab {
 namespace {
 
@@ -17,7 +19,7 @@ const MeasureList& measures_at_rest() {
   static const MeasureList list{
       {"energy_increase", dimension::energy, "energy without that of the preload; under preload only"},
       {"total_force", force, "force with that of the preload; under preload only"},
-      {"total_torque", dimension::energy, "torque with that of the preload; under preload only", Role::none, {}, "N m"},
+      {"total_torque", dimension::energy, "torque with that of the preload; under preload only", Role::none, "", "N m"},
       {"total_elongation", length, "elongation from rest; under preload only, as the scene's loads or its own start"},
       {"material_stress", pressure, "stress of the material's own law or curve at that strain, in uniaxial stress",
        Role::material_stress},
@@ -33,13 +35,8 @@ const MeasureList& measures_in_time() {
   using namespace dimension;
   static const MeasureList list{
       {{"speed", velocity, "speed of the mass centre"},
-       {"centre_displacement",
-        length,
-        "displacement of the mass centre since the start",
-        Role::history,
-        "displacement of the centre",
-        {},
-        "centre_way"},
+       {"centre_displacement", length, "displacement of the mass centre since the start", Role::history,
+        "displacement of the centre", "", "centre_way"},
        {"largest_strain", none, "largest strain of a connection, by size", Role::share},
        {"kinetic_energy", dimension::energy, "kinetic energy of all molecules"},
        {"potential_energy", dimension::energy, "energy of the loads that stay as they are, 0 at rest", Role::history},
@@ -79,6 +76,17 @@ const MeasureList& measures_of_identification() {
 }
 
 }  // namespace
+
+void add_state(const Model& model, const State& state, const StaticResult& solved, double scale, Measures& measures,
+               double copies) {
+  const Body& body = model.body();
+  if (model.has_energy() && !solved.linear)
+    measures.set("energy", copies * sum_over(body, model.elastic_energy(state.positions)));
+  const Vector3 left =
+      vector_sum_over(body, Vector3(model.load_forces(state).leftCols(owned_molecules(body)).rowwise().sum() +
+                                    solved.reactions.rowwise().sum()));
+  measures.set("reaction_balance", copies * left.norm() / scale);
+}
 
 MeasureList measures_of(const Experiment& experiment) {
   MeasureList list = experiment.measures();

@@ -10,4 +10,9 @@ MeasureList measures_of(const Experiment& experiment);
 /// Those that runs add to the experiments' own, of any kind.
 const MeasureList& common_measures();
 
+/// Energy, and the balance of all forces relative to `scale` [N]; of the whole body, which is `copies` times what is
+/// modelled.
+void add_state(const Model& model, const State& state, const StaticResult& solved, double scale, Measures& measures,
+               double copies = 1);
+
 }  // namespace elastin::lab

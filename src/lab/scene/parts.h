@@ -6,7 +6,7 @@
 #include "elastin/core/simulation/catalog.h"
 #include "elastin/mesh/mesh_file.h"
 #include "lab/experiment/inflation/inflation.h"
-#include "lab/experiment/read_experiment.h"
+#include "lab/experiment/keys.h"
 #include "lab/run/config_names.h"
 #include "lab/run/curve_numbers.h"
 #include "lab/run/specimen.h"

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <limits>
-#include <map>
 #include <utility>
 
 #include "elastin/core/base/text.h"
@@ -132,7 +131,7 @@ void keep_where(const PickSetup& setup, Picked& picked) {
     if (!any_over(body, !body.triangles.empty()) || any_over(body, !body.tetrahedra.empty()))
       setup.rim_place->fail("is of bodies of triangles; this one is a solid");
     std::vector<char> edge(static_cast<std::size_t>(body.size()), 0);
-    for (const int molecule : rim_of(body)) edge[molecule] = 1;
+    for (const int molecule : rim_of(body.triangles)) edge[molecule] = 1;
     mark_ghosts_as_owners(body, edge);
     picked.keep([&](int molecule) { return edge[molecule] != 0; });
   }
@@ -164,18 +163,6 @@ Key<BoxCorners> high_corner_key() {
       .then([](const Reader& value, const BoxCorners& box) {
         if (!((box.to - box.from).array() >= 0).all()) value.fail("must not lie below `from` in any direction");
       });
-}
-
-std::vector<int> rim_of(const Body& body) {
-  std::map<std::pair<int, int>, int> sides;
-  for (const auto& [a, b, c] : body.triangles)
-    for (const auto& [first, second] : {std::pair{a, b}, {b, c}, {c, a}}) ++sides[std::minmax(first, second)];
-  std::vector<int> rim;
-  for (const auto& [side, triangles] : sides)
-    if (triangles == 1) rim.insert(rim.end(), {side.first, side.second});
-  std::sort(rim.begin(), rim.end());
-  rim.erase(std::unique(rim.begin(), rim.end()), rim.end());
-  return rim;
 }
 
 std::vector<int> read_molecules(const Reader& reader, const Body& body, const Matrix3& rotation) {

@@ -8,10 +8,6 @@
 
 namespace elastin::lab {
 
-/// A key of molecules of the frame's body.
-template <class Setup, class Member>
-Key<Setup> molecules_key(std::string name, Member Setup::*member, std::string text);
-
 /// A box along the axes.
 struct BoxCorners {
   Vector3 from = Vector3::Zero(), to = Vector3::Zero();
@@ -24,20 +20,9 @@ Key<BoxCorners> high_corner_key();
 /// is that of the scene, which the body has had. Throws InputError where none is picked.
 std::vector<int> read_molecules(const Reader& reader, const Body& body, const Matrix3& rotation);
 
-template <class Setup>
-Key<Setup> molecules_key(std::string name, std::vector<int> Setup::*member, std::string text) {
-  return {{std::move(name), "list of molecules, or [pick](#picked-molecules)", "", "0 … last molecule", "none",
-           std::move(text)},
-          [member](const Reader& value, Setup& setup, const Frame& frame) {
-            setup.*member = read_molecules(value, *frame.body, frame.rotation);
-          }};
-}
-
-/// The molecules on the free edge of a body of triangles, ascending.
-std::vector<int> rim_of(const Body& body);
-
 std::vector<KeySection> pick_keys();
 
+/// A key of molecules of the frame's body.
 template <class Setup, class Member>
 Key<Setup> molecules_key(std::string name, Member Setup::*member, std::string text) {
   return {{std::move(name), "list of molecules, or [pick](#picked-molecules)", "", "0 … last molecule", "none",

@@ -2,7 +2,7 @@
 #include <cmath>
 
 #include "elastin/core/base/error.h"
-#include "lab/experiment/symmetry.h"
+#include "lab/experiment/keys.h"
 #include "lab/scene/parts.h"
 #include "lab/scene/pick.h"
 

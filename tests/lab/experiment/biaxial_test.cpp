@@ -1,7 +1,5 @@
 // Two directions at once, strains in place of displacements, sheets, and natural frequencies under load.
 
-#include "lab/experiment/biaxial/biaxial.h"
-
 #include <catch2/catch.hpp>
 #include <cmath>
 

@@ -1,5 +1,3 @@
-#include "lab/experiment/indentation/indentation.h"
-
 #include <catch2/catch.hpp>
 #include <cmath>
 

@@ -6,7 +6,7 @@
 #include "elastin/core/shapes/surfaces.h"
 #include "elastin/core/simulation/catalog.h"
 #include "elastin/core/solve/integrator.h"
-#include "lab/experiment/motion/motion.h"
+#include "lab/experiment/parachute/parachute.h"
 
 using namespace elastin;
 using namespace elastin::lab;

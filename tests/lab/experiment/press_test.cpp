@@ -1,5 +1,3 @@
-#include "lab/experiment/press/press.h"
-
 #include <catch2/catch.hpp>
 #include <cmath>
 

@@ -1,5 +1,3 @@
-#include "lab/experiment/sliding/sliding.h"
-
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <filesystem>

@@ -84,7 +84,7 @@ TEST_CASE("the rim of a surface is its free edge", "[scene][pick]") {
     const Vector3 at = sheet.rest.col(molecule);
     CHECK((at.x() < 1e-9 || at.x() > 1 - 1e-9 || at.y() < 1e-9 || at.y() > 1 - 1e-9));
   }
-  CHECK(rim_of(sphere(1, SphereMesh::icosahedron, 2)).empty());
+  CHECK(rim_of(sphere(1, SphereMesh::icosahedron, 2).triangles).empty());
 }
 
 TEST_CASE("what picks nothing is told with the body's extent", "[scene][pick]") {

@@ -31,9 +31,10 @@ struct ExperimentContext {
 /// One kind of experiment. A host's own has parameters and `make`; one whose keys are more than numbers has `keys` and
 /// `read`.
 struct ExperimentInfo {
-  std::string name, summary, source;  ///< name: its `kind` in scenes; source "" where there is nothing to cite
-  bool in_time = false;               ///< whether it runs through time
-  bool of_shares = false;  ///< whether it measures a body of which several processes have shares (Body::share)
+  std::string name, summary;  ///< name: its `kind` in scenes
+  std::string source = {};    ///< "" where there is nothing to cite
+  bool in_time = false;       ///< whether it runs through time
+  bool of_shares = false;     ///< whether it measures a body of which several processes have shares (Body::share)
   std::vector<ParameterInfo> parameters = {};
   /// From the parameters' values, all there, in SI units. Throws InputError if the body does not suit.
   std::function<std::unique_ptr<Experiment>(const ExperimentContext&, const ParameterValues&)> make = {};

@@ -9,10 +9,23 @@
 #include "elastin/core/base/error.h"
 #include "elastin/core/model/share.h"
 #include "lab/experiment/keys.h"
+#include "lab/run/common_measures.h"
 #include "lab/run/section.h"
 
 namespace elastin::lab {
 namespace {
+
+const MeasureList& bending_measures() {
+  using namespace dimension;
+  using Role = MeasureRole;
+  static const MeasureList list{
+      {{"effective_modulus", pressure, "Young's modulus of the beam with this deflection", Role::youngs_modulus, "E"},
+       {"tip_deflection", length, "displacement of the tip's centre along the load"},
+       {"tip_shortening", length, "displacement of the tip's centre back along the axis"},
+       {"force", force, "load on the beam, its weight included; beyond preload", Role::force}},
+      {{"load", "tip_deflection", true}}};
+  return list;
+}
 
 /// Beyond this part of the length the linear beam is off by more than half a hundredth.
 constexpr double kSmallDeflection = 0.1;
@@ -151,11 +164,7 @@ class BendingRig final : public StaticRig {
     measures.set("tip_deflection", deflection);
     measures.set("tip_shortening", -setup_.axis.dot(motion));
     measures.set("force", weight.norm());
-    if (model_.has_energy() && !solved.linear)
-      measures.set("energy", sum_over(body_, model_.elastic_energy(state.positions)));
-    const Vector3 left = vector_sum_over(
-        body_, Vector3(model_.load_forces(state).leftCols(owned).rowwise().sum() + solved.reactions.rowwise().sum()));
-    measures.set("reaction_balance", left.norm() / weight.norm());
+    add_state(model_, state, solved, weight.norm(), measures);
     return measures;
   }
 
@@ -171,18 +180,6 @@ class BendingRig final : public StaticRig {
 std::unique_ptr<StaticRig> Bending::make_rig(Model& model) const { return std::make_unique<BendingRig>(*this, model); }
 
 }  // namespace
-
-const MeasureList& bending_measures() {
-  using namespace dimension;
-  using Role = MeasureRole;
-  static const MeasureList list{
-      {{"effective_modulus", pressure, "Young's modulus of the beam with this deflection", Role::youngs_modulus, "E"},
-       {"tip_deflection", length, "displacement of the tip's centre along the load"},
-       {"tip_shortening", length, "displacement of the tip's centre back along the axis"},
-       {"force", force, "load on the beam, its weight included; beyond preload", Role::force}},
-      {{"load", "tip_deflection", true}}};
-  return list;
-}
 
 std::unique_ptr<StaticExperiment> make_bending(const Body& body, const BendingSetup& setup, const Material& material) {
   return std::make_unique<Bending>(body, setup, material);

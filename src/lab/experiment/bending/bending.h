@@ -19,6 +19,4 @@ struct BendingSetup {
 /// tenth of the length, and the remark says so. Throws InputError if the body does not suit.
 std::unique_ptr<StaticExperiment> make_bending(const Body& body, const BendingSetup& setup, const Material& material);
 
-const MeasureList& bending_measures();
-
 }  // namespace elastin::lab

@@ -1,5 +1,3 @@
-#include "lab/experiment/biaxial/biaxial.h"
-
 #include <algorithm>
 #include <array>
 #include <limits>
@@ -16,6 +14,31 @@
 namespace elastin::lab {
 namespace {
 
+/// A block or sheet stretched along two directions at once between smooth plane grips, free along the third.
+struct BiaxialSetup {
+  Vector3 first = Vector3::UnitX(), second = Vector3::UnitY();  ///< unit, perpendicular
+  double first_strain = 0, second_strain = 0;  ///< nominal, of the distance of opposite end layers, > −1; 0 = kept
+  double thickness = 0;                        ///< [m] of the body's triangles; 0 = they have no volume
+  double grip_depth = 0;                       ///< [m]: see TensionSetup
+  int load_steps = 1;
+};
+
+const MeasureList& biaxial_measures() {
+  using namespace dimension;
+  using Role = MeasureRole;
+  static const MeasureList list{
+      {{"effective_modulus", pressure, "Young's modulus of a linear isotropic material with these stresses and strains",
+        Role::youngs_modulus, "E"},
+       {"poissons_ratio", none, "Poisson's ratio of that material", Role::poissons_ratio, "Poisson's ratio"},
+       {"force", force, "force on the loaded end along the axis; beyond preload", Role::force},
+       {"stress", pressure, "nominal stress along the axis", Role::stress},
+       {"strain", none, "nominal strain along the axis", Role::strain},
+       {"stress_across", pressure, "nominal stress along the second direction"},
+       {"lateral_strain", none, "mean strain of the thickness", Role::history}},
+      {{"strain", "stress", true}, {"load", "strain"}}};
+  return list;
+}
+
 /// One of the two directions, with the molecules of its ends.
 struct Direction {
   Vector3 along;
@@ -23,6 +46,10 @@ struct Direction {
   std::vector<std::size_t> loaded;                   ///< numbers of the fixed molecules at its far end
 };
 
+/// Equibiaxial tension where both strains are one, planar tension (pure shear) where the second is 0. E and ν are those
+/// of a linear isotropic material that shows the same: with σ₃ = 0
+///     ν = −ε₃ / (ε₁ + ε₂ − ε₃),  E = σ₁ (1 − ν²) / (ε₁ + ν ε₂).              [Timoshenko & Goodier 1970, section 6]
+/// Throws InputError where the body has no opposite ends along the two directions.
 class Biaxial final : public Driven {
  public:
   Biaxial(const Body& body, const BiaxialSetup& setup, std::string name)
@@ -131,26 +158,6 @@ class Biaxial final : public Driven {
 
 }  // namespace
 
-const MeasureList& biaxial_measures() {
-  using namespace dimension;
-  using Role = MeasureRole;
-  static const MeasureList list{
-      {{"effective_modulus", pressure, "Young's modulus of a linear isotropic material with these stresses and strains",
-        Role::youngs_modulus, "E"},
-       {"poissons_ratio", none, "Poisson's ratio of that material", Role::poissons_ratio, "Poisson's ratio"},
-       {"force", force, "force on the loaded end along the axis; beyond preload", Role::force},
-       {"stress", pressure, "nominal stress along the axis", Role::stress},
-       {"strain", none, "nominal strain along the axis", Role::strain},
-       {"stress_across", pressure, "nominal stress along the second direction"},
-       {"lateral_strain", none, "mean strain of the thickness", Role::history}},
-      {{"strain", "stress", true}, {"load", "strain"}}};
-  return list;
-}
-
-std::unique_ptr<StaticExperiment> make_biaxial(const Body& body, const BiaxialSetup& setup, const std::string& name) {
-  return std::make_unique<Biaxial>(body, setup, name);
-}
-
 namespace {
 
 constexpr Range kStrain{-1, 100, true};
@@ -192,7 +199,7 @@ ExperimentInfo two_axes(ExperimentInfo info, bool planar) {
               std::move(strain).needed(), grip_depth_key(&S::grip_depth), load_steps_key(&S::load_steps)},
       [=](const ExperimentContext& context, S setup) {
         setup.thickness = context.material.thickness;
-        return make_biaxial(context.body, setup, name);
+        return std::make_unique<Biaxial>(context.body, setup, name);
       });
 }
 

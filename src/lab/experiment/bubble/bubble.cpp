@@ -5,19 +5,39 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
-#include <map>
 #include <numbers>
 #include <string>
 
+#include "core/geometry/boundary.h"
 #include "elastin/core/base/dense.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/forces/pressure.h"
 #include "elastin/core/forces/tension.h"
 #include "elastin/core/shapes/surfaces.h"
 #include "lab/experiment/keys.h"
+#include "lab/run/common_measures.h"
 
 namespace elastin::lab {
 namespace {
+
+const MeasureList& bubble_measures() {
+  using namespace dimension;
+  using Role = MeasureRole;
+  static const MeasureList list{
+      {{"pressure", pressure, "pressure inside over that outside"},
+       {"height", length, "height of the pole above the rim"},
+       {"cap_radius", length, "radius of the sphere through pole and rim: (a^2 + h^2) / 2h"},
+       {"stretch", none, "arc over chord of the cap"},
+       {"strain", none, "stretch - 1", Role::strain},
+       {"stress", pressure, "true stress of a spherical cap that keeps its volume", Role::stress},
+       {"pole_radius", length, "radius of curvature at the pole, fitted to the molecules around it"},
+       {"pole_stretch", none, "stretch at the pole, fitted to the molecules around it"},
+       {"pole_stress", pressure, "nominal stress at the pole, fitted to the triangles around it"},
+       {"measured_height", length, "height as the scene gives it"},
+       {"height_misfit", none, "height / measured height - 1"}},
+      {{"strain", "stress", true}, {"load", "height", true}}};
+  return list;
+}
 
 /// Least squares of values by c₀ + c₁ x + c₂ x² (as many terms as given).
 VectorX fit(const std::vector<double>& x, const std::vector<double>& values, int terms) {
@@ -31,7 +51,7 @@ VectorX fit(const std::vector<double>& x, const std::vector<double>& values, int
 class Bubble final : public StaticExperiment {
  public:
   Bubble(const Body& body, const BubbleSetup& setup, const Material& material)
-      : body_(body), setup_(setup), thickness_(material.thickness), rim_(rim_molecules(body.triangles)) {
+      : body_(body), setup_(setup), thickness_(material.thickness), rim_(rim_of(body.triangles)) {
     if (rim_.empty()) throw InputError("a bubble needs a disc of triangles with a rim to hold");
     for (const int molecule : rim_) centre_ += body.rest.col(molecule) / static_cast<double>(rim_.size());
     for (const auto& triangle : body.triangles) axis_ += area_vector(body.rest, triangle);
@@ -174,11 +194,8 @@ class BubbleRig final : public StaticRig {
       measures.set("measured_height", setup_.heights[step]);
       measures.set("height_misfit", height / setup_.heights[step] - 1);
     }
-    if (model_.has_energy() && !solved.linear) measures.set("energy", model_.elastic_energy(positions));
-    const Positions loads = model_.load_forces(state);
-    measures.set("reaction_balance",
-                 (loads.rowwise().sum() + solved.reactions.rowwise().sum()).norm() /
-                     (std::abs(pressure_) * std::numbers::pi * experiment_.radius_ * experiment_.radius_));
+    add_state(model_, state, solved, std::abs(pressure_) * std::numbers::pi * experiment_.radius_ * experiment_.radius_,
+              measures);
     return measures;
   }
 
@@ -203,40 +220,6 @@ class BubbleRig final : public StaticRig {
 std::unique_ptr<StaticRig> Bubble::make_rig(Model& model) const { return std::make_unique<BubbleRig>(*this, model); }
 
 }  // namespace
-
-const MeasureList& bubble_measures() {
-  using namespace dimension;
-  using Role = MeasureRole;
-  static const MeasureList list{
-      {{"pressure", pressure, "pressure inside over that outside"},
-       {"height", length, "height of the pole above the rim"},
-       {"cap_radius", length, "radius of the sphere through pole and rim: (a^2 + h^2) / 2h"},
-       {"stretch", none, "arc over chord of the cap"},
-       {"strain", none, "stretch - 1", Role::strain},
-       {"stress", pressure, "true stress of a spherical cap that keeps its volume", Role::stress},
-       {"pole_radius", length, "radius of curvature at the pole, fitted to the molecules around it"},
-       {"pole_stretch", none, "stretch at the pole, fitted to the molecules around it"},
-       {"pole_stress", pressure, "nominal stress at the pole, fitted to the triangles around it"},
-       {"measured_height", length, "height as the scene gives it"},
-       {"height_misfit", none, "height / measured height - 1"}},
-      {{"strain", "stress", true}, {"load", "height", true}}};
-  return list;
-}
-
-std::vector<int> rim_molecules(const Cells<3>& triangles) {
-  std::map<std::pair<int, int>, int> sides;
-  for (const auto& cell : triangles)
-    for (std::size_t i = 0; i < 3; ++i) {
-      const auto [a, b] = std::minmax(cell[i], cell[(i + 1) % 3]);
-      ++sides[{a, b}];
-    }
-  std::vector<int> molecules;
-  for (const auto& [side, count] : sides)
-    if (count == 1) molecules.insert(molecules.end(), {side.first, side.second});
-  std::sort(molecules.begin(), molecules.end());
-  molecules.erase(std::unique(molecules.begin(), molecules.end()), molecules.end());
-  return molecules;
-}
 
 std::unique_ptr<StaticExperiment> make_bubble(const Body& body, const BubbleSetup& setup, const Material& material) {
   return std::make_unique<Bubble>(body, setup, material);

@@ -22,9 +22,4 @@ struct BubbleSetup {
 /// Throws InputError if the body is no flat, round disc of triangles.
 std::unique_ptr<StaticExperiment> make_bubble(const Body& body, const BubbleSetup& setup, const Material& material);
 
-/// Molecules on sides of one triangle alone, ascending.
-std::vector<int> rim_molecules(const Cells<3>& triangles);
-
-const MeasureList& bubble_measures();
-
 }  // namespace elastin::lab

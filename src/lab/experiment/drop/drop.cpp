@@ -3,14 +3,42 @@
 #include <cmath>
 #include <limits>
 
+#include "elastin/contact/contact.h"
 #include "elastin/core/forces/floor.h"
 #include "elastin/core/model/share.h"
 #include "lab/experiment/keys.h"
-#include "lab/experiment/motion/motion.h"
 #include "lab/run/contact_measures.h"
 
 namespace elastin::lab {
 namespace {
+
+/// A free body that falls on a floor, or on the obstacles of its scene.
+struct DropSetup {
+  Vector3 direction = -Vector3::UnitZ();  ///< down
+  double gravity = 0;                     ///< [m/s²]; 0: none
+  double height = 0;                      ///< [m] of the lowest sphere above the floor at time 0
+  double speed = 0;                       ///< [m/s] down at time 0
+  double stiffness = 0, damping = 0;      ///< of its own floor, a molecule [N/m], [N s/m]
+  /// None: it falls on a floor of its own.
+  std::optional<contact::ContactOptions> contact = {};
+  const ExperimentContext* context = nullptr;  ///< in which it is read
+};
+
+const MeasureList& drop_measures() {
+  using namespace dimension;
+  using Role = MeasureRole;
+  static const MeasureList list{
+      {{"impact_speed", velocity, "speed of the mass centre towards the floor at first contact"},
+       {"rebound_speed", velocity, "speed of the mass centre away from the floor at its end"},
+       {"restitution", none, "rebound speed / impact speed"},
+       {"contact_duration", dimension::time, "duration of the first contact"},
+       {"compression", none, "shortening of the body across the floor / its length, the largest of all frames",
+        Role::share},
+       {"floor_force", force, "force of the floor on the body, the largest of all frames"},
+       {"gap", length, "distance between the floor and the nearest sphere; negative: penetration"}},
+      {{"time", "compression"}}};
+  return list;
+}
 
 class Drop final : public TimedExperiment {
  public:
@@ -160,38 +188,10 @@ std::unique_ptr<TimedRig> Drop::timed_rig(Model& model) const { return std::make
 
 }  // namespace
 
-const MeasureList& drop_measures() {
-  using namespace dimension;
-  using Role = MeasureRole;
-  static const MeasureList list{
-      {{"impact_speed", velocity, "speed of the mass centre towards the floor at first contact"},
-       {"rebound_speed", velocity, "speed of the mass centre away from the floor at its end"},
-       {"restitution", none, "rebound speed / impact speed"},
-       {"contact_duration", dimension::time, "duration of the first contact"},
-       {"compression", none, "shortening of the body across the floor / its length, the largest of all frames",
-        Role::share},
-       {"floor_force", force, "force of the floor on the body, the largest of all frames"},
-       {"gap", length, "distance between the floor and the nearest sphere; negative: penetration"}},
-      {{"time", "compression"}}};
-  return list;
-}
-
-std::unique_ptr<TimedExperiment> make_drop(const Body& body, const DropSetup& setup) {
-  return std::make_unique<Drop>(body, setup);
-}
-
-namespace {
-
-struct DropKeys : DropSetup {
-  const ExperimentContext* context = nullptr;
-};
-
-}  // namespace
-
 ExperimentInfo drop_row() {
-  using S = DropKeys;
-  const auto of_floor = [](Key<DropSetup> key) {
-    return Key<S>(key).then([](const Reader& value, S& setup) {
+  using S = DropSetup;
+  const auto of_floor = [](Key<S> key) {
+    return std::move(key).then([](const Reader& value, S& setup) {
       if (setup.context->contact)
         value.fail("belongs to the floor of `drop`; this scene has contact and obstacles of its own");
     });
@@ -199,27 +199,25 @@ ExperimentInfo drop_row() {
   return with_keys(
       {.name = "drop",
        .summary = "a free body falls on a floor, or on the scene's obstacles: restitution, duration of contact",
-       .source = "",
        .in_time = true,
        .of_shares = true,
        .measures = drop_measures()},
       Keys<S>{key::direction("direction", &S::direction, "direction of the fall"),
               key::quantity("gravity", &S::gravity, dimension::acceleration, "acceleration of the fall", kNotNegative),
-              of_floor(key::quantity("height", &DropSetup::height, dimension::length,
+              of_floor(key::quantity("height", &S::height, dimension::length,
                                      "height of the lowest sphere above the floor; not with `contact`", kNotNegative)),
-              key::quantity("speed", &DropSetup::speed, dimension::velocity, "speed along `direction` at time 0",
-                            kNotNegative),
-              of_floor(key::quantity("stiffness", &DropSetup::stiffness, dimension::stiffness,
+              key::quantity("speed", &S::speed, dimension::velocity, "speed along `direction` at time 0", kNotNegative),
+              of_floor(key::quantity("stiffness", &S::stiffness, dimension::stiffness,
                                      "stiffness of the floor for each molecule; not with `contact`", kPositive)
                            .otherwise("E × mean diameter")),
-              of_floor(key::quantity("damping", &DropSetup::damping, dimension::damping,
+              of_floor(key::quantity("damping", &S::damping, dimension::damping,
                                      "damping of the floor; not with `contact`", kNotNegative))},
       [](const ExperimentContext& context, S setup) {
         if (context.contact) setup.contact = *context.contact;
         if (setup.stiffness == 0) setup.stiffness = default_floor_stiffness(context.body, context.material);
         if (!(setup.speed > 0 || (setup.gravity > 0 && (setup.height > 0 || setup.contact))))
           throw InputError("nothing falls: give a speed, or gravity and a height");
-        return make_drop(context.body, setup);
+        return std::make_unique<Drop>(context.body, setup);
       });
 }
 

@@ -13,6 +13,24 @@
 namespace elastin::lab {
 namespace {
 
+const MeasureList& homogenisation_measures() {
+  using namespace dimension;
+  using Role = MeasureRole;
+  static const MeasureList list{
+      {"effective_modulus", pressure, "Young's modulus, Hill's mean over all directions", Role::youngs_modulus, "E"},
+      {"poissons_ratio", none, "Poisson's ratio, Hill's mean over all directions", Role::poissons_ratio,
+       "Poisson's ratio"},
+      {"shear_modulus", pressure, "shear modulus, Hill's mean over all directions", Role::shear_modulus, "G"},
+      {"bulk_modulus", pressure, "bulk modulus, Hill's mean", Role::modulus, "K"},
+      {"youngs_modulus_x", pressure, "1 / compliance along x, of the stiffness matrix", Role::modulus, "E along x"},
+      {"youngs_modulus_y", pressure, "1 / compliance along y", Role::modulus, "E along y"},
+      {"youngs_modulus_z", pressure, "1 / compliance along z", Role::modulus, "E along z"},
+      {"anisotropy_index", none, "universal: 5 G_V/G_R + K_V/K_R - 6; 0 = isotropic", Role::none, "anisotropy"},
+      {"patch_residual", none, "largest force on an inner molecule under affine strain / on a surface one; 0 = exact"},
+      {"stiffness_asymmetry", none, "| C - C transposed | / | C | of the stiffness matrix"}};
+  return list;
+}
+
 class Homogenisation final : public Driven {
  public:
   Homogenisation(const Body& body, double grip_depth, const Matrix3& axes)
@@ -99,24 +117,6 @@ class Homogenisation final : public Driven {
 
 }  // namespace
 
-const MeasureList& homogenisation_measures() {
-  using namespace dimension;
-  using Role = MeasureRole;
-  static const MeasureList list{
-      {"effective_modulus", pressure, "Young's modulus, Hill's mean over all directions", Role::youngs_modulus, "E"},
-      {"poissons_ratio", none, "Poisson's ratio, Hill's mean over all directions", Role::poissons_ratio,
-       "Poisson's ratio"},
-      {"shear_modulus", pressure, "shear modulus, Hill's mean over all directions", Role::shear_modulus, "G"},
-      {"bulk_modulus", pressure, "bulk modulus, Hill's mean", Role::modulus, "K"},
-      {"youngs_modulus_x", pressure, "1 / compliance along x, of the stiffness matrix", Role::modulus, "E along x"},
-      {"youngs_modulus_y", pressure, "1 / compliance along y", Role::modulus, "E along y"},
-      {"youngs_modulus_z", pressure, "1 / compliance along z", Role::modulus, "E along z"},
-      {"anisotropy_index", none, "universal: 5 G_V/G_R + K_V/K_R - 6; 0 = isotropic", Role::none, "anisotropy"},
-      {"patch_residual", none, "largest force on an inner molecule under affine strain / on a surface one; 0 = exact"},
-      {"stiffness_asymmetry", none, "| C - C transposed | / | C | of the stiffness matrix"}};
-  return list;
-}
-
 std::unique_ptr<StaticExperiment> make_homogenisation(const Body& body, const HomogenisationSetup& setup,
                                                       const Matrix3& axes) {
   return std::make_unique<Homogenisation>(body, setup.grip_depth, axes);
@@ -126,7 +126,6 @@ ExperimentInfo material_row() {
   return with_keys(
       {.name = "material",
        .summary = "six small strains of the surface: the body's 6 × 6 stiffness matrix and its isotropic means",
-       .source = "",
        .measures = homogenisation_measures()},
       Keys<HomogenisationSetup>{grip_depth_key(&HomogenisationSetup::grip_depth)},
       [](const ExperimentContext& context, const HomogenisationSetup& setup) {

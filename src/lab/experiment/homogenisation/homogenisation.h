@@ -15,6 +15,4 @@ struct HomogenisationSetup {
 std::unique_ptr<StaticExperiment> make_homogenisation(const Body& body, const HomogenisationSetup& setup,
                                                       const Matrix3& axes);
 
-const MeasureList& homogenisation_measures();
-
 }  // namespace elastin::lab

@@ -11,6 +11,17 @@
 namespace elastin::lab {
 namespace {
 
+const MeasureList& hydrostatic_measures() {
+  using namespace dimension;
+  using Role = MeasureRole;
+  static const MeasureList list{
+      {{"bulk_modulus", pressure, "secant modulus K = - pressure / volume strain", Role::modulus, "K"},
+       {"pressure", pressure, "- mean of the normal stresses, volume mean"},
+       {"volume_strain", none, "volume / volume at rest - 1", Role::share}},
+      {{"volume_strain", "pressure", true}}};
+  return list;
+}
+
 class Hydrostatic final : public Driven {
  public:
   Hydrostatic(const Body& body, const HydrostaticSetup& setup, const Matrix3& axes)
@@ -69,17 +80,6 @@ class Hydrostatic final : public Driven {
 
 }  // namespace
 
-const MeasureList& hydrostatic_measures() {
-  using namespace dimension;
-  using Role = MeasureRole;
-  static const MeasureList list{
-      {{"bulk_modulus", pressure, "secant modulus K = - pressure / volume strain", Role::modulus, "K"},
-       {"pressure", pressure, "- mean of the normal stresses, volume mean"},
-       {"volume_strain", none, "volume / volume at rest - 1", Role::share}},
-      {{"volume_strain", "pressure", true}}};
-  return list;
-}
-
 std::unique_ptr<StaticExperiment> make_hydrostatic(const Body& body, const HydrostaticSetup& setup,
                                                    const Matrix3& axes) {
   return std::make_unique<Hydrostatic>(body, setup, axes);
@@ -89,7 +89,6 @@ ExperimentInfo hydrostatic_row() {
   using S = HydrostaticSetup;
   return with_keys({.name = "hydrostatic",
                     .summary = "equal strain along all directions: bulk modulus",
-                    .source = "",
                     .of_shares = true,
                     .measures = hydrostatic_measures()},
                    Keys<S>{not_zero(key::quantity("strain", &S::strain, dimension::none,

@@ -17,6 +17,4 @@ struct HydrostaticSetup {
 std::unique_ptr<StaticExperiment> make_hydrostatic(const Body& body, const HydrostaticSetup& setup,
                                                    const Matrix3& axes);
 
-const MeasureList& hydrostatic_measures();
-
 }  // namespace elastin::lab

@@ -1,20 +1,58 @@
-#include "lab/experiment/indentation/indentation.h"
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
+#include <string>
+#include <vector>
 
 #include "contact/search.h"
 #include "core/model/faces.h"
+#include "elastin/contact/contact.h"
 #include "elastin/core/base/dense.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/base/text.h"
 #include "lab/experiment/keys.h"
-#include "lab/experiment/symmetry.h"
+#include "lab/experiment/tension/tension.h"
+#include "lab/run/common_measures.h"
 #include "lab/run/contact_measures.h"
 
 namespace elastin::lab {
 namespace {
+
+enum class IndenterShape {
+  sphere,
+  flat,      ///< the end of a cylinder
+  obstacle,  ///< one of the scene's own
+};
+
+/// A rigid indenter is pressed into a body that stands on the far end.
+struct IndentationSetup {
+  Vector3 axis = -Vector3::UnitZ();  ///< the indenter's way, unit
+  IndenterShape shape = IndenterShape::sphere;
+  double radius = 0;            ///< [m]
+  std::string obstacle;         ///< its name, of IndenterShape::obstacle; it begins where the scene has it
+  std::optional<Vector3> at;    ///< a place on the indenter's axis [m]; none: the middle of the body, in the planes
+  std::optional<double> depth;  ///< [m] from first touch, > 0
+  std::optional<double> force;  ///< or until this resists [N], > 0, of the whole body
+  Grip bottom = Grip::clamped;
+  double grip_depth = 0;
+  std::vector<Vector3> symmetry;  ///< unit normals of planes through the origin, across each other and the axis
+  int load_steps = 1;
+};
+
+const MeasureList& indentation_measures() {
+  using namespace dimension;
+  using Role = MeasureRole;
+  static const MeasureList list{
+      {{"indentation_modulus", pressure,
+        "Hertz's modulus of a sphere, or that of a flat punch, on a half-space: E* (1 - nu^2)", Role::modulus,
+        "E of indentation"},
+       {"force", force, "force on the indenter along its direction; beyond preload", Role::force},
+       {"depth", length, "displacement of the indenter since the start"},
+       {"mean_pressure", pressure, "mean contact pressure: force / area"}},
+      {{"depth", "force", true}}};
+  return list;
+}
 
 constexpr const char* kIndenter = "indenter";
 
@@ -22,6 +60,9 @@ constexpr const char* kIndenter = "indenter";
 /// stiffer than a half-space by 1.13 of it, to first order.                  [Dimitriadis et al. 2002]
 constexpr double kHalfSpace = 0.05;
 
+/// Adds its indenter to the obstacles. The modulus that it measures is Hertz's of a sphere on a half-space, E* = 3 F /
+/// (4 √R d^1.5), or that of a flat punch, E* = F / (2 a d) [Johnson 1985, ch. 3, 4], times 1 − ν². Throws InputError on
+/// a setup that does not suit the body.
 class Indentation final : public StaticExperiment {
  public:
   Indentation(const Body& body, const IndentationSetup& setup, const Material& material,
@@ -198,10 +239,7 @@ class IndentationRig final : public StaticRig {
     if (setup_.shape == IndenterShape::flat)
       measures.set("indentation_modulus", plane_strain * force / (2 * radius * depth));
     if (report.area > 0) measures.set("mean_pressure", force / (experiment_.copies() * report.area));
-    if (model_.has_energy() && !solved.linear)
-      measures.set("energy", experiment_.copies() * model_.elastic_energy(state.positions));
-    const Vector3 left = model_.load_forces(state).rowwise().sum() + solved.reactions.rowwise().sum();
-    measures.set("reaction_balance", experiment_.copies() * left.norm() / std::abs(force));
+    add_state(model_, state, solved, std::abs(force), measures, experiment_.copies());
     return measures;
   }
 
@@ -229,25 +267,6 @@ std::unique_ptr<StaticRig> Indentation::make_rig(Model& model) const {
 }
 
 }  // namespace
-
-const MeasureList& indentation_measures() {
-  using namespace dimension;
-  using Role = MeasureRole;
-  static const MeasureList list{
-      {{"indentation_modulus", pressure,
-        "Hertz's modulus of a sphere, or that of a flat punch, on a half-space: E* (1 - nu^2)", Role::modulus,
-        "E of indentation"},
-       {"force", force, "force on the indenter along its direction; beyond preload", Role::force},
-       {"depth", length, "displacement of the indenter since the start"},
-       {"mean_pressure", pressure, "mean contact pressure: force / area"}},
-      {{"depth", "force", true}}};
-  return list;
-}
-
-std::unique_ptr<StaticExperiment> make_indentation(const Body& body, const IndentationSetup& setup,
-                                                   const Material& material, contact::ContactOptions& contact) {
-  return std::make_unique<Indentation>(body, setup, material, contact);
-}
 
 namespace {
 
@@ -310,7 +329,7 @@ ExperimentInfo indentation_row() {
           }),
           load_steps_key(&IndentationSetup::load_steps)},
       [](const ExperimentContext& context, const IndentationSetup& setup) {
-        return make_indentation(context.body, setup, context.material, contact_of_scene(context));
+        return std::make_unique<Indentation>(context.body, setup, context.material, contact_of_scene(context));
       });
 }
 

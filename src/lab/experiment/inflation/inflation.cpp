@@ -1,19 +1,32 @@
 #include "lab/experiment/inflation/inflation.h"
 
 #include <cmath>
-#include <map>
 #include <numbers>
-#include <set>
 #include <string>
 
+#include "core/geometry/boundary.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/forces/pressure.h"
 #include "elastin/core/shapes/surfaces.h"
 #include "lab/experiment/keys.h"
-#include "lab/experiment/symmetry.h"
+#include "lab/run/common_measures.h"
 
 namespace elastin::lab {
 namespace {
+
+const MeasureList& inflation_measures() {
+  using namespace dimension;
+  static const MeasureList list{
+      {{"radius", length, "mean distance from the middle, by area at rest"},
+       {"stretch", none, "mean radius / that at rest"},
+       {"radius_spread", none, "(largest - smallest distance from the middle) / mean"},
+       {"corner_radius", length, "mean distance from the middle of the molecules on the axes"},
+       {"pressure", pressure, "pressure inside over that outside"},
+       {"enclosed_volume", volume, "volume inside, of the whole where planes of symmetry cut the body"},
+       {"wall_stress", pressure, "p R / (2 t), t the thickness at rest"}},
+      {{"stretch", "pressure"}, {"load", "radius"}}};
+  return list;
+}
 
 /// A volume that is controlled counts as met when it is this near.
 constexpr double kVolumeTolerance = 1e-6;
@@ -61,14 +74,8 @@ class Inflation final : public StaticExperiment {
   friend class InflationRig;
   /// Every side that one triangle alone has must lie in a plane of symmetry.
   void require_closed() const {
-    std::map<std::pair<int, int>, int> sides;
-    for (const auto& triangle : body_.triangles)
-      for (std::size_t i = 0; i < 3; ++i) {
-        const auto [a, b] = std::minmax(triangle[i], triangle[(i + 1) % 3]);
-        ++sides[{a, b}];
-      }
     int open = 0;
-    for (const auto& [side, count] : sides) open += count == 1 && !in_one_plane(side.first, side.second);
+    for (const auto& [a, b] : boundary_of(body_.triangles)) open += !in_one_plane(a, b);
     if (open > 0)
       throw InputError("inflation needs a closed surface: " + std::to_string(open) +
                        (open == 1 ? " side of a triangle is" : " sides of triangles are") +
@@ -170,11 +177,8 @@ class InflationRig final : public StaticRig {
     measures.set("pressure", pressure);
     measures.set("enclosed_volume", experiment_.copies() * load_->volume(state.positions));
     measures.set("wall_stress", pressure * mean / (2 * experiment_.thickness_));
-    if (model_.has_energy() && !solved.linear)
-      measures.set("energy", experiment_.copies() * model_.elastic_energy(state.positions));
-    const Positions loads = model_.load_forces(state);
-    measures.set("reaction_balance",
-                 (loads.rowwise().sum() + solved.reactions.rowwise().sum()).norm() / loads.colwise().norm().sum());
+    const double copies = experiment_.copies(), loads = model_.load_forces(state).colwise().norm().sum();
+    add_state(model_, state, solved, copies * loads, measures, copies);
     return measures;
   }
 
@@ -194,20 +198,6 @@ std::unique_ptr<StaticRig> Inflation::make_rig(Model& model) const {
 }
 
 }  // namespace
-
-const MeasureList& inflation_measures() {
-  using namespace dimension;
-  static const MeasureList list{
-      {{"radius", length, "mean distance from the middle, by area at rest"},
-       {"stretch", none, "mean radius / that at rest"},
-       {"radius_spread", none, "(largest - smallest distance from the middle) / mean"},
-       {"corner_radius", length, "mean distance from the middle of the molecules on the axes"},
-       {"pressure", pressure, "pressure inside over that outside"},
-       {"enclosed_volume", volume, "volume inside, of the whole where planes of symmetry cut the body"},
-       {"wall_stress", pressure, "p R / (2 t), t the thickness at rest"}},
-      {{"stretch", "pressure"}, {"load", "radius"}}};
-  return list;
-}
 
 std::unique_ptr<StaticExperiment> make_inflation(const Body& body, const InflationSetup& setup,
                                                  const Material& material) {
@@ -232,7 +222,6 @@ ExperimentInfo inflation_row() {
   using S = InflationSetup;
   return with_keys({.name = "inflation",
                     .summary = "a closed membrane is inflated by pressure, by volume or by gas: radius, wall stress",
-                    .source = "",
                     .measures = inflation_measures()},
                    Keys<S>{one_of<S>("give one of pressure, volume_ratio (volume over that at rest) and gas",
                                      {not_zero(key::quantity("pressure", &S::pressure, dimension::pressure,

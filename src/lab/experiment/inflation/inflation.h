@@ -34,6 +34,4 @@ std::unique_ptr<StaticExperiment> make_inflation(const Body& body, const Inflati
 /// The keys of a gas, of `kind: inflation` and of the load `gas`.
 const config::Keys<GasSetup>& gas_keys();
 
-const MeasureList& inflation_measures();
-
 }  // namespace elastin::lab

@@ -1,12 +1,10 @@
-#include "lab/experiment/motion/motion.h"
-
 #include <cmath>
 #include <limits>
 
 #include "core/solve/newton.h"
 #include "elastin/core/base/error.h"
+#include "elastin/core/forces/time_function.h"
 #include "elastin/core/model/share.h"
-#include "lab/experiment/fixture.h"
 #include "lab/experiment/keys.h"
 #include "lab/run/common_measures.h"
 #include "lab/run/load_path.h"
@@ -15,6 +13,49 @@
 
 namespace elastin::lab {
 namespace {
+
+enum class MotionKind {
+  motion,      ///< nothing but the rows
+  release,     ///< loaded, then let go: free vibration; or the load put on at once, with `applied`
+  creep,       ///< a load that is held
+  relaxation,  ///< a displacement that grows and is held
+  cyclic,      ///< a displacement that oscillates
+};
+
+/// A body held and loaded as an experiment at rest says, whose load changes in time.
+struct MotionSetup {
+  std::string name = "motion";  ///< of the experiment
+  MotionKind kind = MotionKind::motion;
+  std::unique_ptr<const StaticExperiment> fixture;  ///< null: the body is free; only `motion` allows that
+  TimeFunction load;                                ///< what the experiment's load is multiplied with
+  bool applied = false;  ///< of a release: the load is put on at time 0, and not gone from then on
+  double ramp = 0;       ///< [s] after which a relaxation begins
+  double frequency = 0;  ///< [Hz] of what is cyclic
+  const ExperimentContext* context = nullptr;  ///< in which it is read
+};
+
+const MeasureList& motion_measures() {
+  using namespace dimension;
+  using Role = MeasureRole;
+  constexpr Dimension rate{0, 0, -1};
+  static const MeasureList list{
+      {"frequency", rate, "frequency of the free vibration: a damped cosine fitted to the displacement", Role::none, "",
+       "Hz"},
+      {"period", dimension::time, "period of the free vibration: between crossings of its mean in one direction"},
+      {"logarithmic_decrement", none, "ln of the ratio of two peaks one period apart"},
+      {"damping_ratio", none, "decay rate / undamped circular frequency of the free vibration"},
+      {"first_peak", length, "displacement at its first reversal"},
+      {"first_peak_time", dimension::time, "time of the first reversal"},
+      {"return_time", dimension::time, "time of the second reversal"},
+      {"retardation_time", dimension::time, "time constant of creep: an exponential fitted to the displacement"},
+      {"relaxation_time", dimension::time,
+       "time constant of relaxation: an exponential fitted to the force, after the ramp"},
+      {"relaxed_ratio", none, "force in the end / at the end of the ramp, of the fit"},
+      {"storage_modulus", pressure, "stress in phase with the strain / strain, over the last period", Role::modulus},
+      {"loss_modulus", pressure, "stress a quarter period ahead of the strain / strain", Role::modulus},
+      {"loss_tangent", none, "loss modulus / storage modulus"}};
+  return list;
+}
 
 /// One measure over time, from a time on.
 Series series_of(const std::vector<CurvePoint>& history, std::string_view name, double from = 0) {
@@ -28,6 +69,8 @@ Series series_of(const std::vector<CurvePoint>& history, std::string_view name, 
   return {Eigen::Map<const VectorX>(times.data(), size), Eigen::Map<const VectorX>(values.data(), size)};
 }
 
+/// Starts in the equilibrium of the scene's own loads (a free body: at rest). Throws InputError if the inner experiment
+/// has not what the kind needs.
 class Motion final : public TimedExperiment {
  public:
   explicit Motion(MotionSetup setup) : setup_(std::move(setup)) {
@@ -236,57 +279,22 @@ std::unique_ptr<TimedRig> Motion::timed_rig(Model& model) const { return std::ma
 
 }  // namespace
 
-const MeasureList& motion_measures() {
-  using namespace dimension;
-  using Role = MeasureRole;
-  constexpr Dimension rate{0, 0, -1};
-  static const MeasureList list{
-      {"frequency",
-       rate,
-       "frequency of the free vibration: a damped cosine fitted to the displacement",
-       Role::none,
-       {},
-       "Hz"},
-      {"period", dimension::time, "period of the free vibration: between crossings of its mean in one direction"},
-      {"logarithmic_decrement", none, "ln of the ratio of two peaks one period apart"},
-      {"damping_ratio", none, "decay rate / undamped circular frequency of the free vibration"},
-      {"first_peak", length, "displacement at its first reversal"},
-      {"first_peak_time", dimension::time, "time of the first reversal"},
-      {"return_time", dimension::time, "time of the second reversal"},
-      {"retardation_time", dimension::time, "time constant of creep: an exponential fitted to the displacement"},
-      {"relaxation_time", dimension::time,
-       "time constant of relaxation: an exponential fitted to the force, after the ramp"},
-      {"relaxed_ratio", none, "force in the end / at the end of the ramp, of the fit"},
-      {"storage_modulus", pressure, "stress in phase with the strain / strain, over the last period", Role::modulus},
-      {"loss_modulus", pressure, "stress a quarter period ahead of the strain / strain", Role::modulus},
-      {"loss_tangent", none, "loss modulus / storage modulus"}};
-  return list;
-}
-
-std::unique_ptr<TimedExperiment> make_motion(const Body&, MotionSetup setup) {
-  return std::make_unique<Motion>(std::move(setup));
-}
-
 namespace {
-
-struct MotionKeys : MotionSetup {
-  const ExperimentContext* context = nullptr;
-};
 
 /// The keys that a kind of motion has, with its fixture's first.
 ExperimentInfo motion(ExperimentInfo info, MotionKind kind, const char* fixture,
-                      std::vector<Key<MotionKeys>> own = {}) {
-  Key<MotionKeys> first = fixture_key<MotionKeys>(fixture);
-  std::vector<Keys<MotionKeys>::Entry> entries{kind == MotionKind::motion ? std::move(first).otherwise("free body")
-                                                                          : std::move(first).needed()};
+                      std::vector<Key<MotionSetup>> own = {}) {
+  Key<MotionSetup> first = fixture_key<MotionSetup>(fixture);
+  std::vector<Keys<MotionSetup>::Entry> entries{kind == MotionKind::motion ? std::move(first).otherwise("free body")
+                                                                           : std::move(first).needed()};
   entries.insert(entries.end(), own.begin(), own.end());
   info.in_time = info.of_shares = true;
   const std::string name = info.name;
-  return with_keys(std::move(info), Keys<MotionKeys>(std::move(entries)),
-                   [=](const ExperimentContext& context, MotionKeys setup) {
+  return with_keys(std::move(info), Keys<MotionSetup>(std::move(entries)),
+                   [=](const ExperimentContext&, MotionSetup setup) {
                      setup.name = name;
                      setup.kind = kind;
-                     return make_motion(context.body, std::move(setup));
+                     return std::make_unique<Motion>(std::move(setup));
                    });
 }
 
@@ -295,11 +303,10 @@ ExperimentInfo motion(ExperimentInfo info, MotionKind kind, const char* fixture,
 ExperimentInfo motion_row() {
   return motion({.name = "motion",
                  .summary = "a body, free or fixed and loaded by a fixture, is observed as it moves",
-                 .source = "",
                  .measures = motion_measures()},
                 MotionKind::motion, "how the body is fixed and loaded",
                 {{{"in_time", "time function", "", "", "constant", "factor of the fixture's load"},
-                  [](const Reader& value, MotionKeys& setup, const Frame&) {
+                  [](const Reader& value, MotionSetup& setup, const Frame&) {
                     if (!setup.fixture) value.fail("there is no load to change: key 'fixture' is missing");
                     setup.load = read_time_function(value);
                   }}});
@@ -308,7 +315,6 @@ ExperimentInfo motion_row() {
 ExperimentInfo release_row() {
   return motion({.name = "release",
                  .summary = "a loaded body is released, or loaded at once: free vibration, its frequency and damping",
-                 .source = "",
                  .measures = motion_measures()},
                 MotionKind::release, "how the body is fixed, and loaded before it is released",
                 {key::choice("load", &MotionSetup::applied, {{"removed", false}, {"applied", true}},
@@ -318,7 +324,6 @@ ExperimentInfo release_row() {
 ExperimentInfo creep_row() {
   return motion({.name = "creep",
                  .summary = "a force is applied and stays: displacement over time, retardation time",
-                 .source = "",
                  .measures = motion_measures()},
                 MotionKind::creep, "how the body is fixed, with the force that stays");
 }
@@ -327,7 +332,6 @@ ExperimentInfo relaxation_row() {
   return motion(
       {.name = "relaxation",
        .summary = "a displacement grows and stays: force over time, relaxation time",
-       .source = "",
        .measures = motion_measures()},
       MotionKind::relaxation, "how the body is fixed, with the displacement that stays",
       {key::quantity("ramp", &MotionSetup::ramp, dimension::time, "time in which the displacement grows", kPositive)
@@ -339,7 +343,6 @@ ExperimentInfo cyclic_row() {
   return motion(
       {.name = "cyclic",
        .summary = "a displacement oscillates: storage and loss modulus over the last period",
-       .source = "",
        .measures = motion_measures()},
       MotionKind::cyclic, "how the body is fixed, with the displacement that is the amplitude",
       {key::quantity("frequency", &MotionSetup::frequency, {0, 0, -1}, "frequency of the oscillation", kPositive)

@@ -1,13 +1,28 @@
+#include "lab/experiment/parachute/parachute.h"
+
 #include <algorithm>
 #include <cmath>
 
 #include "elastin/core/base/error.h"
 #include "elastin/core/shapes/surfaces.h"
 #include "lab/experiment/keys.h"
-#include "lab/experiment/motion/motion.h"
 
 namespace elastin::lab {
 namespace {
+
+const MeasureList& parachute_measures() {
+  using namespace dimension;
+  static const MeasureList list{
+      {{"line_force", force, "force of all lines on the load, against the fall"},
+       {"largest_line_force", force, "the opening force: the largest line force of all frames"},
+       {"opening_time", dimension::time, "time until the open area first has its largest value"},
+       {"open_area", area, "area of the canopy as the load sees it, along the fall"},
+       {"open_part", none, "open area / area of the canopy at rest"},
+       {"fall_speed", velocity, "speed of the load"},
+       {"drag_balance", none, "drag of the air along the fall / weight - 1: 0 at the terminal speed"}},
+      {{"time", "fall_speed"}}};
+  return list;
+}
 
 class Parachute final : public TimedExperiment {
  public:
@@ -102,20 +117,6 @@ std::unique_ptr<TimedRig> Parachute::timed_rig(Model& model) const {
 
 }  // namespace
 
-const MeasureList& parachute_measures() {
-  using namespace dimension;
-  static const MeasureList list{
-      {{"line_force", force, "force of all lines on the load, against the fall"},
-       {"largest_line_force", force, "the opening force: the largest line force of all frames"},
-       {"opening_time", dimension::time, "time until the open area first has its largest value"},
-       {"open_area", area, "area of the canopy as the load sees it, along the fall"},
-       {"open_part", none, "open area / area of the canopy at rest"},
-       {"fall_speed", velocity, "speed of the load"},
-       {"drag_balance", none, "drag of the air along the fall / weight - 1: 0 at the terminal speed"}},
-      {{"time", "fall_speed"}}};
-  return list;
-}
-
 std::unique_ptr<TimedExperiment> make_parachute(const Body& body, const ParachuteSetup& setup) {
   return std::make_unique<Parachute>(body, setup);
 }
@@ -125,7 +126,6 @@ ExperimentInfo parachute_row() {
   return with_keys(
       {.name = "parachute",
        .summary = "a canopy with a load on `lines` falls through air: how it opens, largest force in a line",
-       .source = "",
        .in_time = true,
        .measures = parachute_measures()},
       Keys<S>{

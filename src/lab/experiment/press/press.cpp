@@ -1,17 +1,45 @@
-#include "lab/experiment/press/press.h"
-
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <vector>
 
 #include "core/model/faces.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/model/parts.h"
 #include "lab/experiment/keys.h"
+#include "lab/experiment/tension/tension.h"
+#include "lab/run/common_measures.h"
 #include "lab/run/contact_measures.h"
 
 namespace elastin::lab {
 namespace {
 
+/// A part of the body, or its near end, moved without a turn onto what lies before it; the far one stays.
+struct PressSetup {
+  Vector3 axis = -Vector3::UnitZ();  ///< the way, unit
+  /// Molecules, ascending; none given: those of the near, of the far end.
+  std::optional<std::vector<int>> moved, fixed;
+  std::string moved_name, fixed_name;  ///< of bodies that have them
+  std::optional<double> displacement;  ///< [m], > 0
+  std::optional<double> force;         ///< or until this resists [N], > 0
+  Grip grip = Grip::clamped;           ///< of both, across the axis
+  double grip_depth = 0;
+  int load_steps = 1;
+};
+
+const MeasureList& press_measures() {
+  using namespace dimension;
+  using Role = MeasureRole;
+  static const MeasureList list{
+      {{"force", force, "force on the pressed part along its direction; beyond preload", Role::force},
+       {"depth", length, "displacement of the pressed part since the start"},
+       {"mean_pressure", pressure, "mean contact pressure: force / area"},
+       {"pressure_spread", none, "largest |contact pressure / mean - 1| of the molecules under pressure"}},
+      {{"depth", "force", true}}};
+  return list;
+}
+
+/// Throws InputError on a setup that does not suit the body.
 class Press final : public StaticExperiment {
  public:
   Press(const Body& body, const PressSetup& setup) : setup_(setup) {
@@ -136,9 +164,7 @@ class PressRig final : public StaticRig {
     const contact::ContactReport report = contact_->report(state);
     if (report.area > 0) measures.set("mean_pressure", largest_force(report) / report.area);
     measures.set("pressure_spread", experiment_.pressure_spread(report.pressure));
-    if (model_.has_energy() && !solved.linear) measures.set("energy", model_.elastic_energy(state.positions));
-    const Vector3 left = model_.load_forces(state).rowwise().sum() + solved.reactions.rowwise().sum();
-    measures.set("reaction_balance", left.norm() / std::abs(force));
+    add_state(model_, state, solved, std::abs(force), measures);
     return measures;
   }
 
@@ -198,36 +224,8 @@ std::unique_ptr<StaticRig> Press::make_rig(Model& model) const { return std::mak
 
 }  // namespace
 
-const MeasureList& press_measures() {
-  using namespace dimension;
-  using Role = MeasureRole;
-  static const MeasureList list{
-      {{"force", force, "force on the pressed part along its direction; beyond preload", Role::force},
-       {"depth", length, "displacement of the pressed part since the start"},
-       {"mean_pressure", pressure, "mean contact pressure: force / area"},
-       {"pressure_spread", none, "largest |contact pressure / mean - 1| of the molecules under pressure"}},
-      {{"depth", "force", true}}};
-  return list;
-}
-
-std::unique_ptr<StaticExperiment> make_press(const Body& body, const PressSetup& setup) {
-  return std::make_unique<Press>(body, setup);
-}
-
-namespace {
-
-struct PressKeys : PressSetup {
-  std::string moved_name, fixed_name;  ///< of bodies
-};
-
-std::vector<int> molecules_named(const std::string& name, const Body& body) {
-  return molecules_of(find_part(body, name));
-}
-
-}  // namespace
-
 ExperimentInfo press_row() {
-  using S = PressKeys;
+  using S = PressSetup;
   const auto body_name = [](const char* name, std::string S::*member, const char* fallback, const char* text) {
     return Key<S>({name, "a body's name", "", "", fallback, text},
                   [member](const Reader& value, S& setup, const Frame& frame) {
@@ -235,32 +233,29 @@ ExperimentInfo press_row() {
                     value.located([&] { return find_part(*frame.body, setup.*member); });
                   });
   };
-  std::vector<Key<PressSetup>> loads =
-      travel_keys("displacement", &PressSetup::displacement, &PressSetup::axis, "displacement of what is moved");
-  loads.push_back(
-      key::quantity("force", &PressSetup::force, dimension::force, "force that ends the motion", kPositive));
+  std::vector<Key<S>> loads = travel_keys("displacement", &S::displacement, &S::axis, "displacement of what is moved");
+  loads.push_back(key::quantity("force", &S::force, dimension::force, "force that ends the motion", kPositive));
   return with_keys(
       {.name = "press",
        .summary =
            "a body, or the near end of one, is pressed onto what lies before it: force, contact area; needs `contact`",
-       .source = "",
        .measures = press_measures()},
       Keys<S>{key::direction("axis", &S::axis, "direction of the motion"),
-              one_of<S>("give one of displacement, strain and force", {loads.begin(), loads.end()}),
+              one_of<S>("give one of displacement, strain and force", loads),
               body_name("move", &S::moved_name, "the near end", "what is moved"),
               body_name("fix", &S::fixed_name, "the far end, or rigid bodies", "what is fixed"),
               grip_key("grip", &S::grip, "how both are fixed across the axis"), grip_depth_key(&S::grip_depth),
               load_steps_key(&S::load_steps)},
       [](const ExperimentContext& context, S setup) {
         const Body& body = context.body;
-        if (!setup.moved_name.empty()) setup.moved = molecules_named(setup.moved_name, body);
-        if (!setup.fixed_name.empty()) setup.fixed = molecules_named(setup.fixed_name, body);
+        if (!setup.moved_name.empty()) setup.moved = molecules_of(find_part(body, setup.moved_name));
+        if (!setup.fixed_name.empty()) setup.fixed = molecules_of(find_part(body, setup.fixed_name));
         // What is rigid and is not moved stays where it is.
         const auto stays = [&](const Part& part) { return part.rigid && part.name != setup.moved_name; };
         if (setup.moved && !setup.fixed && std::any_of(body.parts.begin(), body.parts.end(), stays))
           setup.fixed.emplace();
         contact_of_scene(context);
-        return make_press(body, setup);
+        return std::make_unique<Press>(body, setup);
       });
 }
 

@@ -3,13 +3,39 @@
 
 #include "core/model/faces.h"
 #include "elastin/core/base/error.h"
+#include "elastin/core/forces/time_function.h"
 #include "elastin/core/model/share.h"
 #include "lab/experiment/keys.h"
-#include "lab/experiment/motion/motion.h"
 #include "lab/run/time_history_fits.h"
 
 namespace elastin::lab {
 namespace {
+
+/// A body clamped at one end, which is moved to and fro.
+struct ShakeSetup {
+  Vector3 axis = Vector3::UnitX();       ///< from the clamped end to the far one
+  std::optional<Vector3> oscillates;     ///< direction of the oscillation; none: along the axis
+  Vector3 direction = Vector3::UnitX();  ///< that which it is
+  double amplitude = 0;                  ///< [m]
+  double frequency = 0;                  ///< [Hz]
+  double grip_depth = 0;
+};
+
+const MeasureList& shake_measures() {
+  using namespace dimension;
+  using Role = MeasureRole;
+  static const MeasureList list{
+      {{"amplitude_ratio", none, "amplitude of the far end / of the shaken one, over the last periods"},
+       {"phase", none, "angle by which the far end is behind [rad]"},
+       {"sine_misfit", none,
+        "residual of the sine fitted to the far end over the last periods / all, as root mean squares"},
+       {"base_displacement", length, "displacement of the shaken end", Role::none, "displacement of the shaken end", "",
+        "base_way"},
+       {"far_displacement", length, "mean displacement of the far end", Role::none, "displacement of the far end", "",
+        "far_way"}},
+      {{"time", "far_displacement"}}};
+  return list;
+}
 
 class Shake final : public TimedExperiment {
  public:
@@ -106,59 +132,24 @@ std::unique_ptr<TimedRig> Shake::timed_rig(Model& model) const { return std::mak
 
 }  // namespace
 
-const MeasureList& shake_measures() {
-  using namespace dimension;
-  using Role = MeasureRole;
-  static const MeasureList list{
-      {{"amplitude_ratio", none, "amplitude of the far end / of the shaken one, over the last periods"},
-       {"phase", none, "angle by which the far end is behind [rad]"},
-       {"sine_misfit", none,
-        "residual of the sine fitted to the far end over the last periods / all, as root mean squares"},
-       {"base_displacement",
-        length,
-        "displacement of the shaken end",
-        Role::none,
-        "displacement of the shaken end",
-        {},
-        "base_way"},
-       {"far_displacement",
-        length,
-        "mean displacement of the far end",
-        Role::none,
-        "displacement of the far end",
-        {},
-        "far_way"}},
-      {{"time", "far_displacement"}}};
-  return list;
-}
-
-std::unique_ptr<TimedExperiment> make_shake(const Body& body, const ShakeSetup& setup) {
-  return std::make_unique<Shake>(body, setup);
-}
-
 ExperimentInfo shake_row() {
-  struct S : ShakeSetup {
-    std::optional<Vector3> oscillates;  ///< none: along the axis
-  };
-  std::vector<Key<ShakeSetup>> amplitude =
-      travel_keys("amplitude", &ShakeSetup::amplitude, &ShakeSetup::axis, "amplitude of the clamped end");
+  using S = ShakeSetup;
+  const std::vector<Key<S>> amplitude =
+      travel_keys("amplitude", &S::amplitude, &S::axis, "amplitude of the clamped end");
   return with_keys(
       {.name = "shake",
        .summary = "the clamped end of a body oscillates: amplitude ratio and phase of the far end",
-       .source = "",
        .in_time = true,
        .of_shares = true,
        .measures = shake_measures()},
       Keys<S>{key::direction("axis", &S::axis, "from the clamped end to the far one"),
               key::direction("direction", &S::oscillates, "direction of the oscillation").otherwise("`axis`"),
-              one_of<S>("key 'amplitude' is missing", {amplitude.begin(), amplitude.end()}).naming_the_second(),
-              Key<S>(key::quantity("frequency", &ShakeSetup::frequency, {0, 0, -1}, "frequency of the oscillation",
-                                   kPositive)
-                         .needed()),
-              grip_depth_key(&ShakeSetup::grip_depth)},
+              one_of<S>("key 'amplitude' is missing", amplitude).naming_the_second(),
+              key::quantity("frequency", &S::frequency, {0, 0, -1}, "frequency of the oscillation", kPositive).needed(),
+              grip_depth_key(&S::grip_depth)},
       [](const ExperimentContext& context, S setup) {
         setup.direction = setup.oscillates.value_or(setup.axis);
-        return make_shake(context.body, setup);
+        return std::make_unique<Shake>(context.body, setup);
       });
 }
 

@@ -14,6 +14,19 @@
 namespace elastin::lab {
 namespace {
 
+const MeasureList& shear_measures() {
+  using namespace dimension;
+  using Role = MeasureRole;
+  static const MeasureList list{
+      {{"shear_modulus", pressure, "secant modulus G = shear stress / strain", Role::shear_modulus, "G"},
+       {"stress", pressure, "shear stress: F / A", Role::stress},
+       {"strain", none, "lateral displacement / height", Role::strain},
+       {"force", force, "shear force on the loaded end; beyond preload", Role::force},
+       {"axial_force", force, "force along the axis; positive = the plate pulls the body up"}},
+      {{"strain", "stress", true}, {"load", "strain"}}};
+  return list;
+}
+
 class Shear final : public Driven {
  public:
   Shear(const Body& body, const ShearSetup& setup, const Matrix3& axes)
@@ -111,19 +124,6 @@ class Shear final : public Driven {
 
 }  // namespace
 
-const MeasureList& shear_measures() {
-  using namespace dimension;
-  using Role = MeasureRole;
-  static const MeasureList list{
-      {{"shear_modulus", pressure, "secant modulus G = shear stress / strain", Role::shear_modulus, "G"},
-       {"stress", pressure, "shear stress: F / A", Role::stress},
-       {"strain", none, "lateral displacement / height", Role::strain},
-       {"force", force, "shear force on the loaded end; beyond preload", Role::force},
-       {"axial_force", force, "force along the axis; positive = the plate pulls the body up"}},
-      {{"strain", "stress", true}, {"load", "strain"}}};
-  return list;
-}
-
 std::unique_ptr<StaticExperiment> make_shear(const Body& body, const ShearSetup& setup, const Matrix3& axes) {
   return std::make_unique<Shear>(body, setup, axes);
 }
@@ -134,7 +134,6 @@ ExperimentInfo shear_row() {
   return with_keys(
       {.name = "shear",
        .summary = "planes across the axis slide along a direction, at constant height: shear modulus",
-       .source = "",
        .of_shares = true,
        .measures = shear_measures()},
       Keys<S>{

@@ -22,6 +22,4 @@ struct ShearSetup {
 /// `axes` are those of a box without cells. Throws InputError if the body does not suit.
 std::unique_ptr<StaticExperiment> make_shear(const Body& body, const ShearSetup& setup, const Matrix3& axes);
 
-const MeasureList& shear_measures();
-
 }  // namespace elastin::lab

@@ -1,8 +1,8 @@
-#include "lab/experiment/sliding/sliding.h"
-
 #include <algorithm>
 #include <cmath>
+#include <string>
 
+#include "elastin/contact/contact.h"
 #include "elastin/core/base/dense.h"
 #include "elastin/core/base/error.h"
 #include "lab/experiment/keys.h"
@@ -10,6 +10,37 @@
 
 namespace elastin::lab {
 namespace {
+
+enum class SlidingKind {
+  incline,    ///< on a slope: does it stay, and how does it go if not
+  sled,       ///< thrown along a level floor: how it is slowed down
+  threshold,  ///< on a slope that is tilted slowly: when it begins to go
+};
+
+/// A body on a plane.
+struct SlidingSetup {
+  SlidingKind kind = SlidingKind::incline;
+  Vector3 up = Vector3::UnitZ();     ///< across the plane, unit
+  Vector3 along = Vector3::UnitX();  ///< down the slope, unit, across `up`
+  double gravity = 9.81;             ///< [m/s²], > 0
+  double angle = 0;                  ///< of the slope; of a threshold, at time 0
+  double rate = 0;                   ///< of a threshold [1/s], > 0
+  double speed = 0;                  ///< of a sled at time 0 [m/s]
+  std::string floor;                 ///< the obstacle it stands on; empty: a plane of its own under the body
+};
+
+const MeasureList& sliding_measures() {
+  using namespace dimension;
+  static const MeasureList list{
+      {"slide_distance", length, "displacement of the mass centre down the slope since the start"},
+      {"slide_speed", velocity, "speed of the mass centre down the slope"},
+      {"slide_acceleration", acceleration, "acceleration down the slope while it slides: a line fitted to the speed"},
+      {"creep", length, "largest displacement of a molecule on the slope, of all frames"},
+      {"slope", none, "slope of the plane [rad]"},
+      {"slip_angle", none, "slope at which the body begins to slide [rad]"},
+      {"slip_friction", none, "tan of that angle"}};
+  return list;
+}
 
 /// Weight, tilted from straight down the normal of a plane by an angle that may grow in time.
 class TiltedGravity final : public Load {
@@ -52,6 +83,9 @@ Line fit_line(const std::vector<std::pair<double, double>>& points) {
   return {xy / xx, x_mean - y_mean * xx / xy, static_cast<int>(points.size())};
 }
 
+/// Gravity tilts, the plane stays. The run begins where the body stands in equilibrium; on a slope too steep for that,
+/// where it would stand on level ground. Adds its plane to the obstacles, just so deep in the body that this begins
+/// with contact. Throws InputError if there is no such obstacle.
 class Sliding final : public TimedExperiment {
  public:
   Sliding(const Body& body, const SlidingSetup& setup, contact::ContactOptions& contact) : body_(body), setup_(setup) {
@@ -169,24 +203,6 @@ std::unique_ptr<TimedRig> Sliding::timed_rig(Model& model) const { return std::m
 
 }  // namespace
 
-const MeasureList& sliding_measures() {
-  using namespace dimension;
-  static const MeasureList list{
-      {"slide_distance", length, "displacement of the mass centre down the slope since the start"},
-      {"slide_speed", velocity, "speed of the mass centre down the slope"},
-      {"slide_acceleration", acceleration, "acceleration down the slope while it slides: a line fitted to the speed"},
-      {"creep", length, "largest displacement of a molecule on the slope, of all frames"},
-      {"slope", none, "slope of the plane [rad]"},
-      {"slip_angle", none, "slope at which the body begins to slide [rad]"},
-      {"slip_friction", none, "tan of that angle"}};
-  return list;
-}
-
-std::unique_ptr<TimedExperiment> make_sliding(const Body& body, const SlidingSetup& setup,
-                                              contact::ContactOptions& contact) {
-  return std::make_unique<Sliding>(body, setup, contact);
-}
-
 ExperimentInfo sliding_row() {
   using S = SlidingSetup;
   constexpr Range slope{0, 1.57, false};  // up to a right angle
@@ -194,7 +210,6 @@ ExperimentInfo sliding_row() {
   return with_keys(
       {.name = "sliding",
        .summary = "a body lies on a plane that is tilted, or slides along it: friction, slip angle; needs `contact`",
-       .source = "",
        .in_time = true,
        .measures = sliding_measures()},
       Keys<S>{
@@ -222,7 +237,7 @@ ExperimentInfo sliding_row() {
                                      .needed("needed with `from`")})
                          .then(of_kind(SlidingKind::threshold))})},
       [](const ExperimentContext& context, const S& setup) {
-        return make_sliding(context.body, setup, contact_of_scene(context));
+        return std::make_unique<Sliding>(context.body, setup, contact_of_scene(context));
       });
 }
 

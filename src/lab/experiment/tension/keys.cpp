@@ -1,6 +1,5 @@
-#include "lab/experiment/tension/tension.h"
-
 #include "lab/experiment/keys.h"
+#include "lab/experiment/tension/tension.h"
 
 namespace elastin::lab {
 
@@ -82,7 +81,6 @@ ExperimentInfo bar(ExperimentInfo info, bool compression) {
 ExperimentInfo tension_row() {
   return bar({.name = "tension",
               .summary = "a bar is pulled along its axis: effective modulus, Poisson's ratio, stress–strain curve",
-              .source = "",
               .of_shares = true,
               .measures = tension_measures()},
              false);
@@ -91,7 +89,6 @@ ExperimentInfo tension_row() {
 ExperimentInfo compression_row() {
   return bar({.name = "compression",
               .summary = "a bar is pressed along its axis and measured as in tension",
-              .source = "",
               .of_shares = true,
               .measures = tension_measures()},
              true);

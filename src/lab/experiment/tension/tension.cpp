@@ -11,6 +11,7 @@
 #include "elastin/core/base/error.h"
 #include "elastin/core/model/parts.h"
 #include "elastin/core/model/share.h"
+#include "lab/run/common_measures.h"
 #include "lab/run/section.h"
 
 namespace elastin::lab {
@@ -391,12 +392,7 @@ class TensionRig final : public StaticRig {
     measures.set("stress", stress);
     measures.set("strain", strain);
     measures.set("lateral_strain", lateral);
-    if (model_.has_energy() && !solved.linear)
-      measures.set("energy", sum_over(body_, model_.elastic_energy(state.positions)));
-    const Positions loads = model_.load_forces(state);
-    Vector3 left = loads.leftCols(owned_molecules(body_)).rowwise().sum() + solved.reactions.rowwise().sum();
-    sum_over(body_, {left.data(), 3});
-    measures.set("reaction_balance", left.norm() / std::abs(force));
+    add_state(model_, state, solved, std::abs(force), measures);
     return measures;
   }
 

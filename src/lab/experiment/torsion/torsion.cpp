@@ -13,6 +13,20 @@
 namespace elastin::lab {
 namespace {
 
+const MeasureList& torsion_measures() {
+  using namespace dimension;
+  using Role = MeasureRole;
+  static const MeasureList list{
+      {{"torque", dimension::energy, "torque about the axis on the turned end; beyond preload", Role::torque, "",
+        "N m"},
+       {"axial_force", force, "force along the axis; positive = the plate pulls the body up"},
+       {"angle", none, "angle by which the loaded end is turned [rad]"},
+       {"torsional_stiffness", dimension::energy, "torque / angle [a radian]", Role::modulus, "", "N m"},
+       {"shear_modulus", pressure, "secant modulus G: torque / twist of the bar", Role::shear_modulus, "G"}},
+      {{"angle", "torque", true}, {"load", "angle", true}}};
+  return list;
+}
+
 /// J of a section with four right corners; 0 of any other.
 double section_constant(const Points2& hull) {
   if (hull.cols() != 4) return 0;
@@ -113,24 +127,6 @@ class Torsion final : public Driven {
 };
 
 }  // namespace
-
-const MeasureList& torsion_measures() {
-  using namespace dimension;
-  using Role = MeasureRole;
-  static const MeasureList list{
-      {{"torque",
-        dimension::energy,
-        "torque about the axis on the turned end; beyond preload",
-        Role::torque,
-        {},
-        "N m"},
-       {"axial_force", force, "force along the axis; positive = the plate pulls the body up"},
-       {"angle", none, "angle by which the loaded end is turned [rad]"},
-       {"torsional_stiffness", dimension::energy, "torque / angle [a radian]", Role::modulus, {}, "N m"},
-       {"shear_modulus", pressure, "secant modulus G: torque / twist of the bar", Role::shear_modulus, "G"}},
-      {{"angle", "torque", true}, {"load", "angle", true}}};
-  return list;
-}
 
 std::unique_ptr<StaticExperiment> make_torsion(const Body& body, const TorsionSetup& setup) {
   return std::make_unique<Torsion>(body, setup);

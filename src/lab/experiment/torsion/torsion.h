@@ -15,6 +15,4 @@ struct TorsionSetup {
 /// Throws InputError if the body does not suit.
 std::unique_ptr<StaticExperiment> make_torsion(const Body& body, const TorsionSetup& setup);
 
-const MeasureList& torsion_measures();
-
 }  // namespace elastin::lab

@@ -1,11 +1,29 @@
 #include "elastin/core/solve/vibrations.h"
-#include "lab/experiment/fixture.h"
 #include "lab/experiment/keys.h"
-#include "lab/experiment/motion/motion.h"
-
 namespace elastin::lab {
 namespace {
 
+const MeasureList& vibration_measures() {
+  using namespace dimension;
+  using Role = MeasureRole;
+  constexpr Dimension rate{0, 0, -1};
+  static const MeasureList list{
+      {"rigid_motions", none, "number of motions of the whole body that supports leave free"},
+      {"frequency_1", rate, "lowest natural frequency about the state under the scene's loads", Role::none, "", "Hz"},
+      {"frequency_2", rate, "natural frequency number 2", Role::none, "", "Hz"},
+      {"frequency_3", rate, "natural frequency number 3", Role::none, "", "Hz"},
+      {"frequency_4", rate, "natural frequency number 4", Role::none, "", "Hz"},
+      {"frequency_5", rate, "natural frequency number 5", Role::none, "", "Hz"},
+      {"frequency_6", rate, "natural frequency number 6", Role::none, "", "Hz"},
+      {"frequency_7", rate, "natural frequency number 7", Role::none, "", "Hz"},
+      {"frequency_8", rate, "natural frequency number 8", Role::none, "", "Hz"},
+      {"frequency_9", rate, "natural frequency number 9", Role::none, "", "Hz"},
+      {"frequency_10", rate, "natural frequency number 10", Role::none, "", "Hz"}};
+  return list;
+}
+
+/// Natural frequencies of a body held as an experiment at rest says, or free, about its equilibrium under the scene's
+/// own loads and, if `loaded`, the fixture's. At rest: it takes no time.
 class Vibration final : public StaticExperiment {
  public:
   Vibration(std::unique_ptr<const StaticExperiment> fixture, int count, bool loaded)
@@ -70,30 +88,6 @@ std::unique_ptr<StaticRig> Vibration::make_rig(Model& model) const {
 
 }  // namespace
 
-const MeasureList& vibration_measures() {
-  using namespace dimension;
-  using Role = MeasureRole;
-  constexpr Dimension rate{0, 0, -1};
-  static const MeasureList list{
-      {"rigid_motions", none, "number of motions of the whole body that supports leave free"},
-      {"frequency_1", rate, "lowest natural frequency about the state under the scene's loads", Role::none, {}, "Hz"},
-      {"frequency_2", rate, "natural frequency number 2", Role::none, {}, "Hz"},
-      {"frequency_3", rate, "natural frequency number 3", Role::none, {}, "Hz"},
-      {"frequency_4", rate, "natural frequency number 4", Role::none, {}, "Hz"},
-      {"frequency_5", rate, "natural frequency number 5", Role::none, {}, "Hz"},
-      {"frequency_6", rate, "natural frequency number 6", Role::none, {}, "Hz"},
-      {"frequency_7", rate, "natural frequency number 7", Role::none, {}, "Hz"},
-      {"frequency_8", rate, "natural frequency number 8", Role::none, {}, "Hz"},
-      {"frequency_9", rate, "natural frequency number 9", Role::none, {}, "Hz"},
-      {"frequency_10", rate, "natural frequency number 10", Role::none, {}, "Hz"}};
-  return list;
-}
-
-std::unique_ptr<StaticExperiment> make_vibration(const Body&, std::unique_ptr<const StaticExperiment> fixture,
-                                                 int count, bool loaded) {
-  return std::make_unique<Vibration>(std::move(fixture), count, loaded);
-}
-
 ExperimentInfo vibration_row() {
   struct S {
     std::unique_ptr<const StaticExperiment> fixture;
@@ -104,7 +98,6 @@ ExperimentInfo vibration_row() {
   return with_keys(
       {.name = "vibration",
        .summary = "natural frequencies of a body, free or fixed by a fixture; at rest",
-       .source = "",
        .measures = vibration_measures()},
       Keys<S>{fixture_key<S>("how the body is fixed").otherwise("free body"),
               key::choice("load", &S::loaded, {{"removed", false}, {"applied", true}},
@@ -114,7 +107,7 @@ ExperimentInfo vibration_row() {
                   }),
               key::whole("count", &S::count, 1, 10, "number of frequencies")},
       [](const ExperimentContext& context, S setup) {
-        return make_vibration(context.body, std::move(setup.fixture), setup.count, setup.loaded);
+        return std::make_unique<Vibration>(std::move(setup.fixture), setup.count, setup.loaded);
       });
 }
 
