@@ -1,12 +1,11 @@
-#include "lab/study/compare.h"
+#include "lab/study/study.h"
 
 #include "command/interrupt.h"
 #include "command/row.h"
 #include "command/scene_options.h"
 #include "elastin/core/base/error.h"
 #include "lab/export/calculix_run.h"
-#include "lab/study/shards.h"
-#include "lab/study/steppers.h"
+#include "lab/study/plan.h"
 
 namespace elastin::command {
 namespace {

@@ -11,10 +11,9 @@
 #include "lab/identify/identify.h"
 #include "lab/identify/report.h"
 #include "lab/report/files.h"
-#include "lab/report/progress.h"
 #include "lab/report/screen.h"
 #include "lab/run/config_names.h"
-#include "lab/study/compare.h"
+#include "lab/study/study.h"
 
 namespace elastin::command {
 using namespace lab;

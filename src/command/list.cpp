@@ -4,8 +4,8 @@
 #include "command/row.h"
 #include "elastin/lab/experiment/experiment_catalog.h"
 #include "lab/scene/key_reference.h"
-#include "lab/study/check.h"
 #include "lab/study/request.h"
+#include "lab/study/study.h"
 
 namespace elastin::command {
 namespace {

@@ -1,4 +1,4 @@
-#include "lab/study/merge.h"
+#include "lab/study/study.h"
 
 #include "command/row.h"
 #include "command/scene_options.h"

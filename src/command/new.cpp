@@ -10,7 +10,7 @@
 #include "lab/report/files.h"
 #include "lab/report/screen.h"
 #include "lab/scene/scene.h"
-#include "lab/study/new_scene.h"
+#include "lab/study/study.h"
 
 namespace elastin::command {
 namespace {

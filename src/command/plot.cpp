@@ -4,8 +4,7 @@
 #include "elastin/core/base/error.h"
 #include "lab/run/run.h"
 #include "lab/scene/scene.h"
-#include "lab/study/csv_plot.h"
-#include "lab/study/material_plot.h"
+#include "lab/study/study.h"
 
 namespace elastin::command {
 namespace {

@@ -1,7 +1,7 @@
 #include "command/interrupt.h"
 #include "command/row.h"
 #include "command/scene_options.h"
-#include "lab/study/compare.h"
+#include "lab/study/study.h"
 
 namespace elastin::command {
 namespace {

@@ -6,10 +6,10 @@
 #include "command/row.h"
 #include "command/scene_options.h"
 #include "lab/report/json.h"
-#include "lab/report/progress.h"
+#include "lab/report/screen.h"
 #include "lab/report/table.h"
 #include "lab/scene/scene.h"
-#include "lab/study/compare.h"
+#include "lab/study/study.h"
 #include "lab/study/verdicts.h"
 
 namespace elastin::command {

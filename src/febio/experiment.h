@@ -4,12 +4,19 @@
 #include <utility>
 #include <vector>
 
+#include "elastin/lab/run/experiment.h"
 #include "febio/constraints.h"
-#include "febio/lab_names.h"
 #include "febio/loads.h"
 #include "febio/stepped_cells.h"
 
 namespace elastin::febio {
+
+using lab::MainMeasure;
+using lab::MeasureList;
+using lab::Measures;
+using lab::Start;
+using lab::StaticExperiment;
+using lab::StaticRig;
 
 /// A step of the analysis.
 struct Step {

@@ -2,7 +2,7 @@
 
 #include "elastin/febio/febio.h"
 #include "febio/model.h"
-#include "lab/scene/scene_formats.h"
+#include "lab/scene/scene.h"
 
 namespace elastin::febio {
 

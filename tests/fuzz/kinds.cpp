@@ -14,7 +14,7 @@
 #include "lab/run/restart.h"
 #include "lab/scene/scene.h"
 #include "lab/study/journal.h"
-#include "lab/study/shards.h"
+#include "lab/study/plan.h"
 
 namespace fuzz {
 namespace {

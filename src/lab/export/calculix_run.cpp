@@ -5,23 +5,214 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <chrono>
+#include <cmath>
 #include <csignal>
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <map>
+#include <set>
 #include <sstream>
 #include <thread>
 
+#include "core/laws/solids/mooney_rivlin.h"
+#include "core/laws/solids/neo_hookean_log.h"
+#include "core/laws/solids/ogden.h"
+#include "core/laws/solids/st_venant_kirchhoff.h"
+#include "core/laws/solids/yeoh.h"
 #include "elastin/core/base/error.h"
+#include "elastin/core/base/text.h"
+#include "elastin/core/laws/material_law.h"
 #include "elastin/core/parallel/threads.h"
 #include "elastin/core/shapes/orders.h"
-#include "lab/export/calculix.h"
+#include "lab/export/formats.h"
+#include "lab/export/problem.h"
 
 namespace elastin::lab {
+namespace {
+
+// It reads 20 characters of a number at most, so that 13 digits are written.
+
+/// CalculiX' elements of the shapes of cells; nodes have the same order.
+const std::map<std::string_view, const char*> kElements{{"tetrahedron4", "C3D4"},
+                                                        {"tetrahedron10", "C3D10"},
+                                                        {"prism6", "C3D6"},
+                                                        {"hexahedron8", "C3D8"},
+                                                        {"hexahedron20", "C3D20"}};
+/// Of Yeoh's and Ogden's laws.
+constexpr int kMostTerms = 3;
+
+class CalculixDeck : Deck {
+ public:
+  CalculixDeck(StaticProblem& problem, const CalculixOptions& options)
+      : Deck("CalculiX", problem), problem_(problem), options_(options) {}
+
+  std::string text() {
+    write("** {}: {}\n** Lengths in m, forces in N, stresses in Pa.\n", problem_.scene->name, problem_.scene->title);
+    write_mesh();
+    for (std::size_t i = 0; i < problem_.materials.size(); ++i) write_material(i);
+    for (std::size_t i = 0; i < problem_.cells.size(); ++i)
+      write("*SOLID SECTION, ELSET=CELLS{}, MATERIAL=M{}\n", i + 1, problem_.cells[i].material + 1);
+    for (std::size_t step = 0; step < problem_.steps.size(); ++step) write_step(step);
+    return std::move(out_);
+  }
+
+ private:
+  void write_mesh() {
+    const Positions& rest = problem_.body().rest;
+    write("*NODE, NSET=ALL\n");
+    for (Eigen::Index i = 0; i < rest.cols(); ++i)
+      write("{},{:.12e},{:.12e},{:.12e}\n", i + 1, rest(0, i), rest(1, i), rest(2, i));
+    int number = 0;
+    for (std::size_t i = 0; i < problem_.cells.size(); ++i) {
+      const ExportedCells& cells = problem_.cells[i];
+      const auto element = kElements.find(cells.kind->name);
+      if (element == kElements.end())
+        refuse("it has no " + std::string(cells.kind->plural) + "; `order: 1` gives hexahedra of 8");
+      write("*ELEMENT, TYPE={}, ELSET=CELLS{}\n", element->second, i + 1);
+      for (std::size_t node = 0; node < cells.nodes.size(); ++node) {
+        const auto place = node % static_cast<std::size_t>(cells.kind->nodes);
+        if (place == 0) write("{}", ++number);
+        write("{}{}", place % 15 == 14 ? ",\n" : ",", cells.nodes[node] + 1);  // 16 numbers a line
+        if (place + 1 == static_cast<std::size_t>(cells.kind->nodes)) write("\n");
+      }
+    }
+    std::set<int> held;
+    for (const DrivenComponent& driven : problem_.driven) held.insert(driven.molecule);
+    write("*NSET, NSET=HELD\n");
+    for (const int molecule : held) write("{},\n", molecule + 1);
+  }
+
+  // ------------------------------------------------------------------------------------------ materials, by their laws
+
+  using Write = void (CalculixDeck::*)(const Material& material);
+  struct Law {
+    std::string_view name;
+    bool of_moduli;  ///< under small displacements *ELASTIC says all of it
+    Write write;     ///< under large displacements; null: CalculiX has none
+    Write nearest = nullptr;
+  };
+  static const std::vector<Law>& laws() {
+    static const std::vector<Law> all{
+        {NeoHookean::name, true, nullptr, &CalculixDeck::write_neo_hooke},
+        {NeoHookeanLog::name, true, nullptr, &CalculixDeck::write_neo_hooke},
+        {StVenantKirchhoff::name, true, &CalculixDeck::write_elastic},
+        {MooneyRivlin::name, false, &CalculixDeck::write_mooney_rivlin},
+        {Yeoh::name, false, &CalculixDeck::write_yeoh},
+        {Ogden::name, false, &CalculixDeck::write_ogden},
+    };
+    return all;
+  }
+
+  void write_material(std::size_t number) {
+    const Material& material = problem_.materials[number];
+    const auto law =
+        std::find_if(laws().begin(), laws().end(), [&](const Law& one) { return one.name == problem_.law; });
+    Write write_law = nullptr;
+    if (law != laws().end())
+      write_law = problem_.small && law->of_moduli      ? &CalculixDeck::write_elastic
+                  : !law->write && options_.nearest_law ? law->nearest
+                                                        : law->write;
+    if (!write_law) {
+      std::string known;
+      for (const Law& one : laws())
+        if (one.write) known += (known.empty() ? "" : ", ") + std::string(one.name);
+      refuse("it has no law '" + problem_.law + "' under large displacements; allowed: " + known +
+             (law == laws().end() ? "" : ", or `displacements: small`: --set stiffness=st_venant_kirchhoff"));
+    }
+    if (problem_.whole_cell && number == 0)
+      problem_.notes.emplace_back(
+          "CalculiX has no cells with pressures of their own: near nu = 1/2 its cells may lock");
+    write("*MATERIAL, NAME=M{}\n", number + 1);
+    (this->*write_law)(material);
+    write("*DENSITY\n{:.12e}\n", material.density);
+  }
+
+  void write_elastic(const Material& material) {
+    write("*ELASTIC\n{:.12e},{:.12e}\n", material.youngs_modulus, material.poissons_ratio);
+  }
+
+  void write_neo_hooke(const Material& material) {
+    const auto [lambda, mu] = lame<3>(material);
+    write("*HYPERELASTIC, NEO HOOKE\n{:.12e},{:.12e}\n", mu / 2, 2 / (lambda + 2 * mu / 3));
+    problem_.notes.push_back("CalculiX has no " + problem_.law +
+                             ": its own neo-Hookean law stands here, another one beyond small strain");
+  }
+
+  /// 2/κ of κ/2 (J − 1)², the one volumetric term that CalculiX has.
+  double volume_of(const Material& material) const {
+    const Volumetric volume = ConstantsOf(material, problem_.law).volume();
+    if (volume.form != Volumetric::Form::quadratic)
+      refuse("its laws of rubber have the volume term κ/2 (J − 1)² alone: write `volumetric: quadratic`");
+    return 2 / volume.modulus;
+  }
+  void check_terms(int terms) const {
+    if (terms > kMostTerms)
+      refuse(fmt::format("its {} has at most {} terms, this one has {}", problem_.law, kMostTerms, terms));
+  }
+  void write_mooney_rivlin(const Material& material) {
+    const auto [c1, c2] = MooneyRivlin{}.density(material);
+    write("*HYPERELASTIC, MOONEY-RIVLIN\n{:.12e},{:.12e},{:.12e}\n", c1, c2, volume_of(material));
+  }
+  void write_yeoh(const Material& material) {
+    const Yeoh::Density density = Yeoh{}.density(material);
+    check_terms(density.terms);
+    write("*HYPERELASTIC, YEOH\n");
+    for (int i = 0; i < kMostTerms; ++i) write("{:.12e},", i < density.terms ? density.c[i] : 0);
+    write("{:.12e},0.,0.\n", volume_of(material));
+  }
+  void write_ogden(const Material& material) {
+    const auto terms = Ogden::terms(material);
+    check_terms(terms.count);
+    write("*HYPERELASTIC, OGDEN, N={}\n", terms.count);
+    for (int i = 0; i < terms.count; ++i) write("{:.12e},{:.12e},", terms.c(i) / 2, terms.m(i));  // c/α² = 2 μ/α²
+    write("{:.12e}", volume_of(material));
+    for (int i = 1; i < terms.count; ++i) write(",0.");
+    write("\n");
+  }
+
+  void write_step(std::size_t step) {
+    const char* whole_step = "1.,1.\n";
+    if (problem_.small)
+      write("*STEP\n*STATIC\n");
+    else
+      write("*STEP, NLGEOM, INC=10000\n*CONTROLS, PARAMETERS=FIELD\n1.e-7,1.e-5\n*STATIC\n{}", whole_step);
+    write("*BOUNDARY\n");
+    for (const DrivenComponent& driven : problem_.driven)
+      write("{},{},{},{:.12e}\n", driven.molecule + 1, driven.axis + 1, driven.axis + 1, driven.displacements[step]);
+    const Positions& forces = problem_.forces[step];
+    if (!forces.isZero(0)) write("*CLOAD, OP=NEW\n");
+    for (Eigen::Index molecule = 0; molecule < forces.cols(); ++molecule)
+      for (int axis = 0; axis < 3; ++axis)
+        if (forces(axis, molecule) != 0) write("{},{},{:.12e}\n", molecule + 1, axis + 1, forces(axis, molecule));
+    constexpr const char* kAtEnd = "FREQUENCY=100000";
+    write("*NODE PRINT, NSET=ALL, {}\nU\n*NODE PRINT, NSET=HELD, {}\nRF\n", kAtEnd, kAtEnd);
+    if (options_.result_files) write("*NODE FILE, {}\nU\n*EL FILE, {}\nS,E\n", kAtEnd, kAtEnd);
+    write("*END STEP\n");
+  }
+
+  StaticProblem& problem_;
+  const CalculixOptions& options_;
+};
+
+}  // namespace
+
+std::string calculix_deck(StaticProblem& problem, const CalculixOptions& options) {
+  return CalculixDeck(problem, options).text();
+}
+
+std::string calculix_text(const Scene& scene, std::vector<std::string>& notes) {
+  StaticProblem problem = problem_of(scene);
+  std::string text = calculix_deck(problem, {});
+  notes = std::move(problem.notes);
+  return text;
+}
+
 namespace {
 
 using Clock = std::chrono::steady_clock;

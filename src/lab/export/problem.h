@@ -1,9 +1,14 @@
 #pragma once
+#include <fmt/format.h>
+
 #include <array>
+#include <iterator>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "elastin/core/base/error.h"
 #include "lab/scene/scene.h"
 
 namespace elastin::lab {
@@ -45,5 +50,25 @@ StaticProblem problem_of(const Scene& scene);
 /// Components that hold the whole body in those of its three translations and three rotations that the problem leaves
 /// free; they bear no force. Programs that factor the stiffness need them.
 std::vector<DrivenComponent> missing_supports(const StaticProblem& problem);
+
+/// A text that grows, and the refusal of what its program does not support.
+class Deck {
+ protected:
+  Deck(const char* program, const StaticProblem& problem) : program_(program), scene_(*problem.scene) {}
+
+  template <class... Args>
+  void write(fmt::format_string<Args...> format, Args&&... args) {
+    fmt::format_to(std::back_inserter(out_), format, std::forward<Args>(args)...);
+  }
+  [[noreturn]] void refuse(const std::string& what) const {
+    throw InputError(SourceLocation{scene_.source.path()}, std::string(program_) + ": " + what);
+  }
+
+  std::string out_;
+
+ private:
+  const char* program_;
+  const Scene& scene_;
+};
 
 }  // namespace elastin::lab

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "lab/report/page_frame.h"
+#include "lab/report/page.h"
 #include "lab/report/page_parts.h"
 #include "lab/report/table.h"
 

@@ -9,7 +9,6 @@
 #include "core/solve/responses.h"
 #include "lab/identify/measured_test.h"
 #include "lab/run/load_path.h"
-#include "lab/run/repeated_curve.h"
 #include "lab/scene/scene.h"
 
 namespace elastin::lab {

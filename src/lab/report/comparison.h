@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "lab/report/ranking.h"
+#include "lab/report/records.h"
 #include "lab/report/table.h"
 
 namespace elastin::lab {
@@ -29,5 +30,12 @@ Table verdicts_table(const std::vector<Record>& records);
 
 /// "take lattice: E +0.001 %, Poisson's ratio 0.2500 (target: …), 3 ms".
 std::string advice_text(const Ranking& ranking, bool colours);
+
+/// The runs in the folder of an earlier `compare --out` or `run --out`. Throws InputError: folder and what is missing.
+std::vector<Record> load_baseline(const std::string& folder);
+
+/// Each run that the earlier ones have too (scene, strategy, threads, what a study changes): its main measures then and
+/// now, how much they changed relatively, and both times. No rows where there is nothing in common.
+Table change_table(const std::vector<Record>& records, const std::vector<Record>& baseline);
 
 }  // namespace elastin::lab

@@ -9,7 +9,7 @@
 #include "core/model/faces.h"
 #include "lab/report/ranking.h"
 #include "lab/report/table.h"
-#include "lab/run/moduli.h"
+#include "lab/run/section.h"
 
 namespace elastin::lab {
 namespace {

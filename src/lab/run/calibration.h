@@ -1,8 +1,11 @@
 #pragma once
+#include <functional>
 #include <memory>
 #include <string>
 #include <string_view>
+#include <vector>
 
+#include "elastin/core/model/stress_strain.h"
 #include "lab/run/choice.h"
 #include "lab/run/run.h"
 
@@ -31,5 +34,19 @@ std::string calibration_unsuited(const Experiment& experiment, const Specimen& s
 /// Sets the run's constants and what calibration found. Null if a solve fails: the run says why.
 std::optional<ElasticTerms> make_rule(const Specimen& specimen, const Experiment& experiment,
                                       const StrategyChoice& choice, const RunOptions& options, Run& run);
+
+/// Runs the body with springs that follow a curve; gives the nominal strain and stress that it shows at each load step,
+/// ascending in size; fewer than there are load steps if a step failed.
+using MeasureCurve = std::function<std::vector<StressStrain::Point>(const StressStrain&)>;
+
+struct CurveFit {
+  StressStrain springs;  ///< what each spring must follow
+  double error;          ///< largest |stress shown − given| over the largest given; 1 if nothing could be measured
+};
+
+/// The curve of the springs with which the whole body shows the given one: a spring along the load has the strain of
+/// the whole, so its stress there is multiplied by given/shown until they agree to 1e-4, or for 25 runs. On the side
+/// that is not loaded the springs keep the given curve. The best of all runs is returned.
+CurveFit fit_curve(const StressStrain& given, const MeasureCurve& measure);
 
 }  // namespace elastin::lab

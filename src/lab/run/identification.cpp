@@ -9,7 +9,7 @@
 #include "elastin/core/base/error.h"
 #include "elastin/core/simulation/parts.h"
 #include "lab/run/least_squares.h"
-#include "lab/run/repeated_curve.h"
+#include "lab/run/load_path.h"
 #include "lab/run/specimen.h"
 
 namespace elastin::lab {

@@ -1,5 +1,6 @@
 #pragma once
 #include "elastin/core/model/body.h"
+#include "elastin/core/model/material.h"
 
 namespace elastin::lab {
 
@@ -18,5 +19,14 @@ struct Section {
 /// no such cell it is the hull of the molecules seen along the axis. The variation is that of ten slabs, or, for the
 /// hull, of slabs at least two mean connections thick.
 Section find_section(const Body& body, const Vector3& axis, double from, double to, double thickness);
+
+/// G = E / (2 (1 + ν)) [Pa].
+double shear_modulus(const Material& material);
+/// K = E / (3 (1 − 2ν)) [Pa].
+double bulk_modulus(const Material& material);
+
+/// Torsion constant J [m⁴] of a rectangle, T = G J θ/l, of a bar whose ends are free to warp.
+/// J = a b³ (1/3 − 64 b/(π⁵ a) Σ tanh(nπa/2b)/n⁵), n odd.                                [Timoshenko & Goodier, §109]
+double torsion_constant(double a, double b);
 
 }  // namespace elastin::lab

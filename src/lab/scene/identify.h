@@ -7,7 +7,7 @@
 #include "elastin/core/laws/homogeneous.h"
 #include "elastin/core/simulation/catalog.h"
 #include "lab/run/config_names.h"
-#include "lab/run/curve_numbers.h"
+#include "lab/run/material_numbers.h"
 
 namespace elastin::lab {
 

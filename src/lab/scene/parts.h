@@ -8,9 +8,9 @@
 #include "lab/experiment/inflation/inflation.h"
 #include "lab/experiment/keys.h"
 #include "lab/run/config_names.h"
-#include "lab/run/curve_numbers.h"
+#include "lab/run/material_numbers.h"
 #include "lab/run/specimen.h"
-#include "lab/run/time_function.h"
+#include "lab/run/time_options.h"
 #include "lab/scene/study.h"
 
 namespace elastin::lab {

@@ -1,5 +1,4 @@
 #include "lab/scene/scene.h"
-#include "lab/scene/key_reference.h"
 
 #include <algorithm>
 #include <chrono>
@@ -15,8 +14,8 @@
 #include "elastin/core/solve/engine.h"
 #include "lab/run/calibration.h"
 #include "lab/run/common_measures.h"
+#include "lab/scene/key_reference.h"
 #include "lab/scene/parts.h"
-#include "lab/scene/scene_formats.h"
 
 namespace elastin::lab {
 namespace {
@@ -454,6 +453,17 @@ std::vector<KeySection> scene_keys() {
            "A *rotation*:",
            {{"axis", "direction", "", "", "needed", "axis of the rotation"},
             {"angle", "angle", "", "", "needed", "angle of the rotation, right-handed"}}}};
+}
+
+elastin::Table<SceneFormat>& scene_formats() {
+  static elastin::Table<SceneFormat> formats("scene format");
+  return formats;
+}
+
+const SceneFormat* scene_format_of(const std::string& path) {
+  for (const auto& format : scene_formats())
+    if (path.ends_with(format->ending)) return format.get();
+  return nullptr;
 }
 
 }  // namespace elastin::lab

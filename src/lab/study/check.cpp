@@ -1,4 +1,4 @@
-#include "lab/study/check.h"
+#include "lab/study/study.h"
 
 #include <fmt/format.h>
 

@@ -1,4 +1,4 @@
-#include "lab/study/compare.h"
+#include "lab/study/study.h"
 
 #include <fmt/format.h>
 #include <unistd.h>
@@ -20,16 +20,14 @@
 #include "lab/report/files.h"
 #include "lab/report/json.h"
 #include "lab/report/machine.h"
-#include "lab/report/progress.h"
 #include "lab/report/ranking.h"
+#include "lab/report/screen.h"
 #include "lab/report/study.h"
 #include "lab/report/view.h"
-#include "lab/study/directions.h"
 #include "lab/study/journal.h"
 #include "lab/study/plan.h"
 #include "lab/study/reference.h"
 #include "lab/study/results.h"
-#include "lab/study/shards.h"
 
 namespace elastin::lab {
 namespace {

@@ -1,4 +1,4 @@
-#include "lab/study/directions.h"
+#include "lab/study/study.h"
 
 #include <memory>
 #include <string>

@@ -1,4 +1,4 @@
-#include "lab/study/merge.h"
+#include "lab/study/study.h"
 
 #include <fmt/format.h>
 
@@ -19,9 +19,9 @@
 #include "lab/report/screen.h"
 #include "lab/report/study.h"
 #include "lab/study/journal.h"
+#include "lab/study/plan.h"
 #include "lab/study/reference.h"
 #include "lab/study/results.h"
-#include "lab/study/shards.h"
 
 namespace elastin::lab {
 namespace {

@@ -1,4 +1,4 @@
-#include "lab/study/new_scene.h"
+#include "lab/study/study.h"
 
 #include <fmt/args.h>
 #include <fmt/format.h>

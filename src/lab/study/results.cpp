@@ -8,7 +8,6 @@
 #include <map>
 #include <utility>
 
-#include "lab/report/baseline.h"
 #include "lab/report/comparison.h"
 #include "lab/report/json.h"
 #include "lab/report/ranking.h"

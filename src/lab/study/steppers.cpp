@@ -1,4 +1,4 @@
-#include "lab/study/steppers.h"
+#include "lab/study/study.h"
 
 #include <fmt/format.h>
 #include <unistd.h>
@@ -17,10 +17,9 @@
 #include "elastin/core/solve/stable_step.h"
 #include "lab/report/files.h"
 #include "lab/report/machine.h"
-#include "lab/report/progress.h"
+#include "lab/report/screen.h"
 #include "lab/report/table.h"
-#include "lab/scene/scene_formats.h"
-#include "lab/study/compare.h"
+#include "lab/scene/scene.h"
 
 namespace elastin::lab {
 namespace {

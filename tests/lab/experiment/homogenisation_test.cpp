@@ -1,7 +1,7 @@
 #include "lab/experiment/homogenisation/homogenisation.h"
 
 #include "elastin/core/base/error.h"
-#include "lab/run/moduli.h"
+#include "lab/run/section.h"
 #include "support/experiments.h"
 
 using namespace elastin;

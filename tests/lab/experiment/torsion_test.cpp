@@ -2,7 +2,7 @@
 
 #include <numbers>
 
-#include "lab/run/moduli.h"
+#include "lab/run/section.h"
 #include "support/experiments.h"
 
 using namespace elastin;

@@ -12,7 +12,7 @@
 #include "lab/export/calculix_run.h"
 #include "lab/export/problem.h"
 #include "lab/run/specimen.h"
-#include "lab/study/compare.h"
+#include "lab/study/study.h"
 #include "support/temporary_folder.h"
 
 using namespace elastin;

@@ -10,7 +10,7 @@
 #include "lab/report/comparison.h"
 #include "lab/report/files.h"
 #include "lab/report/json.h"
-#include "lab/study/directions.h"
+#include "lab/study/study.h"
 #include "support/shell.h"
 #include "support/temporary_folder.h"
 

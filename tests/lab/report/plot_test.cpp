@@ -8,7 +8,7 @@
 #include "elastin/core/base/error.h"
 #include "lab/format/csv.h"
 #include "lab/report/figures.h"
-#include "lab/study/csv_plot.h"
+#include "lab/study/study.h"
 #include "support/temporary_folder.h"
 
 using namespace elastin;

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <sstream>
 
-#include "lab/report/progress.h"
 #include "lab/report/screen.h"
 
 using namespace elastin::lab;

@@ -6,7 +6,7 @@
 
 #include "lab/experiment/tension/tension.h"
 #include "lab/report/records.h"
-#include "lab/run/curve_fit.h"
+#include "lab/run/calibration.h"
 #include "lab/run/specimen.h"
 #include "support/bodies.h"
 

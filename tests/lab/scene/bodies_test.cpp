@@ -4,7 +4,7 @@
 
 #include "lab/report/records.h"
 #include "lab/scene/scene.h"
-#include "lab/study/check.h"
+#include "lab/study/study.h"
 #include "support/temporary_folder.h"
 
 using namespace elastin;

@@ -6,7 +6,7 @@
 
 #include "elastin/lab/experiment/experiment_catalog.h"
 #include "elastin/lab/study/laboratory.h"
-#include "lab/study/check.h"
+#include "lab/study/study.h"
 #include "support/temporary_folder.h"
 
 using namespace elastin;

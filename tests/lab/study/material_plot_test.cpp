@@ -1,4 +1,4 @@
-#include "lab/study/material_plot.h"
+#include "lab/study/study.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>

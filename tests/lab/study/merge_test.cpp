@@ -1,4 +1,4 @@
-#include "lab/study/merge.h"
+#include "lab/study/study.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -10,7 +10,7 @@
 #include "elastin/core/base/error.h"
 #include "lab/report/json.h"
 #include "lab/study/journal.h"
-#include "lab/study/shards.h"
+#include "lab/study/plan.h"
 #include "support/shell.h"
 #include "support/small_cube.h"
 #include "support/temporary_folder.h"

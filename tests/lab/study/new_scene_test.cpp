@@ -1,6 +1,6 @@
 // The scenes that `elastin new` writes run as they are.
 
-#include "lab/study/new_scene.h"
+#include "lab/study/study.h"
 
 #include <sys/wait.h>
 

@@ -1,6 +1,6 @@
 // Steppers side by side: what modulus a body has by each of them, and what is said of those that cannot step it.
 
-#include "lab/study/steppers.h"
+#include "lab/study/study.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>

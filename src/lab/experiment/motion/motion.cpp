@@ -8,8 +8,8 @@
 #include "lab/experiment/keys.h"
 #include "lab/run/common_measures.h"
 #include "lab/run/load_path.h"
-#include "lab/run/time_function.h"
 #include "lab/run/time_history_fits.h"
+#include "lab/run/time_options.h"
 
 namespace elastin::lab {
 namespace {

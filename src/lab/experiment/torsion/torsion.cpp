@@ -8,7 +8,7 @@
 #include "elastin/core/model/share.h"
 #include "lab/experiment/driven.h"
 #include "lab/experiment/keys.h"
-#include "lab/run/moduli.h"
+#include "lab/run/section.h"
 
 namespace elastin::lab {
 namespace {

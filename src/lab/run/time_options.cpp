@@ -1,4 +1,4 @@
-#include "lab/run/time_function.h"
+#include "lab/run/time_options.h"
 
 #include <optional>
 #include <utility>
