@@ -152,37 +152,7 @@ expect include/elastin/elastin.h:5 'includes elastin/c/elastin.h, which is for C
 broken_by src/lab/scene/load.h:3 'is in namespace elastin; that of lab is elastin::lab' \
   src/lab/scene/load.h '#pragma once' '' 'namespace elastin {' 'void load();' '}'
 broken_by src/core/solve/newton.h:2 'is in namespace elastin::lab; that of core is elastin' \
-  src/core/solve/newton.h '#pragma once' 'namespace elastin { namespace lab {' 'void solve(); } }'
-broken_by include/elastin/core/model/body.h:4 'and include/elastin/core/base/types.h:4 defines elastin::Body' \
-  include/elastin/core/base/types.h '#pragma once' '' 'namespace elastin {' 'struct Body : Base {};' '}'
-broken_by include/elastin/core/model/body.h:4 'and include/elastin/contact/pairs.h:3 defines elastin::contact::Body' \
-  include/elastin/contact/pairs.h '#pragma once' 'namespace elastin::contact {' 'using Body = int;' '}'
-broken_by src/lab/report/b.h:2 'defines elastin::lab::Row, and src/lab/report/a.h:2 defines elastin::lab::Row' \
-  src/lab/report/a.h '#pragma once' 'namespace elastin::lab { struct Row {}; }' \
-  -- src/lab/report/b.h '#pragma once' 'namespace elastin::lab { class Row {}; }'
-
-# A name listed twice.
-broken_by src/lab/scene/time.cpp:1 'lists euler, newmark, verlet, and so does src/core/simulation/catalog.cpp:2' \
-  src/lab/scene/time.cpp 'choice({{"euler", 1}, {"newmark", 2}, {"verlet", 3}});'
-broken_by src/core/solve/names.cpp:1 'lists euler, newmark, verlet' \
-  src/core/solve/names.cpp 'name() { if (a) return "euler"; return b ? "newmark" : "verlet"; }'
-broken_by src/python/elastin/types.pyi:2 'lists euler, newmark, verlet' \
-  src/python/elastin/types.pyi '# "euler", "newmark", "verlet"' "Scheme = Literal['euler', 'newmark', 'verlet']"
-broken_by src/lab/scene/b.cpp:1 'lists drop, press, shake, and so does src/lab/scene/a.cpp:1' \
-  src/lab/scene/a.cpp 'choice({{"drop", read_drop}, {"press", read_press}, {"shake", nullptr}});' \
-  -- src/lab/scene/b.cpp 'for (auto name : {"drop", "press", "shake", "fall"}) use(name);'
-broken_by src/lab/scene/time.cpp:1 "lists adams, gear, heun, ralston, and so does src/core/solve's rows" \
-  src/core/solve/rows.cpp 'Stepper adams() { return {{"adams", "the first"}}; }' \
-  'Stepper gear() { return {{"gear", "of stiff ones"}}; }' \
-  'Stepper heun() { Stepper row{{"heun", "of two slopes"}}; return row; }' \
-  'Stepper ralston() { return {{"ralston", "of the least error"}}; }' \
-  -- src/lab/scene/time.cpp 'for (auto name : {"heun", "gear", "ralston", "adams"}) use(name);'
-broken_by src/lab/report/plot.cpp:1 'lists drop, press, shake, and so does src/lab/scene/a.cpp:1' \
-  src/lab/scene/a.cpp 'return {{.name = "drop", .summary = "falls"}, {.name = "press", .summary = "is pressed"},' \
-  '        {.name = "shake", .summary = "is shaken"}};' \
-  -- src/lab/report/plot.cpp 'for (auto name : {"drop", "press", "shake", "fall"}) use(name);'
-broken_by src/core/laws/uniform.h:2 'has the name uniform, and so has src/core/laws/plain.h:2' \
-  src/core/laws/plain.h '#pragma once' 'static constexpr std::string_view name = "uniform";'
+  src/core/solve/newton.h '#pragma once' 'namespace elastin::lab {' 'void solve(); }'
 
 # Outside libraries.
 broken_by src/core/solve/newton.cpp:1 '<fcl/fcl.h> outside src/contact' src/core/solve/newton.cpp '#include <fcl/fcl.h>'
