@@ -1,14 +1,11 @@
 #pragma once
-#include <cmath>
 #include <cstddef>
-#include <cstdio>
 #include <cstring>
 #include <exception>
 #include <memory>
 #include <new>
 #include <stdexcept>
 #include <string>
-#include <utility>
 
 #include "elastin/c/elastin.h"
 #include "elastin/core/base/error.h"

@@ -1,5 +1,3 @@
-#include <array>
-#include <functional>
 #include <map>
 #include <set>
 

@@ -5,17 +5,12 @@
 #include <string_view>
 
 #include <algorithm>
-#include <cerrno>
 #include <charconv>
 #include <cmath>
 #include <cstdio>
-#include <cstring>
 #include <filesystem>
 #include <fstream>
-#include <functional>
 #include <set>
-#include <sstream>
-#include <utility>
 
 namespace elastin::config {
 namespace {

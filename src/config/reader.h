@@ -1,7 +1,6 @@
 #pragma once
 #include <yaml-cpp/yaml.h>
 
-#include <array>
 #include <functional>
 #include <limits>
 #include <map>

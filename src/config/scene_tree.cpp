@@ -6,11 +6,9 @@
 #include <cstring>
 #include <filesystem>
 #include <functional>
-#include <optional>
 #include <set>
 #include <sstream>
 
-#include "config/formula.h"
 #include "config/scene_text.h"
 #include "elastin/mesh/mesh_file.h"
 

@@ -1,7 +1,5 @@
 #include "febio/experiment.h"
 
-#include <algorithm>
-#include <cmath>
 #include <map>
 
 #include "core/linear/sparse_factor.h"

@@ -1,6 +1,4 @@
 #pragma once
-#include <memory>
-#include <string>
 
 #include "c/handles.h"
 #include "lab/live/parcel.h"

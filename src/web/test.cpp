@@ -1,6 +1,4 @@
 #include <chrono>
-#include <cmath>
-#include <limits>
 
 #include "elastin/core/solve/statics.h"
 #include "web/lab_handle.h"

@@ -2,10 +2,8 @@
 
 #include <fmt/format.h>
 
-#include <chrono>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 
 #include "elastin/core/parallel/threads.h"
 #include "lab/identify/fit.h"

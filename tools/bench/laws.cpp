@@ -1,4 +1,3 @@
-#include <algorithm>
 #include <memory>
 
 #include "elastin/core/forces/model.h"

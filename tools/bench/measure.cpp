@@ -14,7 +14,6 @@
 #include <fstream>
 #include <iterator>
 #include <stdexcept>
-#include <thread>
 
 #include "elastin/core/shapes/shapes.h"
 #include "lab/report/machine.h"

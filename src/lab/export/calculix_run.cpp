@@ -8,10 +8,8 @@
 #include <algorithm>
 #include <cerrno>
 #include <chrono>
-#include <cmath>
 #include <csignal>
 #include <cstdlib>
-#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -31,7 +29,6 @@
 #include "elastin/core/parallel/threads.h"
 #include "elastin/core/shapes/orders.h"
 #include "lab/export/formats.h"
-#include "lab/export/problem.h"
 
 namespace elastin::lab {
 namespace {

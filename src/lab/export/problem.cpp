@@ -1,10 +1,7 @@
 #include "lab/export/problem.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 #include "elastin/core/base/text.h"
 #include "elastin/core/simulation/strategy_name.h"

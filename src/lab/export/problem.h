@@ -1,9 +1,7 @@
 #pragma once
 #include <fmt/format.h>
 
-#include <array>
 #include <iterator>
-#include <memory>
 #include <string>
 #include <utility>
 #include <vector>

@@ -2,12 +2,9 @@
 
 #include <algorithm>
 #include <charconv>
-#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
-
-#include "elastin/core/base/error.h"
 
 namespace elastin::lab {
 namespace {

@@ -6,9 +6,7 @@
 #include <chrono>
 #include <cmath>
 #include <exception>
-#include <limits>
 #include <numbers>
-#include <optional>
 
 #include "core/base/random.h"
 #include "elastin/core/base/error.h"

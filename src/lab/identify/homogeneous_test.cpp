@@ -1,4 +1,3 @@
-#include <cmath>
 
 #include "lab/identify/measured_test.h"
 #include "lab/run/material_numbers.h"

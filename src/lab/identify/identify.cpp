@@ -6,7 +6,6 @@
 #include <cmath>
 #include <fstream>
 #include <iterator>
-#include <optional>
 
 #include "elastin/core/base/error.h"
 #include "elastin/core/base/text.h"

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 #include <stdlib.h>
 
-#include <cmath>
 #include <fstream>
 #include <thread>
 

@@ -7,7 +7,6 @@
 #include <cmath>
 #include <iterator>
 #include <nlohmann/json.hpp>
-#include <utility>
 
 #include "elastin/core/base/error.h"
 

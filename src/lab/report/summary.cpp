@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <tuple>
 
 #include "elastin/core/simulation/strategy_name.h"
 #include "lab/report/ranking.h"

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 #include "lab/report/plot.h"
 #include "lab/report/screen.h"

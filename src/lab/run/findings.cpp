@@ -1,7 +1,6 @@
 #include "lab/run/findings.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 

@@ -3,9 +3,7 @@
 #include <fmt/format.h>
 
 #include <array>
-#include <cmath>
 #include <limits>
-#include <optional>
 
 #include "elastin/core/base/error.h"
 

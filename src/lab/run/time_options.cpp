@@ -1,8 +1,5 @@
 #include "lab/run/time_options.h"
 
-#include <optional>
-#include <utility>
-
 namespace elastin::lab {
 namespace {
 

@@ -1,7 +1,6 @@
 #include "elastin/contact/contact.h"
 
 #include <cctype>
-#include <cmath>
 #include <optional>
 
 #include "elastin/contact/surface_check.h"

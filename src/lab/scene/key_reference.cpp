@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
-
 #include "elastin/core/base/units.h"
 #include "lab/scene/identify.h"
 #include "lab/scene/parts.h"

@@ -1,7 +1,5 @@
 #include "lab/scene/parts.h"
 
-#include <algorithm>
-
 namespace elastin::lab {
 
 double read_parameter(const Reader& reader, const ParameterInfo& info) {

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <limits>
-#include <utility>
 
 #include "elastin/core/base/text.h"
 #include "elastin/core/model/parts.h"

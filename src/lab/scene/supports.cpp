@@ -1,5 +1,3 @@
-#include <algorithm>
-#include <cmath>
 
 #include "elastin/core/base/error.h"
 #include "lab/experiment/keys.h"

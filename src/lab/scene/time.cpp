@@ -1,6 +1,5 @@
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <cmath>
 #include <random>
 
 #include "elastin/core/base/error.h"

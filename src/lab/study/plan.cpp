@@ -17,9 +17,7 @@
 #include "lab/report/files.h"
 #include "lab/report/json.h"
 #include "lab/run/config_names.h"
-#include "lab/scene/scene.h"
 #include "lab/study/journal.h"
-#include "lab/study/request.h"
 
 namespace elastin::lab {
 namespace {

@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 
 #include "elastin/contact/contact.h"
 #include "elastin/core/forces/floor.h"

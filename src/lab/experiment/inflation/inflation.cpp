@@ -1,7 +1,6 @@
 #include "lab/experiment/inflation/inflation.h"
 
 #include <cmath>
-#include <numbers>
 #include <string>
 
 #include "core/geometry/boundary.h"
