@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include "command/row.h"
-#include "command/scene_options.h"
 #include "elastin/contact/overlaps.h"
 #include "lab/scene/scene.h"
 

@@ -1,8 +1,6 @@
 #include "lab/study/study.h"
 
-#include "command/interrupt.h"
 #include "command/row.h"
-#include "command/scene_options.h"
 #include "elastin/core/base/error.h"
 #include "lab/export/calculix_run.h"
 #include "lab/study/plan.h"

@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 
 #include "command/row.h"
-#include "command/scene_options.h"
 #include "elastin/core/base/error.h"
 #include "lab/export/formats.h"
 #include "lab/report/files.h"

@@ -6,8 +6,7 @@
 #include <filesystem>
 #include <optional>
 
-#include "command/interrupt.h"
-#include "command/scene_options.h"
+#include "command/row.h"
 #include "lab/identify/identify.h"
 #include "lab/identify/report.h"
 #include "lab/report/files.h"

@@ -1,4 +1,4 @@
-#include "command/interrupt.h"
+#include "command/row.h"
 
 #include <unistd.h>
 

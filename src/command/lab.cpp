@@ -3,7 +3,6 @@
 #include <filesystem>
 
 #include "command/row.h"
-#include "command/scene_options.h"
 #include "lab/live/live.h"
 #include "lab/report/files.h"
 #include "lab/scene/scene.h"

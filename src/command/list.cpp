@@ -3,7 +3,7 @@
 
 #include "command/row.h"
 #include "elastin/lab/experiment/experiment_catalog.h"
-#include "lab/scene/key_reference.h"
+#include "lab/scene/scene.h"
 #include "lab/study/request.h"
 #include "lab/study/study.h"
 

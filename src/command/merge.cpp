@@ -1,7 +1,6 @@
 #include "lab/study/study.h"
 
 #include "command/row.h"
-#include "command/scene_options.h"
 
 namespace elastin::command {
 namespace {

@@ -1,6 +1,4 @@
-#include "command/interrupt.h"
 #include "command/row.h"
-#include "command/scene_options.h"
 #include "lab/study/study.h"
 
 namespace elastin::command {

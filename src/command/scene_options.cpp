@@ -1,6 +1,5 @@
-#include "command/scene_options.h"
+#include "command/row.h"
 
-#include "command/interrupt.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/parallel/threads.h"
 

@@ -4,7 +4,6 @@
 #include <algorithm>
 
 #include "command/row.h"
-#include "command/scene_options.h"
 #include "lab/report/json.h"
 #include "lab/report/screen.h"
 #include "lab/report/table.h"

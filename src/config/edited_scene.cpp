@@ -1,4 +1,4 @@
-#include "config/edited_scene.h"
+#include "config/scene_text.h"
 
 #include <yaml-cpp/yaml.h>
 

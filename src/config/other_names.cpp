@@ -1,4 +1,4 @@
-#include "config/other_names.h"
+#include "config/scene_text.h"
 
 #include <algorithm>
 #include <string_view>

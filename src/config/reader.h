@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "config/key_rows.h"
-#include "config/other_names.h"
+#include "config/scene_text.h"
 #include "config/scene_tree.h"
 #include "elastin/config/scene_source.h"
 #include "elastin/core/base/error.h"

@@ -4,7 +4,7 @@
 #include <set>
 
 #include "elastin/core/base/text.h"
-#include "lab/export/febio_shapes.h"
+#include "lab/export/formats.h"
 
 namespace elastin::febio {
 

@@ -11,7 +11,6 @@
 #include "core/laws/solids/yeoh.h"
 #include "elastin/core/base/text.h"
 #include "elastin/core/laws/material_law.h"
-#include "lab/export/febio_shapes.h"
 #include "lab/export/formats.h"
 #include "lab/export/problem.h"
 

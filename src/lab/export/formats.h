@@ -1,5 +1,7 @@
 #pragma once
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include "elastin/core/base/table.h"
 #include "lab/scene/scene.h"
@@ -26,5 +28,16 @@ std::string calculix_text(const Scene& scene, std::vector<std::string>& notes);
 /// The problem as a model of FEBio, format 4.0, which `elastin run` takes too: neo_hookean_log, st_venant_kirchhoff,
 /// mooney_rivlin, yeoh, ogden, transversely_isotropic; large displacements alone.            [FEBio User's Manual 4.0]
 std::string febio_text(const Scene& scene, std::vector<std::string>& notes);
+
+/// FEBio's name of a shape of the table of shapes.
+struct FebioShape {
+  const char* febio;
+  std::string_view name;
+  /// Position of each node of the file among those of the shape, where the orders differ.
+  std::vector<int> order = {};
+};
+
+/// FEBio's solids, for writing and for reading.
+const std::vector<FebioShape>& febio_solids();
 
 }  // namespace elastin::lab

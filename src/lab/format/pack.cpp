@@ -1,4 +1,4 @@
-#include "lab/format/pack.h"
+#include "lab/format/vtu.h"
 
 #include <zlib.h>
 

@@ -1,11 +1,10 @@
-#include "lab/format/surface_files.h"
+#include "lab/format/vtu.h"
 
 #include <cmath>
 #include <numbers>
 
 #include "elastin/core/shapes/surfaces.h"
 #include "hull/convex_hull.h"
-#include "lab/format/vtu.h"
 
 namespace elastin::lab {
 namespace {

@@ -8,6 +8,9 @@
 #include <utility>
 #include <vector>
 
+#include "elastin/contact/obstacle.h"
+#include "lab/run/run.h"
+
 namespace elastin::lab {
 
 /// Writes a VTU file's arrays packed by zlib, in base64: a tenth of their text, and still XML. Numbers are packed block
@@ -93,5 +96,20 @@ inline std::string pvtu_text(const VtuDeclared& declared, const std::vector<std:
 }
 
 inline constexpr const char* kVtuEnd = "</Piece>\n</UnstructuredGrid>\n</VTKFile>\n";
+
+/// RFC 4648, with padding.
+std::string base64(const void* bytes, std::size_t count);
+
+/// The text as gzip (RFC 1952), in base64: what a page carries and its browser unpacks.
+std::string packed(std::string_view text);
+
+/// A VTU file of a body's surface in one state: triangles; contact pressure [Pa] and force [N] where there is contact,
+/// displacement [m], the largest strain of a connection at each molecule, and the number of its piece.
+std::string surface_vtu_text(const Body& body, const Cells<3>& triangles, const Snapshot& shot);
+
+/// A VTU file of obstacles as triangles, each with its number; planes as wide as the box from `low` to `high` [m] needs
+/// for.
+std::string obstacles_vtu_text(const std::vector<contact::Obstacle>& obstacles, const std::vector<contact::Pose>& poses,
+                               const Vector3& low, const Vector3& high);
 
 }  // namespace elastin::lab

@@ -1,4 +1,4 @@
-#include "lab/identify/statistics.h"
+#include "lab/identify/fit.h"
 
 #include <algorithm>
 #include <cmath>

@@ -7,7 +7,7 @@
 
 #include "core/base/archive.h"
 #include "elastin/core/base/error.h"
-#include "lab/format/pack.h"
+#include "lab/format/vtu.h"
 #include "lab/live/live.h"
 #include "lab/report/page_parts.h"
 #include "lab/report/plot.h"

@@ -9,7 +9,6 @@
 
 #include "elastin/core/base/error.h"
 #include "lab/report/json.h"
-#include "lab/report/study.h"
 
 namespace elastin::lab {
 namespace {

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "core/model/faces.h"
-#include "lab/report/ranking.h"
+#include "lab/report/comparison.h"
 #include "lab/report/table.h"
 #include "lab/run/section.h"
 

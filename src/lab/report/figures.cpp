@@ -1,4 +1,4 @@
-#include "lab/report/figures.h"
+#include "lab/report/comparison.h"
 
 #include <fmt/format.h>
 
@@ -7,8 +7,6 @@
 
 #include "elastin/core/simulation/strategy_name.h"
 #include "lab/format/csv.h"
-#include "lab/report/comparison.h"
-#include "lab/report/study.h"
 
 namespace elastin::lab {
 namespace {

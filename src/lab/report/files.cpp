@@ -15,7 +15,6 @@
 #include "elastin/core/base/error.h"
 #include "elastin/core/model/share.h"
 #include "lab/format/cell_stress.h"
-#include "lab/format/surface_files.h"
 #include "lab/format/vtu.h"
 
 namespace elastin::lab {

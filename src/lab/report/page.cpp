@@ -6,11 +6,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "lab/format/pack.h"
+#include "lab/format/vtu.h"
 #include "lab/report/comparison.h"
 #include "lab/report/page_parts.h"
-#include "lab/report/study.h"
-#include "lab/report/summary.h"
 
 namespace elastin::lab {
 namespace {

@@ -2,7 +2,7 @@
 #include <string>
 #include <vector>
 
-#include "lab/report/figures.h"
+#include "lab/report/comparison.h"
 #include "lab/report/plot.h"
 #include "lab/report/records.h"
 

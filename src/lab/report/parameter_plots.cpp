@@ -7,8 +7,6 @@
 #include "elastin/core/base/error.h"
 #include "elastin/core/base/units.h"
 #include "lab/report/comparison.h"
-#include "lab/report/figures.h"
-#include "lab/report/study.h"
 
 namespace elastin::lab {
 namespace {

@@ -1,4 +1,4 @@
-#include "lab/report/ranking.h"
+#include "lab/report/comparison.h"
 
 #include <algorithm>
 #include <cmath>

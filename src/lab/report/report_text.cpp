@@ -4,8 +4,6 @@
 #include <cmath>
 
 #include "lab/report/comparison.h"
-#include "lab/report/ranking.h"
-#include "lab/report/study.h"
 #include "lab/report/table.h"
 
 namespace elastin::lab {

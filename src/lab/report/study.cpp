@@ -1,4 +1,4 @@
-#include "lab/report/study.h"
+#include "lab/report/comparison.h"
 
 #include <fmt/format.h>
 
@@ -8,7 +8,6 @@
 #include <set>
 
 #include "elastin/core/base/error.h"
-#include "lab/report/comparison.h"
 
 namespace elastin::lab {
 namespace {

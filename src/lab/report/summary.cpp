@@ -1,4 +1,4 @@
-#include "lab/report/summary.h"
+#include "lab/report/comparison.h"
 
 #include <fmt/format.h>
 
@@ -7,7 +7,6 @@
 #include <functional>
 
 #include "elastin/core/simulation/strategy_name.h"
-#include "lab/report/ranking.h"
 #include "lab/report/table.h"
 
 namespace elastin::lab {

@@ -10,8 +10,8 @@
 #include "contact/search.h"
 #include "elastin/core/geometry/cell_kind.h"
 #include "lab/format/cell_stress.h"
-#include "lab/format/pack.h"
-#include "lab/report/study.h"
+#include "lab/format/vtu.h"
+#include "lab/report/comparison.h"
 
 namespace elastin::lab {
 namespace {

@@ -1,4 +1,4 @@
-#include "lab/run/calibration.h"
+#include "lab/run/specimen.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,8 +9,7 @@
 #include "elastin/core/forces/volume.h"
 #include "elastin/core/model/share.h"
 #include "lab/run/common_measures.h"
-#include "lab/run/load_curve.h"
-#include "lab/run/specimen.h"
+#include "lab/run/load_path.h"
 
 namespace elastin::lab {
 namespace {

@@ -1,4 +1,4 @@
-#include "lab/run/choice.h"
+#include "lab/run/specimen.h"
 
 #include <algorithm>
 #include <utility>

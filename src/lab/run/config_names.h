@@ -1,8 +1,7 @@
 #pragma once
-#include "config/edited_scene.h"
 #include "config/keys.h"
-#include "config/other_names.h"
 #include "config/reader.h"
+#include "config/scene_text.h"
 #include "config/scene_tree.h"
 #include "elastin/config/scene_key.h"
 #include "elastin/config/scene_source.h"

@@ -1,4 +1,4 @@
-#include "lab/run/findings.h"
+#include "lab/run/specimen.h"
 
 #include <algorithm>
 #include <cmath>

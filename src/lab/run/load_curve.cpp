@@ -1,4 +1,4 @@
-#include "lab/run/load_curve.h"
+#include "lab/run/load_path.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,7 +9,6 @@
 #include "elastin/core/forces/tension.h"
 #include "elastin/core/model/share.h"
 #include "lab/run/contact_measures.h"
-#include "lab/run/load_path.h"
 
 namespace elastin::lab {
 namespace {

@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "elastin/lab/run/experiment.h"
+#include "lab/run/run.h"
 
 namespace elastin::lab {
 
@@ -74,5 +75,19 @@ class RepeatedCurve {
   std::vector<Positions> expected_;  ///< motions from there, as far as they are known
   std::string cause_;
 };
+
+/// Solves load step after load step of a model that the experiment holds, each started where the last two lead, and
+/// adds curve, measures, cost and outcome to the run. A step that fails ends it; what was measured before stays.
+/// @param begin changes the state in which the search for the first equilibrium starts; may be empty.
+void solve_load_curve(Model& model, const StaticExperiment& experiment, StaticRig& rig, const Material& material,
+                      const RunOptions& options, Run& run, const std::function<void(State&)>& begin = {});
+
+/// Takes a held model through time, frame after frame, and adds rows, measures, cost and outcome to the run. A step
+/// that fails ends it: the frames before stay. Throws InputError where options or a restart text do not fit.
+void run_in_time(Model& model, const TimedExperiment& experiment, TimedRig& rig, const Specimen& specimen,
+                 const RunOptions& options, Run& run);
+
+/// The scheme that a run takes, and why if the scene leaves it open.
+std::pair<Scheme, std::string> chosen_scheme(const TimeOptions& options, bool uses_cells);
 
 }  // namespace elastin::lab

@@ -1,4 +1,4 @@
-#include "lab/run/run_in_time.h"
+#include "lab/run/load_path.h"
 
 #include <chrono>
 #include <cmath>

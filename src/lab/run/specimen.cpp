@@ -18,10 +18,7 @@
 #include "elastin/core/solve/modes.h"
 #include "elastin/lab/run/experiment.h"
 #include "elastin/mesh/voronoi.h"
-#include "lab/run/calibration.h"
-#include "lab/run/findings.h"
-#include "lab/run/load_curve.h"
-#include "lab/run/run_in_time.h"
+#include "lab/run/load_path.h"
 
 namespace elastin::lab {
 namespace {

@@ -1,10 +1,42 @@
 #pragma once
+#include <functional>
 #include <optional>
+#include <string>
+#include <vector>
 
-#include "lab/run/choice.h"
+#include "elastin/core/forces/model.h"
+#include "elastin/core/model/stress_strain.h"
+#include "elastin/core/simulation/catalog.h"
 #include "lab/run/run.h"
 
 namespace elastin::lab {
+
+/// A strategy as a scene or a command line names it: "standard", "lattice+volume", "calibrated:angles", with its
+/// parameters.
+struct StrategyChoice {
+  std::string label;  ///< as it was named
+  StrategyName name;
+  Strategy strategy;  ///< the rule or law itself, with its volume term if any; for calibrated:RULE the rule
+  ParameterValues values;
+  int order = 0;  ///< among all_strategies, the simplest first: the catalog's, then with an ending, then calibrated
+};
+
+/// The strategy of this name in the catalog. Throws InputError as Catalog::find does.
+StrategyChoice choose_strategy(const Catalog& catalog, const std::string& label);
+StrategyChoice choose_strategy(const Catalog& catalog, const StrategyName& name);
+
+/// The same choice with a volume term, if it can have one on this body of these materials.
+std::optional<StrategyChoice> applicable_with_volume(const Catalog& catalog, const StrategyChoice& choice,
+                                                     const Body& body, const std::vector<Material>& materials);
+
+/// Whether a law that has constants of its own finds them in one of the materials; true of all others.
+bool has_constants(const Strategy& strategy, const std::vector<Material>& materials);
+
+/// Every strategy of the catalog whose constants one of the materials has, every spring rule calibrated too, and both
+/// with "+volume" where the body has the cells and each of the materials the Poisson's ratio that this takes; ascending
+/// in `order`.
+std::vector<StrategyChoice> all_strategies(const Catalog& catalog, const Body& body,
+                                           const std::vector<Material>& materials);
 
 /// Prepares the specimen's body for a strategy and its materials (see elastin::prepare), with the Voronoi cells of
 /// elastin::mesh.
@@ -54,5 +86,64 @@ std::optional<HeldModel> make_model(const Specimen& specimen, const Experiment& 
 /// result; wrong parameters throw InputError. A body that is not prepared is copied for the run.
 Run run_strategy(const Specimen& specimen, const Experiment& experiment, const StrategyChoice& choice,
                  const RunOptions& options);
+
+/// The experiment in which rules are calibrated: the specimen's, or the one that it is used in. Null where there is
+/// none.
+const StaticExperiment* calibration_of(const Experiment& experiment, const Specimen& specimen);
+
+/// Name of the measure to which an experiment calibrates: the first modulus that the material, without its fibres,
+/// prescribes; "" where there is none.
+std::string calibrated_measure(const StaticExperiment& experiment, const Material& material);
+
+/// Why a rule cannot be calibrated in this experiment, or "".
+std::string calibration_unsuited(const Experiment& experiment, const Specimen& specimen);
+
+/// The springs of a rule, with their volume term if any, without the material's fibres. A choice that is `calibrated`
+/// is fitted to the material by solves of the experiment alone, without the scene's other loads and without fibres:
+///   * the constants to the first modulus that the experiment measures, by one linear solve of a small load (so that
+///     paths which are curved are straight too);
+///   * with a volume term, and where the experiment measures both E and ν, constants and term to both, by two linear
+///     solves and at most two more;
+///   * where the material prescribes no such modulus (a body that is no prism), constants and term by one factor with
+///     which the body measures the specimen's computed reference under the whole load;
+///   * where the material has a stress–strain curve, then the springs' own curve to it (see curve_fit.h).
+/// Sets the run's constants and what calibration found. Null if a solve fails: the run says why.
+std::optional<ElasticTerms> make_rule(const Specimen& specimen, const Experiment& experiment,
+                                      const StrategyChoice& choice, const RunOptions& options, Run& run);
+
+/// Runs the body with springs that follow a curve; gives the nominal strain and stress that it shows at each load step,
+/// ascending in size; fewer than there are load steps if a step failed.
+using MeasureCurve = std::function<std::vector<StressStrain::Point>(const StressStrain&)>;
+
+struct CurveFit {
+  StressStrain springs;  ///< what each spring must follow
+  double error;          ///< largest |stress shown − given| over the largest given; 1 if nothing could be measured
+};
+
+/// The curve of the springs with which the whole body shows the given one: a spring along the load has the strain of
+/// the whole, so its stress there is multiplied by given/shown until they agree to 1e-4, or for 25 runs. On the side
+/// that is not loaded the springs keep the given curve. The best of all runs is returned.
+CurveFit fit_curve(const StressStrain& given, const MeasureCurve& measure);
+
+/// What a user should know of a specimen before it is loaded, in sentences: cells that are given twice, overlap with
+/// obstacles or between bodies, obstacles that fit between what they meet.
+std::vector<std::string> findings_at_start(const Specimen& specimen, const Model& model, bool uses_cells);
+
+/// From this Poisson's ratio on cells need pressures of their own, or they lock: they are too stiff.
+inline constexpr double kLocking = 0.4;
+
+/// The largest ν of a material on a body: its own, or where it has fields that at some molecule.
+double largest_poissons_ratio(const Material& material, const Body& body);
+
+/// Whether this is a law of solids without a volume term, and one of the specimen's materials has ν > kLocking.
+bool may_lock(const Specimen& specimen, const Strategy& strategy);
+
+/// What to write instead of a law of solids without a volume term where the material is nearly incompressible, in a
+/// sentence; "" where there is nothing to say.
+std::string locking_finding(const Specimen& specimen, const Strategy& strategy);
+
+/// What a user should know of a run that ended: a rebound faster than the impact, obstacles that something has passed
+/// or may have passed through.
+std::vector<std::string> findings_at_end(const Specimen& specimen, const Run& run);
 
 }  // namespace elastin::lab

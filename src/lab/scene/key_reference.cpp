@@ -1,4 +1,4 @@
-#include "lab/scene/key_reference.h"
+#include "lab/scene/scene.h"
 
 #include <fmt/format.h>
 

@@ -12,9 +12,8 @@
 #include "elastin/core/shapes/shapes.h"
 #include "elastin/core/simulation/prepare.h"
 #include "elastin/core/solve/engine.h"
-#include "lab/run/calibration.h"
 #include "lab/run/common_measures.h"
-#include "lab/scene/key_reference.h"
+#include "lab/run/specimen.h"
 #include "lab/scene/parts.h"
 
 namespace elastin::lab {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "elastin/core/base/table.h"
+#include "elastin/core/simulation/catalog.h"
 #include "elastin/lab/experiment/experiment_catalog.h"
 #include "lab/run/config_names.h"
 #include "lab/run/specimen.h"
@@ -102,5 +103,11 @@ elastin::Table<SceneFormat>& scene_formats();
 
 /// The row of a file by its ending; null: the file is a scene in YAML.
 const SceneFormat* scene_format_of(const std::string& path);
+
+/// All tables in the order of the reference.
+std::vector<KeySection> key_sections(const Catalog& catalog, const ExperimentCatalog& experiments);
+
+/// The key reference, Markdown, as it stands in scenes/README.md.
+std::string key_reference(const Catalog& catalog, const ExperimentCatalog& experiments);
 
 }  // namespace elastin::lab

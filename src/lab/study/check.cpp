@@ -14,7 +14,7 @@
 #include "elastin/core/solve/stable_step.h"
 #include "lab/report/table.h"
 #include "lab/run/common_measures.h"
-#include "lab/run/run_in_time.h"
+#include "lab/run/load_path.h"
 #include "lab/scene/parts.h"
 
 namespace elastin::lab {

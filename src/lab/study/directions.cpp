@@ -6,7 +6,7 @@
 #include "core/solve/trial.h"
 #include "elastin/core/base/error.h"
 #include "lab/experiment/homogenisation/homogenisation.h"
-#include "lab/run/load_curve.h"
+#include "lab/run/load_path.h"
 
 namespace elastin::lab {
 namespace {

@@ -12,10 +12,10 @@
 
 #include "elastin/core/base/error.h"
 #include "elastin/core/base/text.h"
+#include "lab/report/comparison.h"
 #include "lab/report/files.h"
 #include "lab/report/json.h"
 #include "lab/report/screen.h"
-#include "lab/report/study.h"
 #include "lab/study/journal.h"
 #include "lab/study/plan.h"
 #include "lab/study/reference.h"

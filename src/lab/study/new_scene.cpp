@@ -12,7 +12,7 @@
 #include "elastin/core/base/text.h"
 #include "elastin/core/base/units.h"
 #include "elastin/mesh/mesh_file.h"
-#include "lab/run/findings.h"
+#include "lab/run/specimen.h"
 
 namespace elastin::lab {
 namespace {

@@ -11,7 +11,7 @@
 #include "elastin/core/base/error.h"
 #include "elastin/core/laws/homogeneous.h"
 #include "lab/format/csv.h"
-#include "lab/report/figures.h"
+#include "lab/report/comparison.h"
 #include "lab/run/material_numbers.h"
 
 namespace elastin::lab {

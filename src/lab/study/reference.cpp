@@ -19,10 +19,9 @@
 #include "elastin/core/shapes/refinement.h"
 #include "elastin/core/simulation/fibres.h"
 #include "elastin/hull/delaunay.h"
+#include "lab/report/comparison.h"
 #include "lab/report/files.h"
-#include "lab/report/ranking.h"
-#include "lab/report/study.h"
-#include "lab/run/findings.h"
+#include "lab/run/specimen.h"
 #include "lab/study/journal.h"
 
 namespace elastin::lab {

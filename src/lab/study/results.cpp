@@ -10,9 +10,6 @@
 
 #include "lab/report/comparison.h"
 #include "lab/report/json.h"
-#include "lab/report/ranking.h"
-#include "lab/report/study.h"
-#include "lab/report/summary.h"
 
 namespace elastin::lab {
 

@@ -5,9 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "lab/report/ranking.h"
+#include "lab/report/comparison.h"
 #include "lab/report/table.h"
-#include "lab/run/choice.h"
 #include "lab/run/specimen.h"
 
 namespace elastin::lab {

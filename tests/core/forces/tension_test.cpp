@@ -9,7 +9,7 @@
 #include "elastin/core/shapes/surfaces.h"
 #include "elastin/core/simulation/parts.h"
 #include "elastin/core/solve/statics.h"
-#include "lab/run/choice.h"
+#include "lab/run/specimen.h"
 
 using namespace elastin;
 using namespace elastin::lab;

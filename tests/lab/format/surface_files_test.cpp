@@ -1,4 +1,4 @@
-#include "lab/format/surface_files.h"
+#include "lab/format/vtu.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>

@@ -5,9 +5,9 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "lab/identify/fit.h"
 #include "lab/identify/identify.h"
 #include "lab/identify/report.h"
-#include "lab/identify/statistics.h"
 #include "support/temporary_folder.h"
 
 using namespace elastin;

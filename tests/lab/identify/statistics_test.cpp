@@ -1,6 +1,6 @@
 // Intervals: quantiles against tables, a straight line against its closed form.
 
-#include "lab/identify/statistics.h"
+#include "lab/identify/fit.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>

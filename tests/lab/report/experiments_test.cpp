@@ -4,9 +4,9 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "lab/report/comparison.h"
 #include "lab/report/files.h"
 #include "lab/report/json.h"
-#include "lab/report/ranking.h"
 #include "lab/report/table.h"
 #include "support/temporary_folder.h"
 

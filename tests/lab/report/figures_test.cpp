@@ -1,12 +1,10 @@
-#include "lab/report/figures.h"
+#include "lab/report/comparison.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <set>
 #include <string>
 #include <vector>
-
-#include "lab/report/study.h"
 
 using namespace elastin;
 using namespace elastin::lab;

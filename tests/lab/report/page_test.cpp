@@ -14,7 +14,7 @@
 #include <regex>
 #include <string>
 
-#include "lab/format/pack.h"
+#include "lab/format/vtu.h"
 #include "lab/report/view.h"
 #include "lab/study/journal.h"
 #include "support/temporary_folder.h"

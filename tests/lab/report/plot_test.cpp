@@ -7,7 +7,7 @@
 
 #include "elastin/core/base/error.h"
 #include "lab/format/csv.h"
-#include "lab/report/figures.h"
+#include "lab/report/comparison.h"
 #include "lab/study/study.h"
 #include "support/temporary_folder.h"
 

@@ -1,4 +1,4 @@
-#include "lab/report/study.h"
+#include "lab/report/comparison.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>

@@ -1,9 +1,8 @@
-#include "lab/run/findings.h"
+#include "lab/run/specimen.h"
 
 #include <algorithm>
 #include <catch2/catch.hpp>
 
-#include "lab/run/specimen.h"
 #include "lab/scene/scene.h"
 #include "support/experiments.h"
 #include "support/temporary_folder.h"

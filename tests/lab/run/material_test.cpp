@@ -6,7 +6,6 @@
 
 #include "lab/experiment/tension/tension.h"
 #include "lab/report/records.h"
-#include "lab/run/calibration.h"
 #include "lab/run/specimen.h"
 #include "support/bodies.h"
 

@@ -1,6 +1,6 @@
 // Runs through time as scenes write them: against the motion that is known, across a restart, and where they fail.
 
-#include "lab/run/run_in_time.h"
+#include "lab/run/load_path.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "lab/report/records.h"
-#include "lab/run/findings.h"
+#include "lab/run/specimen.h"
 #include "support/temporary_folder.h"
 
 using namespace elastin;

@@ -1,13 +1,12 @@
 // The key reference is complete and names each key once; what it says of one is what reads it (config/keys.h).
 
-#include "lab/scene/key_reference.h"
+#include "lab/scene/scene.h"
 
 #include <catch2/catch.hpp>
 #include <set>
 #include <string>
 
 #include "lab/run/config_names.h"
-#include "lab/scene/scene.h"
 
 using namespace elastin;
 using namespace elastin::lab;

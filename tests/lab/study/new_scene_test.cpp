@@ -11,8 +11,7 @@
 
 #include "elastin/core/base/error.h"
 #include "elastin/core/simulation/catalog.h"
-#include "lab/run/calibration.h"
-#include "lab/run/choice.h"
+#include "lab/run/specimen.h"
 #include "lab/scene/scene.h"
 #include "support/temporary_folder.h"
 

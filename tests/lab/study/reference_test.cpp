@@ -11,7 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "elastin/core/base/error.h"
-#include "lab/report/ranking.h"
+#include "lab/report/comparison.h"
 #include "support/temporary_folder.h"
 
 using namespace elastin;

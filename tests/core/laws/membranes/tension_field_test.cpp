@@ -12,7 +12,7 @@
 #include "elastin/core/base/dense.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/simulation/catalog.h"
-#include "lab/run/choice.h"
+#include "lab/run/specimen.h"
 #include "support/cells.h"
 
 using namespace elastin;
