@@ -1,12 +1,14 @@
-# Writes a C++ source that holds text files, each as k_NAME_EXTENSION, and others put together as gzip, as k_three:
+# Writes a C++ source that holds text files, which page_part gives by name, and others put together as gzip, as k_three:
 #   cmake -D OUT=… -D FILES=a.js;b.css -D THREE=c.js;d.js -P tools/embed.cmake
-set(text "// Made by tools/embed.cmake.\n#include \"lab/report/page_parts.h\"\nnamespace elastin::lab {\n")
+set(text "// Made by tools/embed.cmake.\n#include \"lab/report/page.h\"\n#include <stdexcept>\nnamespace elastin::lab {\n")
+string(APPEND text "const char* page_part(std::string_view file) {\n  static constexpr std::pair<std::string_view, const char*> parts[]{\n")
 foreach(path IN LISTS FILES)
   get_filename_component(name "${path}" NAME)
-  string(REGEX REPLACE "[^a-z]" "_" name "${name}")
   file(READ "${path}" content)
-  string(APPEND text "const char* const k_${name} = R\"elastin(" "${content}" ")elastin\";\n")
+  string(APPEND text "{\"${name}\", R\"elastin(" "${content}" ")elastin\"},\n")
 endforeach()
+string(APPEND text "};\n  for (const auto& [name, content] : parts)\n    if (name == file) return content;\n"
+                   "  throw std::logic_error(std::string(file) + \" is not among the parts of pages\");\n}\n")
 set(together "")
 foreach(path IN LISTS THREE)
   file(READ "${path}" content)

@@ -2,7 +2,7 @@
 
 #include "command/row.h"
 #include "elastin/core/base/error.h"
-#include "lab/export/calculix_run.h"
+#include "lab/export/formats.h"
 #include "lab/study/plan.h"
 
 namespace elastin::command {

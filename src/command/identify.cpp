@@ -8,7 +8,6 @@
 
 #include "command/row.h"
 #include "lab/identify/identify.h"
-#include "lab/identify/report.h"
 #include "lab/report/files.h"
 #include "lab/report/screen.h"
 #include "lab/run/config_names.h"

@@ -4,12 +4,11 @@
 #include <algorithm>
 
 #include "command/row.h"
-#include "lab/report/json.h"
+#include "lab/report/records.h"
 #include "lab/report/screen.h"
 #include "lab/report/table.h"
 #include "lab/scene/scene.h"
 #include "lab/study/study.h"
-#include "lab/study/verdicts.h"
 
 namespace elastin::command {
 namespace {

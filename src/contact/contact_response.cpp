@@ -1,4 +1,4 @@
-#include "contact/contact_response.h"
+#include "contact/contact_force.h"
 
 #include <algorithm>
 #include <cmath>

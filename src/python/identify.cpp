@@ -1,6 +1,5 @@
 #include "lab/identify/identify.h"
 
-#include "lab/identify/report.h"
 #include "python/bind.h"
 
 namespace elastin::python {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "contact/contact_response.h"
+#include "contact/contact_force.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/parallel/threads.h"
 #include "elastin/core/simulation/catalog.h"

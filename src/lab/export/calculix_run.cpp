@@ -1,4 +1,4 @@
-#include "lab/export/calculix_run.h"
+#include "lab/export/formats.h"
 
 #include <fmt/format.h>
 #include <spawn.h>
@@ -28,7 +28,6 @@
 #include "elastin/core/laws/material_law.h"
 #include "elastin/core/parallel/threads.h"
 #include "elastin/core/shapes/orders.h"
-#include "lab/export/formats.h"
 
 namespace elastin::lab {
 namespace {

@@ -7,6 +7,7 @@
 
 #include "lab/identify/answer.h"
 #include "lab/identify/fit.h"
+#include "lab/report/plot.h"
 #include "lab/study/journal.h"
 
 namespace elastin::lab {
@@ -41,5 +42,27 @@ struct IdentifyRequest {
 /// The material of a scene's `identify:` section fitted to its measured tests; several answers where strategies are
 /// compared, one each. Numerical trouble is an outcome. Throws InputError on wrong scenes, data and names.
 std::vector<Answer> identify(const SceneSource& scene, const Catalog& catalog, const IdentifyRequest& request);
+
+/// The tables of the terminal: numbers with intervals, tests, laws, warnings, the material.
+std::string answer_text(const Answer& answer, bool colours);
+
+/// What each strategy makes of the same curve: its numbers, its misfit and its time; "" of one answer.
+std::string strategies_text(const std::vector<Answer>& answers, bool colours);
+
+/// {"law", "parameters": [{name, value, unit, low, high}], "correlation": [[…]], "relative_rms": {test: …}, "warnings":
+/// [], …} of one answer; of several {"identifications": [{…}, …]}. SI units; what is not finite is null.
+std::string identify_json(const std::vector<Answer>& answers);
+
+/// One HTML page that needs no other file: data with fits, residuals, intervals, correlation, laws, warnings.
+std::string identify_page(const std::vector<Answer>& answers, const std::string& command);
+
+/// Data and fits; the residuals of each point.
+Plot fit_plot(const Answer& answer);
+Plot residual_plot(const Answer& answer);
+/// Misfit over the time of the fit, of strategies.
+Plot strategy_plot(const std::vector<Answer>& answers);
+
+/// Every measured point with its fit: test, prescribed, measured, fitted, residual.
+std::string points_csv(const Answer& answer);
 
 }  // namespace elastin::lab

@@ -1,4 +1,4 @@
-#include "lab/identify/report.h"
+#include "lab/identify/identify.h"
 
 #include <fmt/format.h>
 
@@ -7,7 +7,6 @@
 #include <nlohmann/json.hpp>
 
 #include "lab/report/page.h"
-#include "lab/report/page_parts.h"
 #include "lab/report/table.h"
 
 namespace elastin::lab {
@@ -130,14 +129,9 @@ std::string head_text(const Answer& answer) {
   return text + fmt::format("; {}", readable_seconds(answer.seconds));
 }
 
-Json number_or_null(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+std::vector<double> numbers_of(const VectorX& values) { return {values.begin(), values.end()}; }
 
-Json numbers_of(const VectorX& values) {
-  Json list = Json::array();
-  for (const double value : values) list.push_back(number_or_null(value));
-  return list;
-}
-
+/// What is not finite becomes null.
 Json json_of(const Answer& answer) {
   Json json{{"scene", answer.scene}, {"title", answer.title}, {"law", answer.law}};
   if (!answer.strategy.empty()) json["strategy"] = answer.strategy;
@@ -147,17 +141,17 @@ Json json_of(const Answer& answer) {
     json["parameters"].push_back({{"name", number.name},
                                   {"value", number.value},
                                   {"unit", si_unit(number.unit)},
-                                  {"low", number_or_null(number.low)},
-                                  {"high", number_or_null(number.high)},
-                                  {"standard_deviation", number_or_null(number.deviation)},
+                                  {"low", number.low},
+                                  {"high", number.high},
+                                  {"standard_deviation", number.deviation},
                                   {"interval", number.profiled ? "profile" : "linear"},
                                   {"determined", number.determined},
-                                  {"published", number_or_null(number.published)}});
+                                  {"published", number.published}});
   if (!answer.published_source.empty()) json["published_source"] = answer.published_source;
   json["correlation"] = Json::array();
   for (const auto& row : answer.correlation.rowwise()) json["correlation"].push_back(numbers_of(row.transpose()));
   json["relative_rms"] = Json::object();
-  for (const TestAnswer& test : answer.tests) json["relative_rms"][test.name] = number_or_null(test.relative_rms);
+  for (const TestAnswer& test : answer.tests) json["relative_rms"][test.name] = test.relative_rms;
   json["warnings"] = answer.warnings;
   json["tests"] = Json::array();
   for (const TestAnswer& test : answer.tests)
@@ -174,20 +168,20 @@ Json json_of(const Answer& answer) {
                                  {"measured", stability.measured},
                                  {"low", stability.low},
                                  {"high", stability.high},
-                                 {"unstable_within", number_or_null(stability.unstable_within)},
-                                 {"unstable_within_twice", number_or_null(stability.unstable_beyond)}});
+                                 {"unstable_within", stability.unstable_within},
+                                 {"unstable_within_twice", stability.unstable_beyond}});
   json["laws"] = Json::array();
   for (const LawAnswer& law : answer.laws) {
     Json rms = Json::object();
-    for (const auto& [test, value] : law.relative_rms) rms[test] = number_or_null(value);
+    for (const auto& [test, value] : law.relative_rms) rms[test] = value;
     json["laws"].push_back({{"law", law.label},
                             {"unknowns", law.unknowns},
                             {"outcome", name_of(law.outcome)},
-                            {"aicc", number_or_null(law.criterion)},
+                            {"aicc", law.criterion},
                             {"stable", law.stable},
                             {"relative_rms", rms}});
   }
-  json["aicc"] = number_or_null(answer.criterion), json["condition"] = number_or_null(answer.condition);
+  json["aicc"] = answer.criterion, json["condition"] = answer.condition;
   json["searches"] = answer.starts, json["searches_at_the_least"] = answer.agreeing;
   json["seconds"] = answer.seconds, json["material"] = answer.material;
   return json;
@@ -297,7 +291,7 @@ std::string identify_page(const std::vector<Answer>& answers, const std::string&
            card_html("All fits", strategy_table(answers).html());
   for (const Answer& answer : answers) out += answer_html(answer);
   out += fmt::format("</main>\n<footer><p><code>{}</code></p></footer>\n<script>{}</script>\n</body></html>\n",
-                     escaped(command), k_page_js);
+                     escaped(command), page_part("page.js"));
   return out;
 }
 

@@ -9,9 +9,8 @@
 #include "elastin/core/base/error.h"
 #include "lab/format/vtu.h"
 #include "lab/live/live.h"
-#include "lab/report/page_parts.h"
+#include "lab/report/page.h"
 #include "lab/report/plot.h"
-#include "lab/report/view.h"
 
 namespace elastin::lab {
 namespace {
@@ -127,11 +126,11 @@ std::string live_page(const Scene& scene, const Catalog& catalog, const WebModul
   data += tag("type=\"application/gzip\" id=\"parcel\"", packed({bytes.data(), bytes.size()}));
   data += tag("type=\"application/gzip\" id=\"wasm\"", packed(module.wasm));
   data += tag("type=\"application/gzip\" id=\"three\"", base64(k_three.data(), k_three.size()));
-  data += tag("type=\"text/plain\" id=\"worker\"", module.script + k_elastin_js + k_worker_js);
-  for (const char* script : {k_body_js, k_colours_js, k_marks_js, k_graphics_painter_js, k_processor_painter_js,
-                             k_viewer_js, k_curve_js, k_settings_js, k_pace_js, k_hand_js, k_bodies_js, k_lab_js})
-    data += tag("", script);
-  std::string page = k_lab_html;
+  data += tag("type=\"text/plain\" id=\"worker\"", module.script + page_part("elastin.js") + page_part("worker.js"));
+  for (const char* script : {"body.js", "colours.js", "marks.js", "graphics_painter.js", "processor_painter.js",
+                             "viewer.js", "curve.js", "settings.js", "pace.js", "hand.js", "bodies.js", "lab.js"})
+    data += tag("", page_part(script));
+  std::string page = page_part("lab.html");
   const auto put = [&](const std::string& name, const std::string& text) {
     const std::string mark = "{{" + name + "}}";
     for (std::size_t at = 0; (at = page.find(mark, at)) != std::string::npos; at += text.size())
@@ -139,7 +138,7 @@ std::string live_page(const Scene& scene, const Catalog& catalog, const WebModul
   };
   put("title", escaped(scene.title));
   put("name", escaped(scene.name));
-  put("css", std::string(k_page_css) + k_lab_css);
+  put("css", std::string(page_part("page.css")) + page_part("lab.css"));
   put("data", data);
   return page;
 }

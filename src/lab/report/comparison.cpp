@@ -8,7 +8,7 @@
 #include <fstream>
 
 #include "elastin/core/base/error.h"
-#include "lab/report/json.h"
+#include "lab/report/records.h"
 
 namespace elastin::lab {
 namespace {

@@ -4,7 +4,6 @@
 #include <string>
 #include <vector>
 
-#include "lab/report/peers.h"
 #include "lab/report/plot.h"
 #include "lab/report/records.h"
 #include "lab/report/table.h"

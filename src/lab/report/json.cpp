@@ -1,4 +1,4 @@
-#include "lab/report/json.h"
+#include "lab/report/records.h"
 
 #include <algorithm>
 #include <array>

@@ -8,7 +8,6 @@
 
 #include "lab/format/vtu.h"
 #include "lab/report/comparison.h"
-#include "lab/report/page_parts.h"
 
 namespace elastin::lab {
 namespace {
@@ -20,7 +19,7 @@ constexpr double kWide = 600, kNarrow = 360;  // px, of plots: on a page, on a p
 std::string page_begin(const std::string& title, const std::string& brand) {
   return "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" "
          "content=\"width=device-width, initial-scale=1\"><title>" +
-         escaped(title) + " — Elastin</title>\n<style>" + k_page_css +
+         escaped(title) + " — Elastin</title>\n<style>" + page_part("page.css") +
          "</style></head>\n<body>\n<header><p class=\"brand\">" + escaped(brand) + "</p>";
 }
 
@@ -371,9 +370,9 @@ std::string page_text(const PageMatter& matter) {
       "three.js (MIT licence).</p></footer>\n",
       escaped(matter.machine), escaped(matter.command));
   out += packed_html("id=\"three\"", base64(k_three.data(), k_three.size()));
-  for (const char* script : {k_body_js, k_colours_js, k_marks_js, k_graphics_painter_js, k_processor_painter_js,
-                             k_viewer_js, k_stage_js, k_plots_js, k_page_js})
-    out += fmt::format("<script>{}</script>\n", script);
+  for (const char* script : {"body.js", "colours.js", "marks.js", "graphics_painter.js", "processor_painter.js",
+                             "viewer.js", "stage.js", "plots.js", "page.js"})
+    out += fmt::format("<script>{}</script>\n", page_part(script));
   out += "</body></html>\n";
   return out;
 }

@@ -9,6 +9,17 @@
 
 namespace elastin::lab {
 
+/// A solution by another program, to be compared with Elastin's.
+struct Peer {
+  std::string scene;  ///< whose problem it solves; empty = of every scene
+  std::string name;
+  double seconds = 0, error = 0;  ///< error relative to the same reference
+};
+
+/// Reads the columns method, minimum_s, error, and scene if there is one, of a CSV file; rows without both numbers are
+/// left out. Throws InputError: file:line.
+std::vector<Peer> load_peers(const std::string& path);
+
 /// How one expectation of a scene came out.
 struct Verdict {
   Expectation expectation;
@@ -86,5 +97,22 @@ double relative_spacing(const Body& body);
 
 /// Relative errors of the measured values against these references, as MEASURE_to_reference, in place of older ones.
 void set_references(Record& record, const std::vector<Reference>& references);
+
+/// The JSON of README: {"runs": [...]}, SI units. Numbers that are not finite become null.
+std::string json_text(const std::vector<Record>& records);
+
+/// Another form of a record's line, or another meaning of a number in it, takes another version.
+inline constexpr int kRecordVersion = 1;
+
+/// One run as one line of JSON, without a line break: what json_text has of it, and what else the record holds.
+std::string json_line(const Record& record);
+
+/// The record that such a line came from, equal but for its states and spring constants, the forces and pressures of
+/// contact on each molecule, and numbers that were not finite, which are NaN. Throws InputError if it is no such line.
+Record record_of_json(const std::string& line);
+
+/// What two records of the same run disagree about: "measures/effective_modulus: 5000.1 and 5000.2", the first of them;
+/// "" if they agree. Times, threads and the scene's path do not count.
+std::string disagreement(const Record& one, const Record& other);
 
 }  // namespace elastin::lab

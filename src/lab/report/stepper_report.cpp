@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "elastin/lab/run/measures.h"
-#include "lab/report/page_parts.h"
+#include "lab/report/page.h"
 #include "lab/report/plot.h"
 #include "lab/report/table.h"
 
@@ -177,7 +177,7 @@ std::string stepper_page(const std::vector<StepperComparison>& comparisons, cons
   std::string out =
       "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" "
       "content=\"width=device-width, initial-scale=1\"><title>Steppers — Elastin</title>\n<style>";
-  out += k_page_css;
+  out += page_part("page.css");
   out += "</style></head>\n<body>\n<header><p class=\"brand\">Elastin · steppers side by side</p></header>\n<main>\n";
   for (const StepperComparison& comparison : comparisons) {
     out += fmt::format("<article class=\"scene\"><h1>{}</h1><p class=\"faint\">{}</p>\n<p class=\"advice\">{}</p>\n",

@@ -1,4 +1,4 @@
-#include "lab/report/view.h"
+#include "lab/report/page.h"
 
 #include <algorithm>
 #include <bit>

@@ -10,7 +10,7 @@
 #include "elastin/lab/experiment/experiment_catalog.h"
 #include "lab/run/config_names.h"
 #include "lab/run/specimen.h"
-#include "lab/scene/study.h"
+#include "lab/scene/parts.h"
 
 namespace elastin::lab {
 

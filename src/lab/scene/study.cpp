@@ -1,10 +1,9 @@
-#include "lab/scene/study.h"
+#include "lab/scene/parts.h"
 
 #include <cstdio>
 #include <memory>
 #include <sstream>
 
-#include "lab/scene/parts.h"
 #include "lab/scene/scene.h"
 
 namespace elastin::lab {

@@ -15,17 +15,16 @@
 
 #include "elastin/core/base/error.h"
 #include "elastin/core/parallel/threads.h"
-#include "lab/export/calculix_run.h"
+#include "lab/export/formats.h"
 #include "lab/report/comparison.h"
 #include "lab/report/files.h"
-#include "lab/report/json.h"
 #include "lab/report/machine.h"
+#include "lab/report/page.h"
+#include "lab/report/records.h"
 #include "lab/report/screen.h"
-#include "lab/report/view.h"
 #include "lab/study/journal.h"
 #include "lab/study/plan.h"
 #include "lab/study/reference.h"
-#include "lab/study/results.h"
 
 namespace elastin::lab {
 namespace {

@@ -19,7 +19,7 @@
 
 #include "core/base/archive.h"
 #include "elastin/core/base/error.h"
-#include "lab/report/json.h"
+#include "lab/report/records.h"
 
 namespace elastin::lab {
 

@@ -14,12 +14,11 @@
 #include "elastin/core/base/text.h"
 #include "lab/report/comparison.h"
 #include "lab/report/files.h"
-#include "lab/report/json.h"
+#include "lab/report/records.h"
 #include "lab/report/screen.h"
 #include "lab/study/journal.h"
 #include "lab/study/plan.h"
 #include "lab/study/reference.h"
-#include "lab/study/results.h"
 
 namespace elastin::lab {
 namespace {

@@ -13,9 +13,9 @@
 #include <utility>
 
 #include "elastin/core/base/error.h"
-#include "lab/export/calculix_run.h"
+#include "lab/export/formats.h"
 #include "lab/report/files.h"
-#include "lab/report/json.h"
+#include "lab/report/records.h"
 #include "lab/run/config_names.h"
 #include "lab/study/journal.h"
 

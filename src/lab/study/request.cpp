@@ -7,7 +7,7 @@
 #include <string_view>
 
 #include "lab/report/files.h"
-#include "lab/report/json.h"
+#include "lab/report/records.h"
 
 namespace elastin::lab {
 

@@ -1,4 +1,4 @@
-#include "lab/study/results.h"
+#include "lab/study/plan.h"
 
 #include <fmt/format.h>
 #include <unistd.h>
@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "lab/report/comparison.h"
-#include "lab/report/json.h"
+#include "lab/report/records.h"
 
 namespace elastin::lab {
 

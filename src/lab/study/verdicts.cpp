@@ -1,4 +1,4 @@
-#include "lab/study/verdicts.h"
+#include "lab/study/study.h"
 
 #include <fmt/format.h>
 

@@ -5,7 +5,7 @@
 
 #include "lab/run/specimen.h"
 #include "lab/scene/scene.h"
-#include "lab/study/verdicts.h"
+#include "lab/study/study.h"
 #include "support/temporary_folder.h"
 
 using namespace elastin;

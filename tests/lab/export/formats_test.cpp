@@ -9,7 +9,6 @@
 #include <iterator>
 
 #include "elastin/mesh/mesh_file.h"
-#include "lab/export/calculix_run.h"
 #include "lab/export/problem.h"
 #include "lab/run/specimen.h"
 #include "lab/study/study.h"

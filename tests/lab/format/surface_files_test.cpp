@@ -9,7 +9,7 @@
 #include "elastin/contact/surface_check.h"
 #include "elastin/mesh/mesh_file.h"
 #include "lab/report/files.h"
-#include "lab/report/json.h"
+#include "lab/report/records.h"
 #include "lab/report/table.h"
 #include "support/temporary_folder.h"
 

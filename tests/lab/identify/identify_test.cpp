@@ -11,7 +11,6 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
-#include "lab/identify/report.h"
 #include "lab/run/config_names.h"
 #include "support/law_constants.h"
 #include "support/temporary_folder.h"

@@ -7,7 +7,6 @@
 
 #include "lab/identify/fit.h"
 #include "lab/identify/identify.h"
-#include "lab/identify/report.h"
 #include "support/temporary_folder.h"
 
 using namespace elastin;

@@ -9,7 +9,7 @@
 #include "elastin/core/base/dense.h"
 #include "lab/report/comparison.h"
 #include "lab/report/files.h"
-#include "lab/report/json.h"
+#include "lab/report/records.h"
 #include "lab/study/study.h"
 #include "support/shell.h"
 #include "support/temporary_folder.h"

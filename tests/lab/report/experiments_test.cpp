@@ -6,7 +6,7 @@
 
 #include "lab/report/comparison.h"
 #include "lab/report/files.h"
-#include "lab/report/json.h"
+#include "lab/report/records.h"
 #include "lab/report/table.h"
 #include "support/temporary_folder.h"
 

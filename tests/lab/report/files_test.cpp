@@ -1,5 +1,5 @@
 #include "lab/report/files.h"
-#include "lab/report/json.h"
+#include "lab/report/records.h"
 
 #include <fcntl.h>
 #include <sys/stat.h>

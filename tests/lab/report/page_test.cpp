@@ -15,7 +15,6 @@
 #include <string>
 
 #include "lab/format/vtu.h"
-#include "lab/report/view.h"
 #include "lab/study/journal.h"
 #include "support/temporary_folder.h"
 

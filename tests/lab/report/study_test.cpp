@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "elastin/core/base/error.h"
-#include "lab/report/json.h"
+#include "lab/report/records.h"
 #include "lab/report/table.h"
-#include "lab/scene/study.h"
+#include "lab/scene/parts.h"
 
 using namespace elastin;
 using namespace elastin::lab;

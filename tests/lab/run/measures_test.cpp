@@ -4,7 +4,7 @@
 #include <map>
 
 #include "elastin/lab/experiment/experiment_catalog.h"
-#include "lab/report/json.h"
+#include "lab/report/records.h"
 #include "lab/run/common_measures.h"
 #include "lab/scene/scene.h"
 

@@ -8,7 +8,7 @@
 #include "elastin/core/base/error.h"
 #include "elastin/core/parallel/threads.h"
 #include "lab/report/files.h"
-#include "lab/report/json.h"
+#include "lab/report/records.h"
 #include "lab/run/restart.h"
 #include "support/temporary_folder.h"
 

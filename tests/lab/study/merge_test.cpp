@@ -8,7 +8,7 @@
 #include <set>
 
 #include "elastin/core/base/error.h"
-#include "lab/report/json.h"
+#include "lab/report/records.h"
 #include "lab/study/journal.h"
 #include "lab/study/plan.h"
 #include "support/shell.h"

@@ -1,4 +1,4 @@
-#include "lab/study/verdicts.h"
+#include "lab/study/study.h"
 
 #include <catch2/catch.hpp>
 #include <cctype>
@@ -7,7 +7,7 @@
 
 #include "elastin/core/parallel/threads.h"
 #include "lab/report/files.h"
-#include "lab/report/json.h"
+#include "lab/report/records.h"
 #include "lab/run/specimen.h"
 #include "support/temporary_folder.h"
 #include "support/vtu_arrays.h"
