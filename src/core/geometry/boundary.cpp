@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "core/geometry/rim.h"
+
 namespace elastin {
 namespace {
 

@@ -11,8 +11,5 @@ std::vector<std::array<int, 4>> faces_of(const Cells<8>& cubes);
 /// Faces that only one cell has, in the order of their sorted corners; corners counter-clockwise seen from outside.
 Cells<3> boundary_of(const Cells<4>& tetrahedra);
 std::vector<std::array<int, 4>> boundary_of(const Cells<8>& cubes);
-/// Sides that only one triangle has, and the molecules on them, ascending.
-std::vector<std::array<int, 2>> boundary_of(const Cells<3>& triangles);
-std::vector<int> rim_of(const Cells<3>& triangles);
 
 }  // namespace elastin

@@ -7,7 +7,7 @@
 #include <numbers>
 #include <string>
 
-#include "core/geometry/boundary.h"
+#include "core/geometry/rim.h"
 #include "elastin/core/base/error.h"
 
 namespace elastin {

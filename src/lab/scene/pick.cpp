@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "core/geometry/rim.h"
 #include "elastin/core/base/text.h"
 #include "elastin/core/model/parts.h"
 #include "elastin/core/model/share.h"

@@ -5,6 +5,7 @@
 #include <catch2/catch.hpp>
 #include <set>
 
+#include "core/geometry/rim.h"
 #include "elastin/core/shapes/shapes.h"
 #include "elastin/core/shapes/surfaces.h"
 #include "lab/scene/scene.h"

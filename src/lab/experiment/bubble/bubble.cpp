@@ -8,7 +8,7 @@
 #include <numbers>
 #include <string>
 
-#include "core/geometry/boundary.h"
+#include "core/geometry/rim.h"
 #include "elastin/core/base/dense.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/forces/pressure.h"

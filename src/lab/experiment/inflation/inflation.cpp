@@ -3,7 +3,7 @@
 #include <cmath>
 #include <string>
 
-#include "core/geometry/boundary.h"
+#include "core/geometry/rim.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/forces/pressure.h"
 #include "elastin/core/shapes/surfaces.h"
