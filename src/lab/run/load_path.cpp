@@ -2,9 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <utility>
 
 #include "contact/thickness.h"
+#include "elastin/core/base/text.h"
+#include "elastin/core/forces/tension.h"
 #include "elastin/core/model/share.h"
 #include "lab/run/contact_measures.h"
 
@@ -184,6 +187,220 @@ bool RepeatedCurve::from_start(Model& model, StaticRig& rig, const Visit& visit)
   }
   states_ = std::move(states);
   return true;
+}
+
+namespace {
+
+/// Of the load: what may be left of it unbalanced.
+constexpr double kBalanced = 1e-3;
+
+void warn_once(const std::string& warning, Run& run) {
+  if (std::find(run.warnings.begin(), run.warnings.end(), warning) == run.warnings.end())
+    run.warnings.push_back(warning);
+}
+
+/// Adds what one solve cost and said to the run; returns whether it converged.
+bool note_solve(const StaticResult& solved, const std::string& where, Run& run) {
+  run.solver = solved.solver;
+  run.solver_reason = solved.reason;
+  run.newton_iterations += solved.newton_iterations;
+  run.linear_iterations += solved.linear_iterations;
+  run.cut_steps += solved.cut_steps;
+  run.residual = solved.residual;
+  const std::string unstable = "the equilibrium is not stable: directions of negative stiffness";
+  run.unstable |= solved.unstable;
+  if (solved.unstable) warn_once(unstable, run);
+  const std::string left = "left an equilibrium that was no minimum for one of less energy (buckling, snapping)";
+  if (solved.left_saddle) warn_once(left, run);
+  if (solved.outcome == Outcome::converged) return true;
+  run.outcome = solved.outcome;
+  run.cause = solved.cause + where;
+  return false;
+}
+
+/// Converged means balanced: what loads and reactions leave over is no part of them worth naming, under the `whole`
+/// load at least.
+void check_balance(const StaticResult& solved, const Measures& measures, double force, double tolerance, bool whole,
+                   const std::string& where, Run& run) {
+  const double balance = measures.get("reaction_balance");
+  const double left = std::isfinite(force) && solved.scale > 0 ? balance * std::abs(force) / solved.scale : balance;
+  if (whole && solved.residual > kBalanced && run.zero_energy_modes > 0) {
+    run.outcome = Outcome::mechanism;
+    run.cause = "the body does not resist this load: its resistance is at the rounding level";
+  } else if (whole && solved.residual > kBalanced) {
+    run.outcome = Outcome::limit_reached;
+    run.cause =
+        "the unbalanced force is " + number(solved.residual, 2) +
+        " of the load, and rounding of the positions allows no less: the stiffness contrast is too large, or the "
+        "body lies too far from the origin for its size";
+  } else if (left > kBalanced) {
+    run.outcome = Outcome::limit_reached;
+    run.cause = "the reactions do not balance the loads: they leave " + number(left, 2) + " of them" + where;
+  } else if (left > 1e-6) {
+    warn_once("the reactions balance the loads to " + number(left, 2) + " only", run);
+  }
+  if (solved.residual > std::max(1e-8, 10 * tolerance))
+    warn_once("the unbalanced force is " + number(solved.residual, 2) + " of the load, above the tolerance of " +
+                  number(tolerance, 2) + ": rounding allows no less",
+              run);
+}
+
+double total_energy(const Model& model, const State& state) {
+  return model.elastic_energy(state.positions) + model.load_energy(state);
+}
+
+/// From a scene's own start a body may find no equilibrium, or one of more energy than the one reached from rest. Then
+/// that one is measured, and a warning says so. [J] `before`: energy of the start.
+StaticResult restart_from_rest(Model& model, const RunOptions& options, double before, StaticResult solved,
+                               State& state, Run& run) {
+  State other = state_at_rest(model.body());
+  StaticResult from_rest = solve_static(model, other, options.statics);
+  if (from_rest.outcome != Outcome::converged) return solved;
+  const bool found = solved.outcome == Outcome::converged;
+  if (found && !model.has_energy()) return solved;
+  const double least = total_energy(model, other), above = total_energy(model, state) - least;
+  const double noise = std::isfinite(before) ? 1e-9 * std::abs(before - least) : 0;
+  if (found && above <= noise) return solved;
+  run.restarted_from_rest = true;
+  run.warnings.push_back(std::string("from the scene's start the body ") +
+                         (found ? "settles in a higher-energy equilibrium than the one reached from rest"
+                                : "finds no equilibrium (" + solved.cause + ")") +
+                         "; the equilibrium reached from rest is measured");
+  state = std::move(other);
+  return from_rest;
+}
+
+/// The body before the experiment's load: at rest, or in equilibrium with the scene's other loads, or where it comes to
+/// rest from the scene's own start. False if that fails.
+bool find_start(Model& model, StaticRig& rig, const RunOptions& options, bool at_rest, State& state, Start& start,
+                Run& run) {
+  start = {state.positions, Positions::Zero(3, static_cast<Eigen::Index>(model.supports.size()))};
+  if (contact::Contact* contact = contact_of(model)) contact->set_moment(0);
+  rig.set_load(0);
+  if (at_rest && !any_over(model.body(), !model.load_forces(state).isZero(0))) return true;
+  if (options.progress) options.progress(at_rest ? "the scene's own loads" : "the scene's start");
+  const double before = total_energy(model, state);
+  StaticResult solved = solve_static(model, state, options.statics);
+  if (!at_rest) solved = restart_from_rest(model, options, before, std::move(solved), state, run);
+  start = {state.positions, solved.reactions};
+  return note_solve(solved, at_rest ? " (under the scene's own loads)" : " (from the scene's start)", run);
+}
+
+/// Where the material says what stress belongs to a strain: that, and the largest difference to it, over the largest
+/// such stress.
+void note_curve_error(const Experiment& experiment, const MeasureList& list, const Material& material, Run& run) {
+  const auto axis = experiment.axis();
+  const std::string strain = list.named(MeasureRole::strain), stress = list.named(MeasureRole::stress);
+  double difference = 0, largest = 0;
+  for (CurvePoint& point : run.curve) {
+    const auto given = axis ? uniaxial_stress(material, *axis, point.measures.get(strain)) : std::nullopt;
+    if (!given) return;
+    point.measures.set("material_stress", *given);
+    difference = std::max(difference, std::abs(point.measures.get(stress) - *given));
+    largest = std::max(largest, std::abs(*given));
+  }
+  run.measures.set("curve_error", difference / largest);
+}
+
+void note_compression(const Model& model, const Positions& positions, const Material& material, Run& run) {
+  const Compression found = find_compression(model, positions);
+  const int all = static_cast<int>(model.body().triangles.size());
+  if (found.triangles == 0) return;
+  const auto& [a, b, c] = model.body().triangles[found.worst];
+  const Vector3 at = (positions.col(a) + positions.col(b) + positions.col(c)) / 3;
+  char text[240];
+  std::snprintf(
+      text, sizeof text,
+      "%d of %d triangles in compression (most: triangle %d at %.4g, %.4g, %.4g m, %.3g Pa): a membrane would "
+      "wrinkle there; `wrinkling: drop` leaves compression out",
+      found.triangles, all, found.worst, at.x(), at.y(), at.z(), found.tension / material.thickness);
+  run.warnings.push_back(text);
+}
+
+/// Under preload: forces, displacements and energy as what the experiment adds, and as what there is in all.
+void note_preload(const Model& model, const MeasureList& list, const StaticRig& rig, const Start& start,
+                  const State& state, const RunOptions& options, StaticResult solved, Measures& measures) {
+  const Positions& rest = model.body().rest;
+  if (!any_over(model.body(), start.positions != rest || !start.reactions.isZero(0))) return;
+  if (std::isfinite(measures.get("energy")))
+    measures.set("energy_increase",
+                 measures.get("energy") - sum_over(model.body(), model.elastic_energy(start.positions)));
+  const Measures whole =
+      rig.measure({rest, Positions::Zero(3, start.reactions.cols())}, state, options.statics, solved);
+  for (const MeasureRole role : {MeasureRole::force, MeasureRole::torque, MeasureRole::displacement})
+    if (const std::string name = list.named(role); !name.empty()) measures.set("total_" + name, whole.get(name));
+}
+
+}  // namespace
+
+void solve_load_curve(Model& model, const StaticExperiment& experiment, StaticRig& rig, const Material& material,
+                      const RunOptions& options, Run& run, const std::function<void(State&)>& begin) {
+  State at_start = state_at_rest(model.body());
+  if (begin) begin(at_start);
+  Start start;
+  if (!find_start(model, rig, options, !begin, at_start, start, run)) return;
+  LoadPath path(model, rig, options.statics, std::move(at_start));
+  const auto keep = [&](double load_factor, int step) {
+    keep_snapshot(model, path.state(), load_factor, step, options, run);
+  };
+  keep(0, 0);
+  const MeasureList list = experiment.measures();
+  const auto taken = [&](const Measures& measures, MeasureRole role) { return measures.get(list.named(role)); };
+  const int steps = experiment.load_steps();
+  for (int step = 1; step <= steps; ++step) {
+    const std::string which = steps > 1 ? "load step " + std::to_string(step) + " of " + std::to_string(steps) : "";
+    if (step > 1 && options.stop && options.stop()) {
+      run.outcome = Outcome::interrupted;
+      run.cause = "stopped before " + which;
+      return;
+    }
+    if (options.progress) options.progress(which.empty() ? "solving" : which);
+    const double load_factor = experiment.load_factor(step);
+    StaticResult solved = path.advance(load_factor);
+    // Without a load there is nothing to balance, and rounding decides about motions that nothing resists.
+    bool loaded = load_factor != 0;
+    if (!loaded) solved.unstable = false;
+    Measures measures;
+    if (solved.outcome == Outcome::converged) {
+      measures = rig.measure(start, path.state(), options.statics, solved);
+      note_preload(model, list, rig, start, path.state(), options, solved, measures);
+      if (const contact::Contact* contact = contact_of(model)) {
+        run.contact = contact->report(path.state());
+        note_contact(*run.contact, experiment.copies(), measures);
+        if (run.contact->pairs == 0 && solved.residual > kBalanced) loaded = false;  // nothing is touched yet
+      }
+    }
+    run.bisected_load_steps = path.halvings();
+    if (!note_solve(solved, which.empty() ? "" : " (" + which + ")", run)) return;
+    if (loaded)
+      check_balance(solved, measures, taken(measures, MeasureRole::force), options.statics.tolerance, step == steps,
+                    which.empty() ? "" : " (" + which + ")", run);
+    if (run.outcome != Outcome::converged) return;
+    if (taken(measures, MeasureRole::displacement) < 0 && taken(measures, MeasureRole::strain) <= -1) {
+      run.outcome = Outcome::inverted;
+      run.cause =
+          "the load presses the body through itself: strain below −100 %" + (which.empty() ? "" : " (" + which + ")");
+      return;
+    }
+    run.curve.push_back({load_factor, measures, solved.newton_iterations, solved.linear_iterations, solved.residual});
+    keep(load_factor, step);
+  }
+  run.measures = run.curve.back().measures;
+  run.remark = experiment.remark(run.measures);
+  // What resists bending may bear compression.
+  if (!model.body().share && !model.body().triangles.empty() && !options.statics.linear &&
+      !(material.bending_rigidity > 0))
+    note_compression(model, path.state().positions, material, run);
+  const bool grows = std::is_sorted(run.curve.begin(), run.curve.end(), [](const CurvePoint& a, const CurvePoint& b) {
+    return a.load_factor < b.load_factor;
+  });
+  if (grows) note_curve_error(experiment, list, material, run);
+  if (steps > 1 && model.has_full_tangent()) {
+    rig.measure_end(path.state(), options.statics, run.measures, run.linear_iterations);
+    double sum = 0;
+    for (const CurvePoint& point : run.curve) sum += taken(point.measures, MeasureRole::youngs_modulus);
+    if (std::isfinite(sum)) run.measures.set("average_modulus", sum / steps);
+  }
 }
 
 }  // namespace elastin::lab

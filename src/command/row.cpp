@@ -1,9 +1,15 @@
 #include "command/row.h"
 
+#include <unistd.h>
+
+#include <csignal>
+#include <string_view>
+
 #include "elastin/core/base/error.h"
 #include "elastin/core/parallel/threads.h"
 
 namespace elastin::command {
+
 using namespace lab;
 
 void SceneOptions::add_to(Options& options, bool several) {
@@ -69,5 +75,21 @@ bool continue_in(const std::string& folder, std::string& out) {
   out = folder;
   return true;
 }
+
+namespace {
+
+volatile std::sig_atomic_t noted = 0;
+
+void note_interrupt(int) {
+  constexpr std::string_view message = "\n  stopping after this run or step; Ctrl-C again stops at once\n";
+  if (write(STDERR_FILENO, message.data(), message.size()) < 0) noted = 1;  // no terminal is left
+  noted = 1;
+  std::signal(SIGINT, SIG_DFL);
+}
+
+}  // namespace
+
+void stop_on_interrupt() { std::signal(SIGINT, note_interrupt); }
+bool interrupted() { return noted != 0; }
 
 }  // namespace elastin::command
