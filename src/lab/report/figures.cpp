@@ -186,11 +186,8 @@ Plot error_plot(const std::vector<Record>& records, const Ranking& ranking, cons
   }
   for (const Peer& peer : peers) {
     if (!peer.scene.empty() && peer.scene != records.front().scene) continue;
-    auto series =
-        std::find_if(plot.series.begin(), plot.series.end(), [&](const auto& s) { return s.name == peer.name; });
-    if (series == plot.series.end())
-      series = plot.series.insert(plot.series.end(), {peer.name, -1, PlotSeries::Kind::marked_line, {}});
-    series->points.push_back(point_of(peer.seconds, peer.error, peer.name, " (given by a file)"));
+    series_of(plot, peer.name, -1)
+        .points.push_back(point_of(peer.seconds, peer.error, peer.name, " (given by a file)"));
   }
   if (!plot.series.empty()) plot.series.insert(plot.series.begin(), front_of(plot.series));
   for (const Reference& reference : records.front().references)

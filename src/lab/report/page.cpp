@@ -64,10 +64,9 @@ std::vector<Scenery> by_scene(const std::vector<Record>& records) {
   std::vector<Scenery> scenes;
   for (const Record& record : records) {
     const auto same = [&](const Scenery& scene) { return scene.records.front().scene == record.scene; };
-    auto scene = std::find_if(scenes.begin(), scenes.end(), same);
-    if (scene == scenes.end()) scene = scenes.insert(scenes.end(), Scenery{});
-    scene->records.push_back(record);
-    scene->study |= !record.variant.empty();
+    Scenery& scene = found_or_added(scenes, same, Scenery{});
+    scene.records.push_back(record);
+    scene.study |= !record.variant.empty();
   }
   for (Scenery& scene : scenes) scene.ranking = rank_strategies(scene.records);
   return scenes;
@@ -94,11 +93,10 @@ Table stability_table(const Scenery& scene) {
                     sound            ? Tone::good
                     : solved(record) ? Tone::poor
                                      : Tone::bad};
-    auto same = std::find_if(findings.begin(), findings.end(), [&](const Finding& f) {
+    const auto same = [&](const Finding& f) {
       return f.verdict == finding.verdict && f.solver == finding.solver && f.more == finding.more;
-    });
-    if (same == findings.end()) same = findings.insert(findings.end(), std::move(finding));
-    same->runs.push_back(run_name(record));
+    };
+    found_or_added(findings, same, finding).runs.push_back(run_name(record));
   }
   Table table({"verdict", "solver", "more", "strategies"});
   for (const Finding& f : findings)
@@ -109,16 +107,19 @@ Table stability_table(const Scenery& scene) {
   return table;
 }
 
+/// Words with others that belong to each, all in the order in which they first came.
+using Words = std::vector<std::pair<std::string, std::vector<std::string>>>;
+
+void add_word(Words& words, const std::string& word, const std::string& other) {
+  const auto same = [&](const auto& known) { return known.first == word; };
+  const auto equal = [&](const std::string& known) { return known == other; };
+  found_or_added(found_or_added(words, same, {word, {}}).second, equal, other);
+}
+
 std::string warnings_html(const Scenery& scene) {
-  std::vector<std::pair<std::string, std::vector<std::string>>> said;  // what, and of which strategies
+  Words said;  // what, and of which strategies
   for (const Record& record : scene.records)
-    for (const std::string& warning : record.warnings) {
-      const auto same = [&](const auto& known) { return known.first == warning; };
-      auto at = std::find_if(said.begin(), said.end(), same);
-      if (at == said.end()) at = said.insert(said.end(), {warning, {}});
-      if (std::find(at->second.begin(), at->second.end(), record.run.strategy) == at->second.end())
-        at->second.push_back(record.run.strategy);
-    }
+    for (const std::string& warning : record.warnings) add_word(said, warning, record.run.strategy);
   std::string out;
   for (const auto& [warning, strategies] : said)
     out += fmt::format("<li>{} <span class=\"faint\">({})</span></li>\n", escaped(warning),
@@ -130,14 +131,9 @@ std::string chip(const std::string& text) { return "<li>" + escaped(text) + "</l
 
 /// What a study changes, and to what.
 std::string parameter_chips(const Scenery& scene) {
-  std::vector<std::pair<std::string, std::vector<std::string>>> parameters;
+  Words parameters;
   for (const Record& record : scene.records)
-    for (const auto& [key, value] : record.variant) {
-      auto at =
-          std::find_if(parameters.begin(), parameters.end(), [&](const auto& known) { return known.first == key; });
-      if (at == parameters.end()) at = parameters.insert(parameters.end(), {key, {}});
-      if (std::find(at->second.begin(), at->second.end(), value) == at->second.end()) at->second.push_back(value);
-    }
+    for (const auto& [key, value] : record.variant) add_word(parameters, key, value);
   std::string out;
   for (const auto& [key, values] : parameters) out += chip(fmt::format("{}: {}", key, fmt::join(values, ", ")));
   return out;

@@ -81,13 +81,6 @@ std::vector<Parameter> parameters_of(const std::vector<Record>& records, const s
   return found;
 }
 
-PlotSeries& series_of(Plot& plot, const std::string& name, int colour) {
-  for (PlotSeries& series : plot.series)
-    if (series.name == name) return series;
-  plot.series.push_back({name, colour, PlotSeries::Kind::marked_line, {}});
-  return plot.series.back();
-}
-
 Plot plot_over(const std::vector<Record>& records, const Parameter& parameter, const std::vector<std::string>& keys,
                const std::map<std::string, int>& colours, const std::string& measure, const std::string& error) {
   const MeasureInfo& info = records.front().measure(measure);

@@ -266,6 +266,13 @@ double add_legend(Sheet& sheet, double top) {
 
 }  // namespace
 
+PlotSeries& series_of(Plot& plot, const std::string& name, int colour) {
+  for (PlotSeries& series : plot.series)
+    if (series.name == name) return series;
+  plot.series.push_back({name, colour, PlotSeries::Kind::marked_line, {}});
+  return plot.series.back();
+}
+
 std::string plot_colour(int colour) {
   if (colour < 0) return "#8a93a5";
   const auto& hue = kHues[colour % kPlotHues];

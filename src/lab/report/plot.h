@@ -37,6 +37,9 @@ struct Plot {
   std::string level_text;
 };
 
+/// The series of this name, which is added with marks and lines where the plot has none. Valid until another is added.
+PlotSeries& series_of(Plot& plot, const std::string& name, int colour);
+
 /// The plot as an SVG, `width` [px] wide. `alone`: a file of its own with title, background and styles; otherwise part
 /// of a page whose styles it takes. Points that are not finite, or not above 0 on a logarithmic axis, are left out.
 std::string svg_text(const Plot& plot, double width, bool alone);

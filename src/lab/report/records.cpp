@@ -84,6 +84,13 @@ Neighbours neighbours_inside(const Body& body) {
           static_cast<int>(least_over(body, least == counted.end() ? INFINITY : *least))};
 }
 
+double median(std::vector<double> values) {
+  if (values.empty()) return std::nan("");
+  std::sort(values.begin(), values.end());
+  const std::size_t half = values.size() / 2;
+  return values.size() % 2 ? values[half] : (values[half - 1] + values[half]) / 2;
+}
+
 double Record::least_seconds() const { return run.build_seconds + run.solve_seconds; }
 
 void Record::add_repeat(const Record& again) {
@@ -99,9 +106,7 @@ double Record::median_seconds() const {
   if (repeats.empty()) return least_seconds();
   std::vector<double> seconds;
   for (const auto& [build, solve] : repeats) seconds.push_back(build + solve);
-  std::sort(seconds.begin(), seconds.end());
-  const std::size_t half = seconds.size() / 2;
-  return seconds.size() % 2 ? seconds[half] : (seconds[half - 1] + seconds[half]) / 2;
+  return median(std::move(seconds));
 }
 
 bool Record::stopped_as_expected() const {

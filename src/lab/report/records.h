@@ -1,7 +1,9 @@
 #pragma once
+#include <algorithm>
 #include <array>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "lab/report/directions.h"
@@ -19,6 +21,16 @@ struct Peer {
 /// Reads the columns method, minimum_s, error, and scene if there is one, of a CSV file; rows without both numbers are
 /// left out. Throws InputError: file:line.
 std::vector<Peer> load_peers(const std::string& path);
+
+/// The first item of a list for which `same` holds; without any `item`, which is added.
+template <class Item, class Same>
+Item& found_or_added(std::vector<Item>& list, const Same& same, Item item) {
+  const auto at = std::find_if(list.begin(), list.end(), same);
+  return at == list.end() ? list.emplace_back(std::move(item)) : *at;
+}
+
+/// The middle value, or the mean of the two in the middle; NaN of none.
+double median(std::vector<double> values);
 
 /// How one expectation of a scene came out.
 struct Verdict {

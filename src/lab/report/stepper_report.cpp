@@ -101,12 +101,10 @@ Plot plot_of(const StepperComparison& comparison, bool at_rest) {
     const double error = at_rest ? std::abs(row.rest_error) : row.time_error;
     if (!got_through(row) || !std::isfinite(error)) continue;
     const std::string name = fmt::format("{}, {}", row.stepper, readable(row.step, dimension::time, 3));
-    auto series = std::find_if(plot.series.begin(), plot.series.end(), [&](const auto& s) { return s.name == name; });
-    if (series == plot.series.end())
-      series = plot.series.insert(plot.series.end(), {name, colour, PlotSeries::Kind::marked_line, {}});
-    series->points.push_back({cost(comparison, row), std::max(error, kLeastShown),
-                              fmt::format("{}, {}: error {:.3g} %, {} a step", name, iterations_text(row), 100 * error,
-                                          readable_seconds(row.seconds))});
+    series_of(plot, name, colour)
+        .points.push_back({cost(comparison, row), std::max(error, kLeastShown),
+                           fmt::format("{}, {}: error {:.3g} %, {} a step", name, iterations_text(row), 100 * error,
+                                       readable_seconds(row.seconds))});
   }
   plot.level = at_rest ? kSameModulus : kSameMotion;
   plot.level_text = at_rest ? "1 %" : "5 %";
@@ -152,10 +150,8 @@ std::string heading_of(const StepperComparison& comparison) {
 
 constexpr const char* kMeaning =
     "Error at rest: of the body that came to rest under its load by this stepper, to its equilibrium. Of iterations: "
-    "of "
-    "the motion after release, to the same steps solved in full. Of time: to the limit of short steps. Energy: what "
-    "the "
-    "motion gains or loses in one period.";
+    "of the motion after release, to the same steps solved in full. Of time: to the limit of short steps. Energy: what "
+    "the motion gains or loses in one period.";
 
 }  // namespace
 
@@ -174,11 +170,7 @@ std::string stepper_json(const std::vector<StepperComparison>& comparisons) {
 }
 
 std::string stepper_page(const std::vector<StepperComparison>& comparisons, const std::string& command) {
-  std::string out =
-      "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" "
-      "content=\"width=device-width, initial-scale=1\"><title>Steppers — Elastin</title>\n<style>";
-  out += page_part("page.css");
-  out += "</style></head>\n<body>\n<header><p class=\"brand\">Elastin · steppers side by side</p></header>\n<main>\n";
+  std::string out = page_begin("Steppers", "Elastin · steppers side by side") + "</header>\n<main>\n";
   for (const StepperComparison& comparison : comparisons) {
     out += fmt::format("<article class=\"scene\"><h1>{}</h1><p class=\"faint\">{}</p>\n<p class=\"advice\">{}</p>\n",
                        escaped(comparison.title), escaped(heading_of(comparison)), escaped(best_of(comparison)));
@@ -188,8 +180,8 @@ std::string stepper_page(const std::vector<StepperComparison>& comparisons, cons
         out += fmt::format("<section class=\"card\"><h2>{}</h2><figure>{}</figure></section>",
                            at_rest ? "Error at rest against time" : "Error of the motion against time",
                            svg_text(plot, 600, false));
-    out += "</div>\n<section class=\"card\"><h2>All rows</h2>" + table_of(comparison).html() + "<p class=\"note\">" +
-           kMeaning + "</p></section></article>\n";
+    out += "</div>\n" + card_html("All rows", table_of(comparison).html() + "<p class=\"note\">" + kMeaning + "</p>") +
+           "</article>\n";
   }
   return out + fmt::format("</main>\n<footer><p>{}</p><p><code>{}</code></p></footer>\n</body></html>\n",
                            escaped(comparisons.empty() ? "" : comparisons.front().machine), escaped(command));

@@ -79,10 +79,8 @@ std::vector<StudyCurve> curves_of(const std::vector<Record>& records) {
     for (const auto& [key, value] : record.variant)
       if (!of_the_body(key)) name += ", " + value;
     if (threads.size() > 1) name += ", " + counted(record.threads, "thread");
-    auto curve =
-        std::find_if(curves.begin(), curves.end(), [&](const StudyCurve& known) { return known.name == name; });
-    if (curve == curves.end()) curve = curves.insert(curves.end(), {name, record.run.strategy, {}});
-    curve->rows.push_back(&record);
+    const auto same = [&](const StudyCurve& known) { return known.name == name; };
+    found_or_added(curves, same, {name, record.run.strategy, {}}).rows.push_back(&record);
   }
   for (StudyCurve& curve : curves)
     std::stable_sort(curve.rows.begin(), curve.rows.end(),

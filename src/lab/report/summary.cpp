@@ -41,13 +41,6 @@ bool sound(const Record& record) {
 
 double whole_seconds(const Run& run) { return run.build_seconds + run.solve_seconds; }
 
-double median(std::vector<double> values) {
-  if (values.empty()) return std::nan("");
-  std::sort(values.begin(), values.end());
-  const std::size_t half = values.size() / 2;
-  return values.size() % 2 ? values[half] : (values[half - 1] + values[half]) / 2;
-}
-
 ErrorSpread spread_of(const std::vector<const Record*>& runs, MeasureRole measure) {
   ErrorSpread spread{std::nan(""), std::nan(""), ""};
   std::vector<double> sizes;
@@ -86,12 +79,8 @@ template <class Key>
 std::vector<std::vector<const Record*>> grouped(const std::vector<Record>& records, const Key& key) {
   std::vector<std::vector<const Record*>> groups;
   for (const Record& record : records) {
-    const auto group = std::find_if(groups.begin(), groups.end(),
-                                    [&](const auto& other) { return key(*other.front()) == key(record); });
-    if (group == groups.end())
-      groups.push_back({&record});
-    else
-      group->push_back(&record);
+    const auto same = [&](const auto& other) { return key(*other.front()) == key(record); };
+    found_or_added(groups, same, {}).push_back(&record);
   }
   return groups;
 }

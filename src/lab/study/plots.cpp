@@ -130,12 +130,8 @@ Plot csv_plot(const std::string& path, std::string x, std::string y) {
     return axis.logarithmic ? std::abs(value) : value;
   };
   for (std::size_t row = 0; row < csv.rows.size(); ++row) {
-    auto series =
-        std::find_if(plot.series.begin(), plot.series.end(), [&](const auto& s) { return s.name == names[row]; });
-    if (series == plot.series.end())
-      series = plot.series.insert(
-          series, {names[row], static_cast<int>(plot.series.size()), PlotSeries::Kind::marked_line, {}});
-    series->points.push_back({shown(row, x_column, plot.x), shown(row, y_column, plot.y), names[row]});
+    series_of(plot, names[row], static_cast<int>(plot.series.size()))
+        .points.push_back({shown(row, x_column, plot.x), shown(row, y_column, plot.y), names[row]});
   }
   return plot;
 }
