@@ -1,5 +1,6 @@
 #include "elastin/core/solve/vibrations.h"
 #include "lab/experiment/keys.h"
+
 namespace elastin::lab {
 namespace {
 
@@ -106,7 +107,7 @@ ExperimentInfo vibration_row() {
                     return setup.loaded && !setup.fixture ? "there is no load: key 'fixture' is missing" : "";
                   }),
               key::whole("count", &S::count, 1, 10, "number of frequencies")},
-      [](const ExperimentContext& context, S setup) {
+      [](const ExperimentContext&, S setup) {
         return std::make_unique<Vibration>(std::move(setup.fixture), setup.count, setup.loaded);
       });
 }
