@@ -215,13 +215,11 @@ double number_in(const std::string& text, const std::string& name) {
 }
 
 Figures figures_of(const std::string& job, const std::string& measure) {
-  std::ifstream file(job + ".json");
-  std::stringstream text;
-  text << file.rdbuf();
+  const std::string text = text_of_file(job + ".json");
   Figures figures;
-  figures.value = number_in(text.str(), measure);
-  figures.molecules = number_in(text.str(), "molecules");
-  figures.cells = number_in(text.str(), "cells");
+  figures.value = number_in(text, measure);
+  figures.molecules = number_in(text, "molecules");
+  figures.cells = number_in(text, "cells");
   return figures;
 }
 

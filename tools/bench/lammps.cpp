@@ -1,6 +1,5 @@
 #include <fmt/format.h>
 #include <fmt/os.h>
-#include <unistd.h>
 
 #include <cmath>
 #include <cstdlib>
@@ -11,6 +10,7 @@
 #include <stdexcept>
 
 #include "peers.h"
+#include "support/temporary_folder.h"
 
 namespace bench {
 namespace {
@@ -20,20 +20,6 @@ using namespace elastin;
 bool has(const char* program) {
   return std::system(fmt::format("command -v {} > /dev/null 2>&1", program).c_str()) == 0;
 }
-
-/// A folder that goes with its last user.
-struct Folder {
-  std::filesystem::path path;
-  Folder() {
-    std::string name = (std::filesystem::temp_directory_path() / "elastin_bench_XXXXXX").string();
-    if (!mkdtemp(name.data())) throw std::runtime_error("no temporary folder");
-    path = name;
-  }
-  ~Folder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path, ignored);
-  }
-};
 
 /// Springs of the same k and L, to nine digits, are one type of bond.
 struct BondTypes {
@@ -52,11 +38,11 @@ struct BondTypes {
   }
 };
 
-void write_data(const Start& start, const BondTypes& types, const std::filesystem::path& path) {
+void write_data(const Start& start, const BondTypes& types, const std::string& path) {
   const Body& body = start.body;
   const Vector3 low = start.positions.rowwise().minCoeff(), high = start.positions.rowwise().maxCoeff();
   const Vector3 margin = Vector3::Constant(0.1 * (high - low).maxCoeff());
-  auto file = fmt::output_file(path.string());
+  auto file = fmt::output_file(path);
   file.print("springs\n\n{} atoms\n{} bonds\n1 atom types\n{} bond types\n", body.size(), body.connections.size(),
              types.constant_and_length.size());
   for (int axis = 0; axis < 3; ++axis)
@@ -73,10 +59,10 @@ void write_data(const Start& start, const BondTypes& types, const std::filesyste
 
 /// @param source how the atoms come in. Ghosts reach as far as the longest spring may.
 void write_input(const Start& start, const BondTypes& types, const std::string& source, const std::string& run,
-                 const std::filesystem::path& path) {
+                 const std::string& path) {
   double longest = 0;
   for (const double length : start.body.connections.rest_length) longest = std::max(longest, length);
-  auto file = fmt::output_file(path.string());
+  auto file = fmt::output_file(path);
   file.print(
       "units lj\natom_style bond\nboundary s s s\nnewton on\nspecial_bonds lj/coul 1 1 1\n{}\n"
       "pair_style none\nbond_style harmonic\n",
@@ -91,14 +77,14 @@ void write_input(const Start& start, const BondTypes& types, const std::string& 
 }
 
 /// Runs LAMMPS on an input file and returns its last loop time [s].
-double loop_time(const Folder& folder, const char* input, int ranks) {
+double loop_time(const TemporaryFolder& folder, const char* input, int ranks) {
   const std::string launch =
       ranks == 1 ? "lmp" : fmt::format("mpirun --allow-run-as-root --oversubscribe -np {} lmp", ranks);
   const std::string line =
-      fmt::format("cd '{}' && OMP_NUM_THREADS=1 {} -log run.log -screen none -in {} > out.log 2>&1",
-                  folder.path.string(), launch, input);
+      fmt::format("cd '{}' && OMP_NUM_THREADS=1 {} -log run.log -screen none -in {} > out.log 2>&1", folder.path(""),
+                  launch, input);
   if (std::system(line.c_str()) != 0) throw std::runtime_error("LAMMPS failed: " + line);
-  std::ifstream log(folder.path / "run.log");
+  std::ifstream log(folder.path("run.log"));
   double seconds = 0;
   for (std::string text; std::getline(log, text);)
     if (text.starts_with("Loop time of ")) seconds = std::stod(text.substr(13));
@@ -115,17 +101,17 @@ std::string lammps_missing(int ranks) {
 }
 
 std::function<double(int)> make_lammps(const Start& start, int ranks) {
-  const auto folder = std::make_shared<Folder>();
+  const auto folder = std::make_shared<TemporaryFolder>();
   const auto types = std::make_shared<BondTypes>(start.body, start.constants);
-  write_data(start, *types, folder->path / "springs.data");
+  write_data(start, *types, folder->path("springs.data"));
   // Text is read once; later runs start from a binary file.
   write_input(start, *types, "read_data springs.data extra/special/per/atom 100",
-              "run 1\nwrite_restart springs.restart", folder->path / "first.in");
+              "run 1\nwrite_restart springs.restart", folder->path("first.in"));
   loop_time(*folder, "first.in", 1);
-  std::filesystem::remove(folder->path / "springs.data");
+  std::filesystem::remove(folder->path("springs.data"));
   return [start, folder, types, ranks](int steps) {
     write_input(start, *types, "read_restart springs.restart", fmt::format("run {}\nrun {}", steps / 4 + 1, steps),
-                folder->path / "run.in");
+                folder->path("run.in"));
     return loop_time(*folder, "run.in", ranks);
   };
 }

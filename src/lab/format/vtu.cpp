@@ -1,13 +1,13 @@
 #include "lab/format/vtu.h"
 
 #include <zlib.h>
-#include <system_error>
 
 #include <bit>
 #include <cerrno>
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
+#include <system_error>
 
 #include "elastin/core/shapes/surfaces.h"
 #include "hull/convex_hull.h"
