@@ -11,7 +11,7 @@
 #include "elastin/core/simulation/catalog.h"
 #include "elastin/mesh/mesh_file.h"
 #include "lab/format/csv.h"
-#include "lab/run/restart.h"
+#include "lab/run/step_control.h"
 #include "lab/scene/scene.h"
 #include "lab/study/journal.h"
 #include "lab/study/plan.h"

@@ -1,4 +1,4 @@
-#include "lab/identify/answer.h"
+#include "lab/identify/identify.h"
 
 #include <fmt/format.h>
 

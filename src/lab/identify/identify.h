@@ -1,16 +1,92 @@
 #pragma once
 #include <functional>
+#include <limits>
 #include <optional>
 #include <string>
 #include <unordered_map>
+#include <utility>
 #include <vector>
 
-#include "lab/identify/answer.h"
 #include "lab/identify/fit.h"
 #include "lab/report/plot.h"
 #include "lab/study/journal.h"
 
 namespace elastin::lab {
+
+/// One number that was found, SI.
+struct FoundNumber {
+  std::string name;
+  Dimension unit;
+  double value = 0, deviation = 0;
+  double low = 0, high = 0;  ///< 95 % interval
+  bool profiled = false;     ///< its ends are those of the likelihood profile, and not of the linear model
+  bool determined = true;    ///< false: the interval is wider than twice the value
+  double published = std::numeric_limits<double>::quiet_NaN();  ///< what others found; NaN: the scene does not say
+};
+
+/// One test with the response of the identified material.
+struct TestAnswer {
+  std::string name, kind;
+  MeasuredData data;
+  VectorX fitted;       ///< empty where the material has no equilibrium there
+  bool counted = true;  ///< false: predicted alone
+  bool relative = true;
+  double relative_rms = 0;                      ///< of differences over each value, or over the largest one
+  std::vector<std::pair<double, double>> line;  ///< the material's own curve through the test, if it is homogeneous
+};
+
+/// Where a law is unstable in one homogeneous test, nominal strain or amount of shear; NaN = nowhere.
+struct StabilityAnswer {
+  std::string test;
+  bool measured = false;     ///< whether a test of this kind counted
+  double low = 0, high = 0;  ///< range that was measured; of a test that was not, the range of the others
+  double unstable_within = std::numeric_limits<double>::quiet_NaN();
+  double unstable_beyond = std::numeric_limits<double>::quiet_NaN();  ///< within twice the range
+};
+
+/// One law of several that are compared.
+struct LawAnswer {
+  std::string label;
+  std::size_t unknowns = 0;
+  FitOutcome outcome = FitOutcome::failed;
+  std::string cause;
+  double criterion = 0;  ///< small-sample information criterion; less is better
+  bool stable = true;    ///< over the measured range
+  std::vector<std::pair<std::string, double>> relative_rms;
+};
+
+/// What was found of one scene.
+struct Answer {
+  std::string scene, title, law, strategy;
+  std::string published_source;  ///< of the published numbers, where there are any
+  FitOutcome outcome = FitOutcome::failed;
+  std::string cause;
+  std::vector<FoundNumber> numbers;
+  MatrixX correlation;
+  std::vector<TestAnswer> tests;
+  std::vector<StabilityAnswer> stability;
+  std::vector<LawAnswer> laws;  ///< of a comparison, the best first
+  std::vector<std::string> warnings;
+  std::string material;  ///< the block of a scene with the numbers put in, YAML
+  /// What else its own scene has then, by key: data files, the strategy, friction (see with_value).
+  std::vector<std::pair<std::string, std::string>> keys;
+  double criterion = 0, condition = 1, seconds = 0;
+  int starts = 0, agreeing = 0, freedom = 0;
+  bool succeeded() const { return outcome != FitOutcome::failed && outcome != FitOutcome::not_converged; }
+};
+
+/// What a fit says, with intervals, stability and warnings.
+/// @param profiles whether wide intervals are those of the likelihood profile, which takes a search for each end
+/// @param stop called before each of these, which are then left as they are; may be empty
+Answer make_answer(const UnknownMaterial& unknown, std::vector<WeightedTest>& tests, const Fit& fit, bool profiles,
+                   const std::function<bool()>& stop = {});
+
+/// Of one among several laws.
+LawAnswer law_answer(const Answer& answer);
+
+/// The `material:` block of a scene.
+/// @param plain without units, for a scene in plain SI numbers
+std::string material_yaml(const MaterialLaw* row, const Trial& trial, bool plain);
 
 /// How the searches of a folder ended, in DIR/fits.jsonl, so that none is made twice.
 class FitJournal {

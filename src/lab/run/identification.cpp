@@ -1,4 +1,4 @@
-#include "lab/run/identification.h"
+#include "lab/run/run.h"
 
 #include <algorithm>
 #include <cmath>

@@ -10,10 +10,21 @@
 #include "elastin/core/model/body.h"
 #include "elastin/core/model/material.h"
 #include "elastin/lab/run/experiment.h"
-#include "lab/run/identification.h"
 #include "lab/run/time_options.h"
 
 namespace elastin::lab {
+
+struct StrategyChoice;
+
+/// The material that an identification found.
+struct Identified {
+  std::vector<double> polynomial;       ///< c₀, c₁ … [Pa]
+  std::vector<double> standard_errors;  ///< of E at no strain, at up_to/2 and at up_to [Pa], from the misfit's scatter
+  double up_to = 0;                     ///< strain
+  double misfit = 0;                    ///< root of the mean of (shown/measured − 1)²
+  int evaluations = 0;                  ///< load curves that were solved for it
+  double modulus(double strain) const;  ///< E(|ε|) [Pa]
+};
 
 /// Outcome of a run whose strategy cannot run on its body; in addition to the names of the outcomes.
 inline constexpr const char* kUnsuited = "unsuited";
@@ -117,5 +128,15 @@ struct RunOptions {
   /// Asked after each step in time and before each load step and iteration of Newton's method; true ends the run.
   std::function<bool()> stop = {};
 };
+
+/// Why a strategy cannot be used to identify a material, or "".
+std::string identification_unsuited(const StrategyChoice& choice);
+
+/// Puts the curve found into the specimen's material and what was found into the run. Least squares of shown/measured −
+/// 1 over c₀, c₁ up_to, c₂ up_to² … [Levenberg & Marquardt, MINPACK's lmdif as in Eigen], each evaluation one load
+/// curve, started from the last one's equilibria. False if even the guess cannot be solved, or there are fewer values
+/// than coefficients: the run says why.
+bool identify_material(const Identification& wanted, Specimen& specimen, const StaticExperiment& experiment,
+                       const StrategyChoice& choice, const RunOptions& options, Run& run);
 
 }  // namespace elastin::lab

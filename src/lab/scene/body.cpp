@@ -10,8 +10,7 @@
 #include "elastin/core/shapes/surfaces.h"
 #include "elastin/hull/delaunay.h"
 #include "elastin/mesh/mesh_file.h"
-#include "lab/scene/pick.h"
-#include "lab/scene/shapes.h"
+#include "lab/scene/parts.h"
 
 namespace elastin::lab {
 namespace {

@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "elastin/contact/surface_check.h"
-#include "lab/scene/shapes.h"
+#include "lab/scene/parts.h"
 
 namespace elastin::lab {
 namespace {

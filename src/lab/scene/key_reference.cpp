@@ -5,7 +5,6 @@
 #include "elastin/core/base/units.h"
 #include "lab/scene/identify.h"
 #include "lab/scene/parts.h"
-#include "lab/scene/pick.h"
 
 namespace elastin::lab {
 namespace {

@@ -5,7 +5,6 @@
 #include "core/model/faces.h"
 #include "elastin/core/base/error.h"
 #include "lab/scene/parts.h"
-#include "lab/scene/pick.h"
 
 namespace elastin::lab {
 namespace {

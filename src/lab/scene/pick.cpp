@@ -1,4 +1,4 @@
-#include "lab/scene/pick.h"
+#include "lab/scene/parts.h"
 
 #include <fmt/format.h>
 
@@ -11,7 +11,6 @@
 #include "elastin/core/model/parts.h"
 #include "elastin/core/model/share.h"
 #include "lab/experiment/keys.h"
-#include "lab/scene/parts.h"
 
 namespace elastin::lab {
 namespace {

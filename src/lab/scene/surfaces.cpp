@@ -1,6 +1,6 @@
 #include "elastin/core/shapes/surfaces.h"
 
-#include "lab/scene/shapes.h"
+#include "lab/scene/parts.h"
 
 namespace elastin::lab {
 namespace {

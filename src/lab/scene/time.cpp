@@ -5,7 +5,6 @@
 #include "elastin/core/base/error.h"
 #include "elastin/core/forces/floor.h"
 #include "lab/scene/parts.h"
-#include "lab/scene/pick.h"
 
 namespace elastin::lab {
 namespace {

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "elastin/core/simulation/catalog.h"
-#include "lab/identify/answer.h"
+#include "lab/identify/identify.h"
 #include "lab/identify/measured_test.h"
 #include "lab/run/material_numbers.h"
 #include "support/law_constants.h"

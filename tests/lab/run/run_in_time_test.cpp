@@ -9,7 +9,7 @@
 #include "elastin/core/parallel/threads.h"
 #include "lab/report/files.h"
 #include "lab/report/records.h"
-#include "lab/run/restart.h"
+#include "lab/run/step_control.h"
 #include "support/temporary_folder.h"
 
 using namespace elastin;

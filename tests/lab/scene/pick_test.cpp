@@ -1,6 +1,6 @@
 // Molecules picked by place, and what stays where it is.
 
-#include "lab/scene/pick.h"
+#include "lab/scene/parts.h"
 
 #include <catch2/catch.hpp>
 #include <set>
