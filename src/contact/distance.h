@@ -5,14 +5,6 @@
 
 namespace elastin::contact {
 
-/// Of a closed surface of triangles, normals outwards: the nearest point by a tree of boxes, inside or outside by its
-/// angle-weighted normal [Baerentzen & Aanaes 2005]. Throws InputError without triangles or on corners that are no
-/// points.
-std::unique_ptr<SignedDistance::Solid> make_mesh_distance(const Positions& points, const Cells<3>& triangles);
-
-/// Of the convex hull of points. Throws InputError where they have none: too few, or all in one plane.
-std::unique_ptr<SignedDistance::Solid> make_hull_distance(const Positions& points);
-
 /// How far a point is from a solid.
 struct Distance {
   double value;     ///< [m], below 0 inside
@@ -39,5 +31,13 @@ class SignedDistance {
  private:
   std::unique_ptr<Solid> solid_;
 };
+
+/// Of a closed surface of triangles, normals outwards: the nearest point by a tree of boxes, inside or outside by its
+/// angle-weighted normal [Baerentzen & Aanaes 2005]. Throws InputError without triangles or on corners that are no
+/// points.
+std::unique_ptr<SignedDistance::Solid> make_mesh_distance(const Positions& points, const Cells<3>& triangles);
+
+/// Of the convex hull of points. Throws InputError where they have none: too few, or all in one plane.
+std::unique_ptr<SignedDistance::Solid> make_hull_distance(const Positions& points);
 
 }  // namespace elastin::contact
