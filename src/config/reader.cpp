@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include <algorithm>
+#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <cstdio>
@@ -289,11 +290,19 @@ void Reader::check_size(double molecules) const {
 
 const std::vector<int>& Reader::mesh_set() const {
   const std::string name = text();
-  std::vector<std::string> names;
-  for (const auto& [known, members] : file_->sets) names.push_back(known);
+  const auto in_small_letters = [](std::string letters) {
+    for (char& letter : letters) letter = static_cast<char>(std::tolower(static_cast<unsigned char>(letter)));
+    return letters;
+  };
+  std::vector<std::string> names, alike;
+  for (const auto& [known, members] : file_->sets) {
+    names.push_back(known);
+    if (in_small_letters(known) == in_small_letters(name)) alike.push_back(known);
+  }
   if (names.empty()) fail("the body has no sets: only a `mesh` may, and its file names none");
-  if (!file_->sets.contains(name)) fail("the mesh has no set '" + name + "'" + suggestion(name, names));
-  return file_->sets.at(name);
+  if (file_->sets.contains(name)) return file_->sets.at(name);
+  if (alike.size() != 1) fail("the mesh has no set '" + name + "'" + suggestion(name, names));
+  return file_->sets.at(alike[0]);
 }
 
 double Reader::quantity(const Dimension& dimension, const Range& range) const {

@@ -1,6 +1,4 @@
-#include <cctype>
 #include <charconv>
-#include <cmath>
 #include <map>
 
 #include "mesh/mesh_formats.h"
@@ -27,8 +25,14 @@ const BdfCell bdf_cells[] = {
     {"CTRIA3", 3, 3, {0, CellUse::triangle, 3, "CTRIA3"}, {0, CellUse::triangle, 3, "CTRIA3"}},
     {"CTRIA6", 3, 6, {0, CellUse::triangle, 3, "CTRIA6"}, {0, CellUse::cell, 6, "CTRIA6", "triangle6"}},
     {"CTRIAR", 3, 3, {0, CellUse::triangle, 3, "CTRIAR"}, {0, CellUse::triangle, 3, "CTRIAR"}},
+    {"CQUAD4", 4, 4, {0, CellUse::face, 4, "CQUAD4"}, {0, CellUse::face, 4, "CQUAD4"}},
+    {"CQUADR", 4, 4, {0, CellUse::face, 4, "CQUADR"}, {0, CellUse::face, 4, "CQUADR"}},
+    {"CQUAD8", 4, 8, {0, CellUse::face, 4, "CQUAD8"}, {0, CellUse::face, 8, "CQUAD8"}},
 };
-constexpr std::string_view kRefused[] = {"CQUAD4", "CQUAD8", "CQUADR", "CPYRAM", "CQUAD"};
+constexpr std::string_view kRefused[] = {"CPYRAM", "CQUAD"};
+/// What begins with these letters stands next to the cells: bars, springs, masses, couplings.
+constexpr std::string_view kLeftOut[] = {"CBAR", "CBEAM",  "CBUSH", "CDAMP", "CELAS", "CGAP", "CMASS",
+                                         "CONM", "CONROD", "CROD",  "CTUBE", "MPC",   "RB",   "RROD"};
 
 /// One entry: its name and the fields behind it, with those of the lines that continue it.
 struct Entry {
@@ -66,11 +70,7 @@ class BdfReader {
   static std::vector<std::string_view> fields_of(std::string_view line) {
     std::vector<std::string_view> fields;
     if (line.find(',') != std::string_view::npos) {
-      for (std::size_t from = 0; from <= line.size();) {
-        const std::size_t to = std::min(line.find(',', from), line.size());
-        fields.push_back(trimmed(line.substr(from, to - from)));
-        from = to + 1;
-      }
+      fields = comma_fields(line);
       if (fields.size() > 9) fields.resize(9);
       return fields;
     }
@@ -90,8 +90,7 @@ class BdfReader {
     if (!goes_on) {
       end_entry();
       if (name.ends_with('*')) name.remove_suffix(1);
-      name = trimmed(name);
-      for (const char letter : name) entry_.name += static_cast<char>(std::toupper(static_cast<unsigned char>(letter)));
+      entry_.name = upper_case(trimmed(name));
     } else if (entry_.name.empty()) {
       return;
     }
@@ -109,6 +108,8 @@ class BdfReader {
         in_.fail(offset(entry.fields[0]), entry.name + " is not used; allowed: CTETRA, CHEXA, CPENTA, CTRIA3, CTRIA6");
     for (const BdfCell& cell : bdf_cells)
       if (entry.name == cell.name) cells_.push_back(entry);
+    for (const std::string_view left_out : kLeftOut)
+      if (entry.name.starts_with(left_out)) return mesh_.leave_out(entry.name);
   }
 
   long long whole(std::string_view field, const char* what) const {
@@ -122,17 +123,8 @@ class BdfReader {
   /// "1.5", "1.5E-3", "1.5D-3" or, as Nastran alone writes, "1.5-3". An empty field is 0.
   double real(std::string_view field) const {
     if (field.empty()) return 0;
-    std::string text(field.starts_with('+') ? field.substr(1) : field);
-    for (char& letter : text)
-      if (letter == 'D' || letter == 'd') letter = 'e';
-    const std::size_t sign = text.find_first_of("+-", 1);
-    if (sign != std::string::npos && text[sign - 1] != 'e' && text[sign - 1] != 'E') text.insert(sign, "e");
-    if (const std::size_t plus = text.find('+'); plus != std::string::npos) text.erase(plus, 1);
-    double value = 0;
-    const auto [end, problem] = std::from_chars(text.data(), text.data() + text.size(), value);
-    if (problem != std::errc() || end != text.data() + text.size() || !std::isfinite(value))
-      in_.fail(offset(field), "expected a coordinate, a finite number, found " + quoted(field));
-    return value;
+    if (const auto value = fortran_real(field)) return *value;
+    in_.fail(offset(field), "expected a coordinate, a finite number, found " + quoted(field));
   }
 
   void add_node(const Entry& entry) {
@@ -171,10 +163,15 @@ class BdfReader {
     if (points.size() != kind->corners && points.size() != kind->all)
       in_.fail(at, entry.name + ": expected " + std::to_string(kind->corners) + " or " + std::to_string(kind->all) +
                        " nodes, found " + std::to_string(points.size()));
-    if (type.use == CellUse::refused)
-      in_.fail(at, "cell " + std::to_string(name) + ": a CPENTA of second order is not used; one of 6 nodes is");
+    mesh_.admit(type, [&] {
+      in_.fail(at, type.use == CellUse::face
+                       ? entry.name + " is not used; allowed: CTETRA, CHEXA, CPENTA, CTRIA3, CTRIA6"
+                       : "cell " + std::to_string(name) + ": a CPENTA of second order is not used; one of 6 nodes is");
+    });
     const std::string problem = mesh_.add_cell(type, points);
     if (!problem.empty()) in_.fail(at, "cell " + std::to_string(name) + problem);
+    if (entry.fields.size() > 1 && !entry.fields[1].empty())
+      mesh_.add_to_set(std::string(entry.fields[1]), points);  // its property
   }
 
   Cursor in_;

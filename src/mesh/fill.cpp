@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <memory>
 #include <random>
 #include <set>
 #include <utility>
@@ -15,9 +16,26 @@
 #include "elastin/core/base/text.h"
 #include "elastin/hull/delaunay.h"
 #include "mesh/spaced_points.h"
+#include "mesh/surface_repair.h"
 
 namespace elastin::mesh {
+
+/// Distances from the surface, below 0 inside.
+struct FillRegion::Inside {
+  TriangleTree tree;
+  std::unique_ptr<WindingNumber> winding;
+  double signed_distance(const Vector3& point) const {
+    if (!winding) return tree.signed_distance(point);
+    const double distance = tree.nearest(point).distance;
+    return winding->at(point) > 0.5 ? -distance : distance;
+  }
+  const Positions& points() const { return tree.points(); }
+  const Cells<3>& triangles() const { return tree.triangles(); }
+};
+
 namespace {
+
+using Inside = FillRegion::Inside;
 
 /// Molecules inside keep this part of the spacing from a surface that has molecules of its own.
 constexpr double kFromSurface = 0.55;
@@ -37,7 +55,7 @@ double volume_inside(const Positions& points, const Cells<3>& triangles) {
 class Voxels {
  public:
   enum class Kind : char { outside, across, inside };
-  Voxels(const TriangleTree& tree, double size) : size_(size) {
+  Voxels(const Inside& tree, double size) : size_(size) {
     low_ = tree.points().rowwise().minCoeff();
     const Vector3 span = tree.points().rowwise().maxCoeff() - low_;
     for (int axis = 0; axis < 3; ++axis) counts_[axis] = static_cast<int>(std::ceil(span[axis] / size + 1e-9));
@@ -61,7 +79,7 @@ class Voxels {
   std::vector<Kind> kinds_;
 };
 
-void add_lattice(const TriangleTree& tree, const FillOptions& options, SpacedPoints& found) {
+void add_lattice(const Inside& tree, const FillOptions& options, SpacedPoints& found) {
   const Vector3 low = tree.points().rowwise().minCoeff(), high = tree.points().rowwise().maxCoeff();
   Eigen::Vector3i counts;
   for (int axis = 0; axis < 3; ++axis)
@@ -78,7 +96,7 @@ void add_lattice(const TriangleTree& tree, const FillOptions& options, SpacedPoi
 }
 
 /// Candidates in every cube of a grid in turn, so that no place is left bare; cubes far inside ask no distance.
-void add_blue_noise(const TriangleTree& tree, const FillOptions& options, SpacedPoints& found) {
+void add_blue_noise(const Inside& tree, const FillOptions& options, SpacedPoints& found) {
   constexpr int rounds = 40;
   const Voxels voxels(tree, options.spacing);
   std::vector<int> open;
@@ -108,7 +126,7 @@ double flatness(const Positions& positions, const std::array<int, 4>& cell) {
   return signed_volume(positions, cell) / std::pow(longest, 3);
 }
 
-bool is_inside(const TriangleTree& tree, const Positions& positions, const std::array<int, 4>& cell) {
+bool is_inside(const Inside& tree, const Positions& positions, const std::array<int, 4>& cell) {
   Vector3 middle = Vector3::Zero();
   for (const int corner : cell) middle += positions.col(corner) / 4;
   return tree.signed_distance(middle) < 0;
@@ -116,7 +134,7 @@ bool is_inside(const TriangleTree& tree, const Positions& positions, const std::
 
 /// Delaunay's tetrahedra whose middle is inside. Flat ones between molecules on the surface do not matter: they are
 /// peeled off.
-Cells<4> tetrahedra_inside(const TriangleTree& tree, const Positions& positions, int on_surface) {
+Cells<4> tetrahedra_inside(const Inside& tree, const Positions& positions, int on_surface) {
   const Cells<4> cells = hull::delaunay_tetrahedra(positions, [&](const std::array<int, 4>& cell) {
     return std::any_of(cell.begin(), cell.end(), [&](int c) { return c >= on_surface; }) &&
            is_inside(tree, positions, cell);
@@ -155,7 +173,7 @@ void peel(const Positions& positions, Cells<4>& cells) {
   }
 }
 
-double area_of(const TriangleTree& tree) {
+double area_of(const Inside& tree) {
   double sum = 0;
   for (const auto& [a, b, c] : tree.triangles()) {
     const Vector3 from = tree.points().col(a);
@@ -194,8 +212,9 @@ void leave_out_isolated(Filling& filling) {
 
 }  // namespace
 
-FillRegion::FillRegion(const Positions& points, const Cells<3>& triangles)
-    : tree_(std::make_unique<TriangleTree>(points, triangles)) {}
+FillRegion::FillRegion(const Positions& points, const Cells<3>& triangles, bool by_winding_number)
+    : tree_(new Inside{TriangleTree(points, triangles),
+                       by_winding_number ? std::make_unique<WindingNumber>(points, triangles) : nullptr}) {}
 FillRegion::~FillRegion() = default;
 
 Filling FillRegion::fill(const FillOptions& options) const {
@@ -221,6 +240,7 @@ Filling FillRegion::fill(const FillOptions& options) const {
   leave_out_isolated(filling);
   const VectorX masses = lumped_mass(filling.positions, {}, filling.tetrahedra, 1, 0);
   filling.volume = masses.sum();
+  if (tree_->winding) filling.surface_volume = filling.volume;
   filling.share = masses / filling.volume;
   filling.slivers = hull::count_slivers(filling.positions, filling.tetrahedra);
   return filling;

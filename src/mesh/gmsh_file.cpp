@@ -13,7 +13,7 @@
 namespace elastin::mesh::format {
 namespace {
 
-// The MSH file format, versions 1, 2.2 and 4.1: Gmsh reference manual, chapter "File formats". The names say what Gmsh
+// The MSH file format, versions 1, 2 and 4.1: Gmsh reference manual, chapter "File formats". The names say what Gmsh
 // counts.
 constexpr int kTetrahedron10[] = {0, 1, 2, 3, 4, 5, 6, 7, 9, 8};
 constexpr int kHexahedron20[] = {0, 1, 2, 3, 4, 5, 6, 7, 8, 11, 13, 9, 16, 18, 19, 17, 10, 12, 14, 15};
@@ -22,20 +22,20 @@ constexpr int kHexahedron27[] = {0,  1,  2,  3,  4,  5,  6,  7,  8,  11, 13, 9, 
 constexpr CellType gmsh_cell_types[] = {
     {1, CellUse::line, 2, "line"},
     {2, CellUse::triangle, 3, "triangle"},
-    {3, CellUse::refused, 4, "quadrangle"},
+    {3, CellUse::face, 4, "quadrangle"},
     {4, CellUse::tetrahedron, 4, "tetrahedron"},
     {5, CellUse::cell, 8, "hexahedron", "hexahedron8"},
     {6, CellUse::cell, 6, "prism", "prism6"},
     {7, CellUse::refused, 5, "pyramid"},
     {8, CellUse::line, 3, "quadratic line"},
     {9, CellUse::cell, 6, "quadratic triangle with 6 points", "triangle6"},
-    {10, CellUse::refused, 9, "quadratic quadrangle with 9 points"},
+    {10, CellUse::face, 9, "quadratic quadrangle with 9 points"},
     {11, CellUse::cell, 10, "quadratic tetrahedron with 10 points", "tetrahedron10", kTetrahedron10},
     {12, CellUse::cell, 27, "quadratic hexahedron with 27 points", "hexahedron27", kHexahedron27},
     {13, CellUse::refused, 18, "quadratic prism with 18 points"},
     {14, CellUse::refused, 14, "quadratic pyramid with 14 points"},
     {15, CellUse::point, 1, "point"},
-    {16, CellUse::refused, 8, "quadratic quadrangle with 8 points"},
+    {16, CellUse::face, 8, "quadratic quadrangle with 8 points"},
     {17, CellUse::cell, 20, "quadratic hexahedron with 20 points", "hexahedron20", kHexahedron20},
     {18, CellUse::refused, 15, "quadratic prism with 15 points"},
     {19, CellUse::refused, 13, "quadratic pyramid with 13 points"},
@@ -90,9 +90,9 @@ class Tags {
 bool read_version_is_4(Cursor& in) {
   const std::size_t begin = in.next_at();
   const double number = in.real("the version of the format");
-  if (number != 2.2 && number != 4.1)
+  if (number != 2 && number != 2.1 && number != 2.2 && number != 4.1)
     in.fail(begin, "format version " + quoted(in.data().substr(begin, in.at() - begin)) +
-                       " is not read; allowed: 2.2 and 4.1, e.g. gmsh -3 -format msh41");
+                       " is not read; allowed: 2.2 and 4.1, e.g. gmsh -save -format msh41");
   return number == 4.1;
 }
 
@@ -179,10 +179,22 @@ struct Groups {
   using Key = std::pair<long long, long long>;  ///< dimension, number
   std::map<Key, std::string> names;
   std::map<Key, std::vector<long long>> of_entity;
+  std::map<Key, std::vector<int>> without_name;  ///< their points
 
-  void add(MeshBuilder& mesh, long long dimension, long long number, std::span<const int> points) const {
+  void add(MeshBuilder& mesh, long long dimension, long long number, std::span<const int> points) {
     if (const auto found = names.find({dimension, number}); found != names.end())
       mesh.add_to_set(found->second, points);
+    else if (number != 0)
+      without_name[{dimension, number}].insert(without_name[{dimension, number}].end(), points.begin(), points.end());
+  }
+  /// They go by their number; where groups of several dimensions have the same one, by "surface 1", "volume 1".
+  void finish(MeshBuilder& mesh) const {
+    constexpr const char* of_dimension[] = {"point ", "line ", "surface ", "volume "};
+    for (const auto& [key, points] : without_name) {
+      const auto same = [number = key.second](const auto& other) { return other.first.second == number; };
+      const bool alone = std::count_if(without_name.begin(), without_name.end(), same) == 1;
+      mesh.add_to_set((alone ? "" : of_dimension[key.first]) + std::to_string(key.second), points);
+    }
   }
 };
 
@@ -222,7 +234,7 @@ const CellType& read_cell(Cursor& in, std::size_t at, long long name, long long 
                           const Tags& tags, MeshBuilder& mesh, std::array<int, 27>& corners, CellNumbers& numbers) {
   const CellType& type = find_cell_type(gmsh_cell_types, code);
   const auto cell = [&] { return "cell " + std::to_string(name); };
-  if (type.use == CellUse::refused) in.fail(at, cell() + refusal(type, code));
+  mesh.admit(type, [&] { in.fail(at, cell() + refusal(type, code)); });
   for (int corner = 0; corner < type.points; ++corner) {
     const std::size_t corner_at = in.next_at();
     const long long tag = in.integer("a point of a cell", width);
@@ -236,7 +248,7 @@ const CellType& read_cell(Cursor& in, std::size_t at, long long name, long long 
   return type;
 }
 
-void read_cells_22(Cursor& in, const Format& format, const Tags& tags, const Groups& groups, MeshBuilder& mesh,
+void read_cells_22(Cursor& in, const Format& format, const Tags& tags, Groups& groups, MeshBuilder& mesh,
                    CellNumbers& numbers) {
   std::array<int, 27> corners{};
   const std::size_t total_at = in.next_at();
@@ -263,7 +275,7 @@ void read_cells_22(Cursor& in, const Format& format, const Tags& tags, const Gro
   }
 }
 
-void read_cells_41(Cursor& in, const Format& format, const Tags& tags, const Groups& groups, MeshBuilder& mesh,
+void read_cells_41(Cursor& in, const Format& format, const Tags& tags, Groups& groups, MeshBuilder& mesh,
                    CellNumbers& numbers) {
   std::array<int, 27> corners{};
   begin_data(in, format);
@@ -302,18 +314,22 @@ void read_version_1(Cursor& in, MeshBuilder& mesh) {
   in.expect("$ELM");
   std::array<int, 27> corners{};
   CellNumbers numbers;
+  Groups groups;
   const std::size_t count = in.count("the number of cells");
   for (std::size_t cell = 0; cell < count; ++cell) {
     const std::size_t at = in.next_at();
     const long long name = in.integer("a cell's number"), code = in.integer("the type of a cell");
-    in.skip_numbers(2, int32);  // the groups, which have no names here
+    const long long group = in.integer("the group of a cell");
+    in.skip_numbers(1, int32);  // the entity
     const std::size_t nodes_at = in.next_at();
     const auto nodes = static_cast<int>(in.count("the number of a cell's points"));
     const CellType& type = find_cell_type(gmsh_cell_types, code);
     if (type.use != CellUse::refused && nodes != type.points)
       in.fail(nodes_at, "a " + std::string(type.name) + " has " + std::to_string(type.points) + " points");
     read_cell(in, at, name, code, int32, tags, mesh, corners, numbers);
+    groups.add(mesh, dimension_of(type), group, {corners.data(), static_cast<std::size_t>(type.points)});
   }
+  groups.finish(mesh);
   in.expect("$ENDELM");
 }
 
@@ -378,6 +394,7 @@ void read_gmsh(Cursor in, MeshBuilder& mesh) {
     } else if (section == "$Elements" && have_points) {
       CellNumbers numbers;
       (format.is_4 ? read_cells_41 : read_cells_22)(in, format, tags, groups, mesh, numbers);
+      groups.finish(mesh);
       in.begin_text();
       in.expect("$EndElements");
       if (mesh.wanted_data()) read_all_data(in, format, numbers, mesh);

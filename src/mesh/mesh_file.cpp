@@ -14,6 +14,7 @@
 #include "elastin/core/base/text.h"
 #include "elastin/core/geometry/numbering.h"
 #include "mesh/mesh_formats.h"
+#include "mesh/surface_repair.h"
 
 namespace elastin::mesh {
 namespace format {
@@ -108,20 +109,24 @@ void add_as_block(const char* name, const std::vector<std::array<int, corners>>&
 
 }  // namespace
 
-const CellType& find_cell_type(std::span<const CellType> types, long long code) {
+const CellType& find_cell_type(std::span<const CellType> types, long long code, std::size_t points) {
   static const CellType unknown{-1, CellUse::refused, 0, "cell of unknown type"};
-  const auto found = std::find_if(types.begin(), types.end(), [&](const CellType& type) { return type.code == code; });
-  return found == types.end() ? unknown : *found;
+  const CellType* found = &unknown;
+  for (const CellType& type : types)
+    if (type.code == code && (found == &unknown || static_cast<std::size_t>(type.points) == points)) found = &type;
+  return *found;
 }
 
 std::string refusal(const CellType& type, long long code) {
   return std::string(" is a ") + type.name + " (type " + std::to_string(code) +
-         "); allowed: triangles of 3 and 6 points, tetrahedra of 4 and 10, prisms of 6, hexahedra of 8, 20 and 27";
+         "); allowed: triangles of 3 and 6 points, tetrahedra of 4 and 10, prisms of 6, hexahedra of 8, 20 and 27" +
+         (type.use == CellUse::face ? "; this one only next to such cells of a solid" : "");
 }
 
 int dimension_of(const CellType& type) {
   if (type.use == CellUse::cell) return cell_kind(type.shape).dimensions;
-  return type.use == CellUse::tetrahedron ? 3 : type.use == CellUse::triangle ? 2 : type.use == CellUse::line ? 1 : 0;
+  static constexpr int dimensions[] = {0, 1, 2, 2, 3, 3, 0};
+  return dimensions[static_cast<std::size_t>(type.use)];
 }
 
 int MeshBuilder::point_at(const Vector3& position) {
@@ -142,11 +147,10 @@ std::string MeshBuilder::add_cell(const CellType& type, std::span<const int> poi
       return add_triangle({points[0], points[1], points[2]});
     case CellUse::cell:
       return add_block_cell(type, points);
-    case CellUse::line:
-      ++lines_;
-      return "";
     case CellUse::point:
-      ++single_points_;
+    case CellUse::line:
+    case CellUse::face:
+      leave_out(type.use == CellUse::line ? "line" : type.use == CellUse::face ? "quadrangle" : type.name);
       return "";
     case CellUse::refused:
       break;
@@ -201,7 +205,7 @@ std::string MeshBuilder::add_triangle(const std::array<int, 3>& corners) {
   const double area = (x[1] - x[0]).cross(x[2] - x[0]).norm() / 2;
   const double longest = longest_side(x);
   triangles_.push_back(corners);
-  if (area > flat * longest * longest) return "";
+  if (surface_ || area > flat * longest * longest) return "";
   return " is a flat triangle: its area " + number(area, 3) + " is not above 1e-12 of its longest side (" +
          number(longest, 3) + ") squared; remove it, or mesh again";
 }
@@ -265,18 +269,22 @@ void read_data(Cursor& in, NumberType type, std::size_t components, int first_ce
 }
 
 Mesh MeshBuilder::finish(const std::string& path) const {
-  if (tetrahedra_.empty() && triangles_.empty() && blocks_.empty())
-    throw InputError(SourceLocation{path, 0, 0}, "no tetrahedra and no triangles; mesh with them, e.g. gmsh -3");
-  Mesh mesh;
   const auto of = [](int dimensions) {
     return [dimensions](const CellBlock& block) { return block.kind->dimensions == dimensions; };
   };
   const bool solid = !tetrahedra_.empty() || std::any_of(blocks_.begin(), blocks_.end(), of(3));
+  if (!solid && without_solid_) throw *without_solid_;
+  if (tetrahedra_.empty() && triangles_.empty() && blocks_.empty())
+    throw InputError(SourceLocation{path, 0, 0}, "no tetrahedra and no triangles; mesh with them, e.g. gmsh -3");
+  Mesh mesh;
   std::copy_if(blocks_.begin(), blocks_.end(), std::back_inserter(mesh.blocks), of(solid ? 3 : 2));
   if (solid)
     mesh.tetrahedra = tetrahedra_;
   else
     mesh.triangles = triangles_;
+  if (surface_) mesh.repairs = drop_flat_triangles(points_, mesh.triangles);
+  if (surface_ && mesh.triangles.empty())
+    throw InputError(SourceLocation{path, 0, 0}, "all of its triangles are without area");
   if (!mesh.blocks.empty()) {  // then they have all cells
     add_as_block("tetrahedron4", mesh.tetrahedra, mesh.blocks);
     add_as_block("triangle3", mesh.triangles, mesh.blocks);
@@ -305,10 +313,14 @@ Mesh MeshBuilder::finish(const std::string& path) const {
       if (const int own = new_number[point]; own >= 0) mesh.sets[name].push_back(own);
   for (auto& [name, points] : mesh.sets) std::sort(points.begin(), points.end());
 
-  const std::size_t unused = points_.size() - static_cast<std::size_t>(used);
-  std::size_t faces = solid ? triangles_.size() : 0;
+  std::map<std::string, std::size_t> left_out = left_out_;
+  const auto also = [&](const char* what, std::size_t count) {
+    if (count > 0) left_out[what] += count;
+  };
+  also("unused point", points_.size() - static_cast<std::size_t>(used));
+  if (solid) also("triangle", triangles_.size());
   for (const CellBlock& block : blocks_)
-    if (solid && block.kind->dimensions == 2) faces += static_cast<std::size_t>(block.size());
+    if (solid && block.kind->dimensions == 2) also("triangle", static_cast<std::size_t>(block.size()));
   if (!mesh.blocks.empty()) {
     Body simplices;
     simplices.rest = mesh.points, simplices.blocks = mesh.blocks;
@@ -316,10 +328,8 @@ Mesh MeshBuilder::finish(const std::string& path) const {
     mesh.triangles = std::move(simplices.triangles), mesh.tetrahedra = std::move(simplices.tetrahedra);
   }
   std::vector<std::string> parts;
-  if (lines_ > 0) parts.push_back(counted(lines_, "line"));
-  if (single_points_ > 0) parts.push_back(counted(single_points_, "point"));
-  if (faces > 0) parts.push_back(counted(faces, "triangle"));
-  if (unused > 0) parts.push_back(counted(unused, "unused point"));
+  for (const auto& [what, count] : left_out)
+    parts.push_back(count == 0 ? what : counted(static_cast<std::ptrdiff_t>(count), what));
   mesh.comment = parts.empty() ? "" : listed(parts) + " left out";
   mesh.reoriented = reoriented_;
   return mesh;
@@ -331,7 +341,7 @@ struct KnownFormat : MeshFormat {
   void (*read)(Cursor, MeshBuilder&);  ///< null: read_surface
 };
 
-const KnownFormat kFormats[] = {{{".msh", "1, 2.2 and 4.1", MeshContent::cells_with_data}, read_gmsh},
+const KnownFormat kFormats[] = {{{".msh", "1, 2 and 4.1", MeshContent::cells_with_data}, read_gmsh},
                                 {{".vtk", "", MeshContent::cells_with_data}, read_vtk},
                                 {{".vtu", "", MeshContent::cells_with_data}, read_vtu},
                                 {{".inp", "", MeshContent::cells}, read_inp},
@@ -340,7 +350,20 @@ const KnownFormat kFormats[] = {{{".msh", "1, 2.2 and 4.1", MeshContent::cells_w
                                 {{".unv", "", MeshContent::cells}, read_unv},
                                 {{".stl", "", MeshContent::surface}, nullptr},
                                 {{".obj", "", MeshContent::surface}, nullptr},
+                                {{".off", "", MeshContent::surface}, nullptr},
                                 {{".ply", "", MeshContent::surface}, read_ply}};
+
+/// Files that are not read, by the command that converts them: < is the file, > the converted one. Gmsh and meshio are
+/// free programs.
+struct Converter {
+  std::vector<std::string_view> endings;
+  std::string_view command, to;
+};
+const Converter kConverters[] = {
+    {{".xdmf", ".xmf", ".e", ".exo", ".xml", ".node", ".ele"}, "meshio convert < >", ".vtu"},
+    {{".med", ".cgns", ".mesh"}, "gmsh -save -o > <", ".msh"},
+    {{".geo", ".step", ".stp", ".brep"}, "gmsh -3 -o > <", ".msh"},
+    {{".feb"}, "elastin export < --to gmsh --out >", ".msh"}};
 
 /// With its dot, in small letters; "" where the name has none.
 std::string ending_of(const std::string& path) {
@@ -357,14 +380,24 @@ const KnownFormat& format_of(const std::string& path) {
     if (ending == format.ending) return format;
     allowed.push_back(format.ending);
   }
+  for (const Converter& by : kConverters) {
+    if (std::find(by.endings.begin(), by.endings.end(), ending) == by.endings.end()) continue;
+    std::string command;
+    for (const char letter : by.command)
+      command += letter == '<'   ? path
+                 : letter == '>' ? path.substr(0, path.size() - ending.size()) + std::string(by.to)
+                                 : std::string(1, letter);
+    throw InputError(SourceLocation{path, 0, 0}, ending + " files are not read; convert it: " + command);
+  }
   throw InputError(SourceLocation{path, 0, 0}, "unknown ending " + quoted(ending) + suggestion(ending, allowed));
 }
 
 }  // namespace
 
 Mesh read_mesh(const File& file) {
-  MeshBuilder mesh;
-  if (const KnownFormat& format = format_of(file.path); format.read)
+  const KnownFormat& format = format_of(file.path);
+  MeshBuilder mesh(format.content == MeshContent::surface);
+  if (format.read)
     format.read(Cursor(file), mesh);
   else
     read_surface(file, format.ending, mesh);

@@ -7,13 +7,15 @@
 #include <string>
 #include <vector>
 
+#include "elastin/core/base/error.h"
 #include "elastin/mesh/mesh_file.h"
 #include "mesh/text_file.h"
 
 namespace elastin::mesh::format {
 
-/// What a kind of cell is good for; `cell` is one of the table of shapes (CellKind).
-enum class CellUse { point, line, triangle, tetrahedron, cell, refused };
+/// What a kind of cell is good for; `cell` is one of the table of shapes (CellKind), a `face` is left out next to the
+/// cells of a solid, and refused without them.
+enum class CellUse { point, line, face, triangle, tetrahedron, cell, refused };
 
 /// A kind of cell by the number that a file format gives it.
 struct CellType {
@@ -25,8 +27,9 @@ struct CellType {
   std::span<const int> order = {};  ///< where the file has each of the shape's nodes; empty = in the same order
 };
 
-/// Where `types` has the code; a refused type with the name "cell of unknown type" otherwise.
-const CellType& find_cell_type(std::span<const CellType> types, long long code);
+/// Where `types` has the code, if it can with as many points; a refused type with the name "cell of unknown type"
+/// otherwise.
+const CellType& find_cell_type(std::span<const CellType> types, long long code, std::size_t points = 0);
 
 /// How many dimensions a cell has by its use.
 int dimension_of(const CellType& type);
@@ -37,11 +40,30 @@ std::string refusal(const CellType& type, long long code);
 /// Collects points and cells, and makes the mesh of them.
 class MeshBuilder {
  public:
+  /// @param surface of triangles alone, of which flat ones are dropped in finish()
+  explicit MeshBuilder(bool surface = false) : surface_(surface) {}
   int point_count() const { return static_cast<int>(points_.size()); }
   void add_point(const Vector3& point) { points_.push_back(point); }
+  /// How far a point lies from the middle between two others.
+  double distance_from_middle(int point, int a, int b) const {
+    return (points_[point] - (points_[a] + points_[b]) / 2).norm();
+  }
   /// The point that this one took first at the same position, in single precision; adds it if there is none.
   int point_at(const Vector3& position);
-  /// Takes a cell that is not refused, its points less than point_count() and in the file's order. Returns what is
+  /// Calls `fail`, which throws, for a cell that is refused; for a face in finish(), where there is no solid.
+  template <class Fail>
+  void admit(const CellType& type, const Fail& fail) {
+    if (type.use == CellUse::refused) fail();
+    if (type.use != CellUse::face || without_solid_) return;
+    try {
+      fail();
+    } catch (const InputError& error) {
+      without_solid_ = error;
+    }
+  }
+  /// Names what is left out, for the mesh's comment; of 0 without a number.
+  void leave_out(const std::string& what, std::size_t count = 1) { left_out_[what] += count; }
+  /// Takes a cell that is admitted, its points less than point_count() and in the file's order. Returns what is
   /// wrong with it (" is a flat triangle: …"), or "".
   std::string add_cell(const CellType& type, std::span<const int> points);
   std::string add_triangle(const std::array<int, 3>& corners);
@@ -70,6 +92,7 @@ class MeshBuilder {
   std::string add_tetrahedron(std::array<int, 4> corners);
   std::string add_block_cell(const CellType& type, std::span<const int> points);
 
+  bool surface_;
   std::vector<Vector3> points_;
   std::map<std::array<float, 3>, int> positions_;  ///< of point_at
   Cells<3> triangles_;
@@ -85,8 +108,8 @@ class MeshBuilder {
   std::set<std::string> data_names_;
   std::vector<int> with_data_;  ///< cells
   std::vector<double> data_;    ///< theirs, one cell after the other
-  std::size_t lines_ = 0;
-  std::size_t single_points_ = 0;
+  std::map<std::string, std::size_t> left_out_;
+  std::optional<InputError> without_solid_;
   int reoriented_ = 0;
 };
 
@@ -109,12 +132,12 @@ void read_data(Cursor& in, NumberType type, std::size_t components, int first_ce
 /// Adds the cells, whose corners count from the mesh's point `first_point` on.
 void add_vtk_cells(const VtkCells& cells, int first_point, MeshBuilder& mesh);
 
-/// Abaqus: *NODE and *ELEMENT of its input files.
+/// Abaqus and CalculiX: nodes, elements, sets, parts and instances of their input files.
 void read_inp(Cursor in, MeshBuilder& mesh);
 
 /// Nastran: GRID and cells of its bulk data, in free and in fixed fields.
 void read_bdf(Cursor in, MeshBuilder& mesh);
-/// I-DEAS: datasets 2411 and 2412 of universal files.
+/// I-DEAS: nodes, elements and groups of universal files.
 void read_unv(Cursor in, MeshBuilder& mesh);
 
 void read_gmsh(Cursor in, MeshBuilder& mesh);

@@ -54,6 +54,31 @@ std::string_view trimmed(std::string_view text) {
   return text;
 }
 
+std::string upper_case(std::string_view text) {
+  std::string result(text);
+  for (char& letter : result) letter = static_cast<char>(std::toupper(static_cast<unsigned char>(letter)));
+  return result;
+}
+
+std::vector<std::string_view> comma_fields(std::string_view line) {
+  std::vector<std::string_view> all;
+  for (std::size_t from = 0; from <= line.size();) {
+    const std::size_t to = std::min(line.find(',', from), line.size());
+    all.push_back(trimmed(line.substr(from, to - from)));
+    from = to + 1;
+  }
+  return all;
+}
+
+std::optional<double> fortran_real(std::string_view text) {
+  std::string digits = upper_case(text);
+  std::replace(digits.begin(), digits.end(), 'D', 'E');
+  const std::size_t sign = digits.find_first_of("+-", 1);
+  if (sign != std::string::npos && digits[sign - 1] != 'E') digits.insert(sign, "E");
+  double value = 0;
+  return parse(digits, value) && std::isfinite(value) ? std::optional(value) : std::nullopt;
+}
+
 std::string quoted(std::string_view text) {
   std::string shown(text.substr(0, 40));
   for (char& letter : shown)

@@ -1,6 +1,7 @@
 #pragma once
 #include <bit>
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -48,6 +49,7 @@ class Cursor {
   std::size_t at() const { return at_; }
   std::size_t left() const { return data_.size() - at_; }
   std::string_view data() const { return data_; }
+  const std::string& path() const { return file_->path; }
   /// Steps over blanks and line ends; whether anything is left then.
   bool more();
   /// Where the next number stands.
@@ -103,6 +105,15 @@ struct Integers {
 
 /// Without the blanks at both ends.
 std::string_view trimmed(std::string_view text);
+
+/// ASCII letters in capitals.
+std::string upper_case(std::string_view text);
+
+/// The fields between commas, without blanks around them.
+std::vector<std::string_view> comma_fields(std::string_view line);
+
+/// A finite number as Fortran writes it: "1.5", "+1.5E-3", "1.5D-3", "1.5-3". None where the text is something else.
+std::optional<double> fortran_real(std::string_view text);
 
 /// What stands in the file, fit for a message: in quotes, cut to 40 letters, unprintable bytes as '?'.
 std::string quoted(std::string_view text);

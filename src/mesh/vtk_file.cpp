@@ -1,4 +1,3 @@
-#include <cctype>
 #include <optional>
 #include <utility>
 
@@ -7,38 +6,51 @@
 namespace elastin::mesh::format {
 namespace {
 
-// The cell types of VTK: vtkCellType.h.
+// The cell types of VTK: vtkCellType.h. Some have rows for several numbers of points.
+constexpr int kVoxel[] = {0, 1, 3, 2, 4, 5, 7, 6};
 constexpr CellType cell_types[] = {
     {0, CellUse::point, 0, "empty cell"},
     {1, CellUse::point, 0, "point"},
-    {2, CellUse::point, 0, "set of points"},
+    {2, CellUse::point, 0, "vertex"},
     {3, CellUse::line, 0, "line"},
     {4, CellUse::line, 0, "polyline"},
     {5, CellUse::triangle, 3, "triangle"},
     {6, CellUse::refused, 0, "triangle strip"},
     {7, CellUse::refused, 0, "polygon"},
-    {8, CellUse::refused, 4, "pixel"},
-    {9, CellUse::refused, 4, "quadrangle"},
+    {8, CellUse::face, 4, "pixel"},
+    {9, CellUse::face, 4, "quadrangle"},
     {10, CellUse::tetrahedron, 4, "tetrahedron"},
-    {11, CellUse::refused, 8, "voxel"},
+    {11, CellUse::cell, 8, "voxel", "hexahedron8", kVoxel},
     {12, CellUse::cell, 8, "hexahedron", "hexahedron8"},
     {13, CellUse::cell, 6, "prism", "prism6"},
     {14, CellUse::refused, 5, "pyramid"},
     {21, CellUse::line, 0, "quadratic line"},
     {22, CellUse::cell, 6, "quadratic triangle with 6 points", "triangle6"},
-    {23, CellUse::refused, 8, "quadratic quadrangle with 8 points"},
+    {23, CellUse::face, 8, "quadratic quadrangle with 8 points"},
     {24, CellUse::cell, 10, "quadratic tetrahedron with 10 points", "tetrahedron10"},
     {25, CellUse::cell, 20, "quadratic hexahedron with 20 points", "hexahedron20"},
     {26, CellUse::refused, 15, "quadratic prism with 15 points"},
     {27, CellUse::refused, 13, "quadratic pyramid with 13 points"},
-    {28, CellUse::refused, 9, "quadratic quadrangle with 9 points"},
+    {28, CellUse::face, 9, "quadratic quadrangle with 9 points"},
     {29, CellUse::cell, 27, "quadratic hexahedron with 27 points", "hexahedron27"},
     {34, CellUse::refused, 7, "quadratic triangle with 7 points"},
     {35, CellUse::line, 0, "cubic line"},
     {42, CellUse::refused, 0, "polyhedron"},
     {68, CellUse::line, 0, "Lagrange line"},
-    {69, CellUse::refused, 0, "Lagrange triangle"},
-    {71, CellUse::refused, 0, "Lagrange tetrahedron"},
+    {69, CellUse::refused, 0, "Lagrange triangle of an order above 2"},
+    {69, CellUse::triangle, 3, "Lagrange triangle"},
+    {69, CellUse::cell, 6, "Lagrange triangle", "triangle6"},
+    {70, CellUse::refused, 0, "Lagrange quadrangle of an order above 2"},
+    {70, CellUse::face, 4, "Lagrange quadrangle"},
+    {70, CellUse::face, 9, "Lagrange quadrangle"},
+    {71, CellUse::refused, 0, "Lagrange tetrahedron of an order above 2"},
+    {71, CellUse::tetrahedron, 4, "Lagrange tetrahedron"},
+    {71, CellUse::cell, 10, "Lagrange tetrahedron", "tetrahedron10"},
+    {72, CellUse::refused, 0, "Lagrange hexahedron of an order above 2"},
+    {72, CellUse::cell, 8, "Lagrange hexahedron", "hexahedron8"},
+    {72, CellUse::cell, 27, "Lagrange hexahedron", "hexahedron27"},
+    {73, CellUse::refused, 0, "Lagrange prism of an order above 1"},
+    {73, CellUse::cell, 6, "Lagrange prism", "prism6"},
     {75, CellUse::line, 0, "Bezier line"},
     {76, CellUse::refused, 0, "Bezier triangle"},
     {78, CellUse::refused, 0, "Bezier tetrahedron"},
@@ -64,12 +76,6 @@ std::optional<NumberType> number_type(std::string_view name) {
   for (const auto& [known, type] : types)
     if (name == known) return type;
   return std::nullopt;
-}
-
-std::string upper(std::string_view text) {
-  std::string result(text);
-  for (char& letter : result) letter = static_cast<char>(std::toupper(static_cast<unsigned char>(letter)));
-  return result;
 }
 
 class LegacyReader {
@@ -115,12 +121,12 @@ void LegacyReader::read_header() {
                              " is not read; allowed: 2.0 to 4.2 and 5.1");
   in_.end_line();
   in_.line();  // the title
-  const std::string encoding = upper(in_.word("ASCII or BINARY"));
+  const std::string encoding = upper_case(in_.word("ASCII or BINARY"));
   binary_ = encoding == "BINARY";
   if (!binary_ && encoding != "ASCII")
     in_.fail(in_.at() - encoding.size(), "expected ASCII or BINARY, found " + quoted(encoding));
   in_.expect("DATASET");
-  const std::string kind = upper(in_.word("UNSTRUCTURED_GRID"));
+  const std::string kind = upper_case(in_.word("UNSTRUCTURED_GRID"));
   polygons_ = kind == "POLYDATA";
   if (!polygons_ && kind != "UNSTRUCTURED_GRID")
     in_.fail(in_.at() - kind.size(), "expected UNSTRUCTURED_GRID or POLYDATA, found " + quoted(kind) +
@@ -247,7 +253,7 @@ void LegacyReader::read_attributes() {
   std::optional<std::size_t> cells;
   std::size_t tuples = 0;
   while (in_.more()) {
-    const std::string kind = upper(in_.word("CELL_DATA"));
+    const std::string kind = upper_case(in_.word("CELL_DATA"));
     const std::size_t at = in_.at() - kind.size();
     if (kind == "CELL_DATA" || kind == "POINT_DATA") {
       tuples = in_.count("the number of values");
@@ -288,7 +294,7 @@ void LegacyReader::once(bool there, const std::string& section, std::size_t at) 
 /// False where the cells' and points' own data begin.
 bool LegacyReader::read_section() {
   const char* cells = polygons_ ? "POLYGONS" : "CELLS";
-  const std::string name = upper(in_.word(!have_points_ ? "POINTS" : !corners_ ? cells : "CELL_TYPES"));
+  const std::string name = upper_case(in_.word(!have_points_ ? "POINTS" : !corners_ ? cells : "CELL_TYPES"));
   const std::size_t at = in_.at() - name.size();
   if (name == "CELL_DATA" || name == "POINT_DATA") return false;
   if (name == "POINTS") {
@@ -355,8 +361,8 @@ void add_vtk_cells(const VtkCells& cells, int first_point, MeshBuilder& mesh) {
   for (std::size_t cell = 0; cell < cells.first.size(); ++cell) {
     const auto name = [&] { return "cell " + std::to_string(cell) + " (counted from 0)"; };
     const long long code = cells.types.values[cell];
-    const CellType& type = find_cell_type(cell_types, code);
-    if (type.use == CellUse::refused) cells.types.fail(cell, name() + refusal(type, code));
+    const CellType& type = find_cell_type(cell_types, code, cells.count[cell]);
+    mesh.admit(type, [&] { cells.types.fail(cell, name() + refusal(type, code)); });
     const std::size_t first = cells.first[cell];
     if (type.points > 0 && cells.count[cell] != static_cast<std::size_t>(type.points))
       cells.corners.fail(first, name() + " is a " + type.name + " of " + std::to_string(cells.count[cell]) + " points");
@@ -367,6 +373,13 @@ void add_vtk_cells(const VtkCells& cells, int first_point, MeshBuilder& mesh) {
         cells.corners.fail(first + corner, name() + " uses point " + std::to_string(point) + ", but there are " +
                                                std::to_string(points) + " points, counted from 0");
       corners.push_back(first_point + static_cast<int>(point));
+    }
+    // Before VTK 9 the middles of two edges had changed places; where they lie says which it is.
+    if (code == 72 && corners.size() == 27) {
+      const auto off = [&](int middle, int a, int b) {
+        return mesh.distance_from_middle(corners[middle], corners[a], corners[b]);
+      };
+      if (off(19, 2, 6) + off(18, 3, 7) < off(18, 2, 6) + off(19, 3, 7)) std::swap(corners[18], corners[19]);
     }
     const std::string problem = mesh.add_cell(type, corners);
     if (!problem.empty()) cells.corners.fail(first, name() + problem);

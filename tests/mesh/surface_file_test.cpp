@@ -156,7 +156,8 @@ TEST_CASE("a PLY file that is broken is refused where it is", "[surface_file]") 
   CHECK_THAT(refusal("element vertex 4", "element vertex 5"), Contains("face 1 has 1 corners; 3 or more make one"));
   CHECK_THAT(refusal("3 1 2 3", "3 1 2 4"), Contains("a.ply:14:7: face 0 uses vertex 4, but there are 4"));
   CHECK_THAT(refusal("3 1 2 3", "3 1 2 -1"), Contains("face 0 uses vertex -1"));
-  CHECK_THAT(refusal("3 1 2 3", "3 1 2 2"), Contains("a.ply:14:1: face 0 is a flat triangle"));
+  CHECK(refusal("3 1 2 3", "3 1 2 2").empty());
+  CHECK(load_mesh(folder.path("a.ply")).repairs == std::vector<std::string>{"1 triangle without area dropped"});
   CHECK_THAT(refusal("0 0 3", "0 0 nan"), Contains("a.ply:13:5: expected a coordinate, a finite number"));
   CHECK_THAT(refusal("3 0 1 3", "3 0 1 3 7"), Contains("expected no more numbers here"));
   CHECK_THAT(refusal("3 0 1 3", "3 0 1"), Contains("but the data ends here"));
@@ -180,6 +181,10 @@ TEST_CASE("a surface file that is broken is refused by its name", "[surface_file
   CHECK_THAT(refusal("short.stl", binary_stl().substr(0, 150)), Contains("short.stl: not a surface that can be read"));
   CHECK_THAT(refusal("words.ply", "nothing of the kind"), Contains("words.ply:1:1: expected ply, found 'nothing'"));
   CHECK_THAT(refusal("empty.obj", ""), Contains("empty.obj: "));
-  CHECK_THAT(refusal("flat.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nv 0 1 0\nf 1 2 4\nf 1 2 3\n"),
-             Contains("flat.obj: face 1 is a flat triangle"));
+  const std::string corners = "v 0 0 0\nv 1 0 0\nv 2 0 0\nv 0 1 0\n";
+  CHECK_THAT(refusal("flat.obj", corners + "f 1 2 3\n"), Contains("flat.obj: all of its triangles are without area"));
+  // A flat one's middle corner becomes one of the neighbour across its longest side.
+  const Mesh mended = load_mesh(folder.write("t.obj", corners + "f 1 2 3\nf 1 4 3\n"));
+  CHECK(mended.triangles.size() == 2);
+  CHECK(mended.repairs == std::vector<std::string>{"1 triangle without area dropped"});
 }

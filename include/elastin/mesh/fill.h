@@ -4,10 +4,6 @@
 
 #include "elastin/core/model/body.h"
 
-namespace elastin {
-class TriangleTree;
-}  // namespace elastin
-
 namespace elastin::mesh {
 
 enum class FillPacking {
@@ -30,17 +26,20 @@ struct Filling {
   Positions positions;        ///< [m]; those on the surface come first
   int on_surface = 0;         ///< how many of them
   Cells<4> tetrahedra;        ///< Delaunay's, without those outside; every molecule is a corner of one
-  double surface_volume = 0;  ///< inside the surface [m³], by the divergence theorem
+  double surface_volume = 0;  ///< inside the surface [m³], by the divergence theorem; by winding number the cells'
   double volume = 0;          ///< of the tetrahedra [m³]
   VectorX share;              ///< of the volume, one a molecule; they sum to 1
   int left_out = 0;           ///< molecules that no tetrahedron inside needed
   int slivers = 0;            ///< see count_slivers
 };
 
-/// The space in a closed surface that does not cross itself, normals outwards: check_surface must find nothing wrong.
+/// The space in a surface whose normals look outwards: of one in which check_surface finds nothing wrong by its
+/// normals, of one that stays open or crosses itself where it goes round a point at least half a time, by its winding
+/// number.
 class FillRegion {
  public:
-  FillRegion(const Positions& points, const Cells<3>& triangles);
+  struct Inside;
+  FillRegion(const Positions& points, const Cells<3>& triangles, bool by_winding_number = false);
   ~FillRegion();
 
   /// Fills it with molecules and tetrahedra. The same options give the same filling. Cost O(n log n). Throws InputError
@@ -52,7 +51,7 @@ class FillRegion {
   Connections connections_within(const Filling& filling, double reach) const;
 
  private:
-  std::unique_ptr<TriangleTree> tree_;
+  std::unique_ptr<Inside> tree_;
 };
 
 }  // namespace elastin::mesh

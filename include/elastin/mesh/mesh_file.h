@@ -15,21 +15,26 @@ struct Mesh {
   /// All cells, where the file has others than tetrahedra or triangles of first order; then `triangles` and
   /// `tetrahedra` are the simplices that their nodes make, as in Body.
   std::vector<CellBlock> blocks;
-  /// Points, ascending, of the file's named groups: physical groups of Gmsh, *NSET and *ELSET of Abaqus.
+  /// Points, ascending, of the file's groups by name, or by number where they have none: physical groups of Gmsh, *NSET
+  /// and *ELSET of Abaqus (of an instance "INSTANCE.SET" too), groups of I-DEAS, properties of Nastran.
   std::map<std::string, std::vector<int>> sets = {};
-  int reoriented = 0;   ///< cells whose order was mirrored
+  int reoriented = 0;  ///< cells whose order was mirrored
+  /// What was mended in a surface of triangles, each with its number: "2 triangles without area dropped".
+  std::vector<std::string> repairs = {};
   std::string comment;  ///< what was left out, e.g. "12 lines, 3 points and 4 unused points left out"; empty if nothing
 };
 
-/// Reads Gmsh .msh (1, 2.2 and 4.1, ASCII and binary), legacy VTK .vtk (unstructured grid, ASCII and binary) and VTK
+/// Reads Gmsh .msh (1, 2 and 4.1, ASCII and binary), legacy VTK .vtk (unstructured grid, ASCII and binary) and VTK
 /// XML .vtu (ASCII, base64 and raw appended, plain and zlib-compressed), and surfaces of triangles from .ply (ASCII and
-/// binary), .obj and .stl (corners at the same position are one point, in single precision; errors of the last two name
-/// the face), and Abaqus .inp (*NODE, *ELEMENT), Nastran .bdf or .nas (GRID,
-/// CTETRA, CHEXA, CPENTA, CTRIA3, CTRIA6) and I-DEAS .unv (datasets 2411 and 2412), chosen by the file's ending. Cells
-/// of the table of shapes are used; others (pyramids, quadrangles, prisms of second order) are refused by name; points,
-/// lines ignored. Throws InputError with file:line:column and what was expected: missing file, unknown ending or
-/// version, a truncated section, an index that names no point, a coordinate that is not finite, no triangle and no
-/// tetrahedron, a flat cell.
+/// binary), .off, .obj and .stl (corners at the same position are one point, in single precision; errors of the last
+/// three name the face), Abaqus .inp (nodes, elements, sets, parts and their instances, other files that it names),
+/// Nastran .bdf or .nas (GRID, CTETRA, CHEXA, CPENTA, CTRIA3, CTRIA6) and I-DEAS .unv (nodes, elements, groups), chosen
+/// by the file's ending. Cells of the table of shapes are used; what may stand next to a solid is left out: points,
+/// lines, springs, masses, quadrangles; others (pyramids, prisms of second order) are refused by name, and so is a
+/// keyword that would change the mesh. Throws InputError with file:line:column and what was expected: missing file,
+/// unknown ending (with the command that converts the file, where there is one) or version, a truncated section, an
+/// index that names no point, a coordinate that is not finite, no triangle and no tetrahedron, a flat cell
+/// (of a surface file a flat triangle is dropped).
 ///
 /// Points and cells keep the file's order, unless there are 10 000 points or more and the numbers in a cell are several
 /// times as far apart as by order_in_space: then they get that order, for passes over them would wait for the memory.
@@ -44,7 +49,7 @@ enum class MeshContent {
 /// The files of one ending.
 struct MeshFormat {
   std::string ending;    ///< with its dot
-  std::string versions;  ///< "1, 2.2 and 4.1"; empty where one reader reads all
+  std::string versions;  ///< "1, 2 and 4.1"; empty where one reader reads all
   MeshContent content;
 };
 
@@ -61,7 +66,7 @@ struct CellData {
 };
 
 /// Reads the data of this name of the file's solid cells, or where it has none of its triangles: from .vtu, from .vtk
-/// (CELL_DATA: SCALARS, VECTORS, FIELD) and from .msh 2.2 and 4.1 ($ElementData; cells without a value are left out).
+/// (CELL_DATA: SCALARS, VECTORS, FIELD) and from .msh 2 and 4.1 ($ElementData; cells without a value are left out).
 /// Throws InputError as load_mesh does, on data for another number of cells, and with the nearest name where the file
 /// has none of that name.
 CellData load_cell_data(const std::string& path, const std::string& name);

@@ -172,6 +172,18 @@ void warn_of_reoriented(const mesh::Mesh& mesh, const std::string& path, std::ve
                      " had their corners in the mirrored order, and were reoriented");
 }
 
+/// The names that its molecules can be picked by, and what of the file is not in the body.
+void note_contents(const mesh::Mesh& mesh, const std::string& file, std::vector<std::string>& notes) {
+  constexpr std::size_t most = 20;
+  std::vector<std::string> sets;
+  for (const auto& [name, molecules] : mesh.sets)
+    if (sets.size() < most) sets.push_back(fmt::format("{} ({})", name, molecules.size()));
+  if (mesh.sets.size() > most) sets.push_back(fmt::format("{} more", mesh.sets.size() - most));
+  if (!sets.empty()) notes.push_back(file + ": sets, with their molecules: " + listed(sets));
+  if (!mesh.repairs.empty()) notes.push_back(file + " repaired: " + listed(mesh.repairs));
+  if (!mesh.comment.empty()) notes.push_back(file + ": " + mesh.comment);
+}
+
 Shape mesh_shape() {
   struct S : MeshFile, CellOrder {
     std::optional<Reader> place;
@@ -185,6 +197,7 @@ Shape mesh_shape() {
                [](const S& setup, ShapeContext& context) {
                  mesh::Mesh mesh = setup.load();
                  warn_of_reoriented(mesh, setup.place->path(), context.remarks.warnings);
+                 note_contents(mesh, setup.file->text(), context.remarks.notes);
                  if (context.remarks.sets) *context.remarks.sets = mesh.sets;
                  context.map.set_mesh_sets(std::move(mesh.sets));
                  Body body;

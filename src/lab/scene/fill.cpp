@@ -5,16 +5,20 @@
 #include <algorithm>
 
 #include "elastin/contact/surface_check.h"
+#include "elastin/core/base/text.h"
 #include "lab/scene/parts.h"
+#include "mesh/surface_repair.h"
 
 namespace elastin::lab {
 namespace {
 
 /// Below this part of the surface's volume the filling is another body.
 constexpr double kLeastVolume = 0.9;
+/// A surface with a wider hole, over its longest side, is a sheet.
+constexpr double kWidestHole = 0.5;
 
 struct FillSetup : MeshFile, CellOrder, mesh::FillOptions {
-  bool cells = true;
+  bool cells = true, repair = true;
   std::optional<double> reach;
   std::optional<Reader> place, spacing_place;
 };
@@ -42,12 +46,30 @@ Body fill(const FillSetup& setup, ShapeContext& context) {
   const mesh::Mesh mesh = setup.load();
   const Reader& file = *setup.file;
   if (!mesh.tetrahedra.empty()) file.fail("contains tetrahedra: use the shape `mesh`; a surface consists of triangles");
-  const std::string wrong = contact::check_surface(mesh.points, mesh.triangles);
-  if (!wrong.empty()) file.fail("'" + file.text() + "' encloses no volume that could be filled: " + wrong);
+  mesh::RepairedSurface surface = mesh::repair_surface(mesh.points, mesh.triangles);
+  surface.repairs.insert(surface.repairs.begin(), mesh.repairs.begin(), mesh.repairs.end());
+  const std::string name = file.text();
+  if (!setup.repair) {
+    if (const std::string wrong = contact::check_surface(mesh.points, mesh.triangles); !wrong.empty())
+      file.fail("'" + name + "' encloses no volume that could be filled: " + wrong);
+    if (!surface.repairs.empty()) file.fail("'" + name + "' needs its repair: " + listed(surface.repairs));
+  }
+  const std::string wrong = contact::check_surface(surface.points, surface.triangles);
+  const auto extent = [&] {
+    return (surface.points.rowwise().maxCoeff() - surface.points.rowwise().minCoeff()).maxCoeff();
+  };
+  if (surface.triangles.empty() || (!wrong.empty() && surface.widest_hole > kWidestHole * extent()))
+    file.fail("'" + name + "' encloses no volume that could be filled: " + wrong);
+  if (!surface.repairs.empty()) context.remarks.notes.push_back(name + " repaired: " + listed(surface.repairs));
+  if (!wrong.empty())
+    context.remarks.warnings.push_back(fmt::format(
+        "{}: {}; what it goes round at least half a time is inside (winding number), and the volume is that "
+        "of the cells",
+        setup.place->path(), wrong));
 
   mesh::FillOptions options = setup;
   options.most_molecules = std::min(options.most_molecules, file.most_molecules());
-  const mesh::FillRegion inside(mesh.points, mesh.triangles);
+  const mesh::FillRegion inside(surface.points, surface.triangles, !wrong.empty());
   const mesh::Filling filling = setup.spacing_place->located([&] { return inside.fill(options); });
   report(setup.place->path(), file.text(), filling, context.remarks);
   Body body;
@@ -85,6 +107,8 @@ Shape fill_shape() {
               key::choice("boundary", &mesh::FillOptions::follow, {{"follow", true}, {"none", false}},
                           "whether molecules lie on the surface and along its sharp edges"),
               key::choice("cells", &S::cells, {{"delaunay", true}, {"none", false}}, "tetrahedra inside the surface"),
+              key::choice("repair", &S::repair, {{"automatic", true}, {"none", false}},
+                          "mends a surface that is not closed or not oriented, and notes it; `none` refuses one"),
               reach_key(&S::reach, "reach of connections between molecules that see each other inside",
                         "sides of the cells"),
               order_key()},

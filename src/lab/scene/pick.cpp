@@ -91,8 +91,9 @@ Keys<PickSetup> keys_of_places() {
       key::vector("nearest", &S::nearest, dimension::length, "the molecule nearest to this point"),
       key::flag("rim", &S::rim, "the free edge of a body of triangles").place(&S::rim_place),
       Key<S>({"set", "text", "", "", "none",
-              "a set of the mesh file: a physical group of Gmsh, `*NSET` or `*ELSET` of Abaqus; of several bodies the "
-              "sets of this name in all their files"},
+              "a set of the mesh file, by its name or, where the file has none, its number: a physical group of Gmsh, "
+              "`*NSET` or `*ELSET` of Abaqus, a group of I-DEAS, a property of Nastran; of several bodies the sets of "
+              "this name in all their files"},
              [](const Reader& value, S& setup, const Frame&) { setup.set = value.mesh_set(); }),
       Key<S>({"body", "a body's name", "", "", "all", "the molecules of this one of several `bodies`"},
              [](const Reader& value, S& setup, const Frame& frame) {
