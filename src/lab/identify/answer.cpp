@@ -17,6 +17,7 @@ constexpr double kFarBeyond =
     2;  // the same, of any number, beyond which no profile of expensive equilibria is followed
 constexpr double kTogether = 0.95;  // correlation that is named
 constexpr double kMisfit = 4;       // mean square of a test over that of the others, beyond which it is named
+constexpr double kNoFit = 0.3;      // rms of all residuals beyond which nothing is found
 constexpr int kStabilityPoints = 40;
 constexpr int kLinePoints = 80;
 
@@ -72,7 +73,8 @@ std::vector<TestAnswer> test_answers(const UnknownMaterial& unknown, const std::
     const DataTest& stated = *tests[i].stated;
     const VectorX& fitted = fit.predictions[i].values;
     answers.push_back({stated.name, stated.kind->name, tests[i].test->data(), fitted, stated.weight > 0,
-                       stated.relative, relative_rms(tests[i], fitted), curve_of(unknown, fit, tests[i])});
+                       stated.residuals, tests[i].scale(), tests[i].moduli, relative_rms(tests[i], fitted),
+                       curve_of(unknown, fit, tests[i])});
   }
   return answers;
 }
@@ -275,8 +277,14 @@ Answer make_answer(const UnknownMaterial& unknown, std::vector<WeightedTest>& te
   answer.tests = test_answers(unknown, tests, fit);
   if (unknown.row) answer.stability = stabilities(unknown, tests, fit);
   answer.material = material_yaml(unknown.row, fit.trial, unknown.plain) + unknown.kept;
-  if (fit.outcome != FitOutcome::converged)
-    answer.warnings.push_back(std::string(name_of(fit.outcome)) + ": " + fit.cause);
+  if (const double left = whole_rms(answer); answer.outcome == FitOutcome::converged && left > kNoFit)
+    answer.outcome = FitOutcome::misfit,
+    answer.cause =
+        percent_text(left) + " of the measured values are left: neither the data nor the law can be right as they are";
+  if (answer.outcome != FitOutcome::converged)
+    answer.warnings.push_back(std::string(name_of(answer.outcome)) + ": " + answer.cause);
+  for (const TestAnswer& test : answer.tests)
+    for (const std::string& warning : test.data.warnings) answer.warnings.push_back(test.data.file + ": " + warning);
   if (known.freedom <= 0)
     answer.warnings.push_back("as many unknowns as measured points: the fit has no intervals and shows nothing");
   warn_of_numbers(answer, answer.warnings);
@@ -284,6 +292,16 @@ Answer make_answer(const UnknownMaterial& unknown, std::vector<WeightedTest>& te
   warn_of_shape(answer, answer.warnings);
   warn_of_stability(answer, answer.warnings);
   return answer;
+}
+
+double whole_rms(const Answer& answer) {
+  double squares = 0, count = 0;
+  for (const TestAnswer& test : answer.tests)
+    if (test.counted) {
+      squares += test.relative_rms * test.relative_rms * static_cast<double>(test.data.y.size());
+      count += static_cast<double>(test.data.y.size());
+    }
+  return std::sqrt(squares / count);
 }
 
 LawAnswer law_answer(const Answer& answer) {

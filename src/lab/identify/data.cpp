@@ -3,84 +3,21 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <filesystem>
 #include <optional>
 
 #include "elastin/core/base/text.h"
-#include "elastin/core/base/units.h"
-#include "lab/format/csv.h"
+#include "lab/identify/columns.h"
+#include "lab/report/table.h"
 #include "lab/run/config_names.h"
 
 namespace elastin::lab {
 namespace {
 
 constexpr double kMostStretch = 15;  // of any material; beyond it a column is in per cent or no stretch
-
-const DataQuantity* find_quantity(const std::string& name) {
-  for (const DataQuantity& quantity : data_quantities())
-    if (quantity.name == name) return &quantity;
-  return nullptr;
-}
-
-/// What a column holds: a quantity and the factor that makes its numbers SI.
-struct Column {
-  const DataQuantity* quantity;
-  double factor;
-  std::size_t number;  ///< of the file's columns
-};
-
-struct Head {
-  std::string name, unit;
-};
-
-/// The SI value of 1 of this unit; none if it is no unit of that dimension.
-std::optional<double> factor_of(const std::string& unit, const Dimension& dimension) {
-  if (unit.empty() || unit == "-" || unit == "1")
-    return dimension == dimension::none ? std::optional(1.) : std::nullopt;
-  try {
-    const Quantity one = parse_quantity("1 " + unit, dimension);
-    return one.has_unit ? std::optional(one.value) : std::nullopt;
-  } catch (const InputError&) {
-    return std::nullopt;
-  }
-}
-
-std::string trimmed(std::string text) {
-  const auto blank = [](unsigned char c) { return std::isspace(c); };
-  text.erase(text.begin(), std::find_if_not(text.begin(), text.end(), blank));
-  text.erase(std::find_if_not(text.rbegin(), text.rend(), blank).base(), text.end());
-  return text;
-}
-
-/// "force" and "N" of "force [N]", "force (N)", "force / N", "force in N" or "force_N".
-Head split(const std::string& text) {
-  const std::string head = trimmed(text);
-  for (const auto& [open, close] :
-       {std::pair{" [", "]"}, {" (", ")"}, {" / ", ""}, {" in ", ""}, {"[", "]"}, {"(", ")"}})
-    if (const std::size_t at = head.find(open); at != std::string::npos && head.ends_with(close)) {
-      const std::size_t from = at + std::string(open).size();
-      return {trimmed(head.substr(0, at)), trimmed(head.substr(from, head.size() - from - std::string(close).size()))};
-    }
-  for (const DataQuantity& quantity : data_quantities())
-    if (head.starts_with(quantity.name + "_") && factor_of(head.substr(quantity.name.size() + 1), quantity.unit))
-      return {quantity.name, head.substr(quantity.name.size() + 1)};
-  return {head, ""};
-}
-
-std::vector<std::string> names_of(const std::vector<const DataQuantity*>& quantities) {
-  std::vector<std::string> names;
-  for (const DataQuantity* quantity : quantities) names.push_back(quantity->name);
-  return names;
-}
-
-std::string shown(const DataQuantity& quantity) {
-  const std::string examples = unit_examples(quantity.unit), unit = examples.substr(examples.find(' ') + 1);
-  return quantity.ratio
-             ? quantity.name
-             : quantity.name + " [" + (quantity.name == "angle" ? "deg" : unit.substr(0, unit.find(','))) + "]";
-}
+constexpr Eigen::Index kManyRows = 500, kManyEquilibria = 50;  // that show the shape of any curve: more are averaged
+constexpr double kNoticedZero = 0.01;  // of the range, beyond which a zero point elsewhere is named
 
 class DataFile {
  public:
@@ -88,123 +25,106 @@ class DataFile {
     std::error_code ignored;
     if (!std::filesystem::exists(test.file, ignored))
       test.fail("file: '" + test.file + "': " + missing_file(test.file));
-    csv_ = load_csv(test.file);
-    for (std::size_t i = 0; i < csv_.head.size(); ++i)
-      for (std::size_t j = 0; j < i; ++j)
-        if (trimmed(csv_.head[i]) == trimmed(csv_.head[j]))
-          fail_at_head("two columns are called '" + trimmed(csv_.head[i]) + "'; give each a name of its own");
-    choose_rows();
+    file_ = load_machine_file(test.file, test.decimal);
+    table_ = &choose_table();
+    columns_ = choose_columns(*table_, test);
+    for (std::size_t row = 0; row < table_->rows.size(); ++row)
+      if (chosen(row)) rows_.push_back(row);
+    if (rows_.empty() && !test.rows.empty()) fail_at_rows();
   }
 
-  MeasuredData read() {
-    const std::vector<Column> known = known_columns();
-    const Column along = choose(known, test_.kind->along, "is prescribed"),
-                 up = choose(known, test_.kind->up, "answers");
-    MeasuredData data{along.quantity, up.quantity, {}, {}, {}, csv_.path};
+  MeasuredData read() const {
+    MeasuredData data{columns_.along.quantity, columns_.up.quantity, {}, {}, {}, table_->path};
+    const Dimension& unit = data.along->unit;
+    const double from = test_.from ? test_.from(unit) : -INFINITY, to = test_.to ? test_.to(unit) : INFINITY;
     std::vector<double> x, y;
-    const double from = test_.from ? test_.from(along.quantity->unit) : -INFINITY,
-                 to = test_.to ? test_.to(along.quantity->unit) : INFINITY;
     for (const std::size_t row : rows_) {
-      const double at = value(row, along), response = value(row, up);
-      check_value(row, *along.quantity, at);
+      const double at = value(row, columns_.along);
       if (at < from || at > to) continue;
-      x.push_back(at), y.push_back(response);
-      data.lines.push_back(csv_.line(row));
+      check_value(row, *data.along, at);
+      x.push_back(at), y.push_back(value(row, columns_.up));
+      data.lines.push_back(table_->line(row));
     }
     data.x = Eigen::Map<const VectorX>(x.data(), static_cast<Eigen::Index>(x.size()));
     data.y = Eigen::Map<const VectorX>(y.data(), static_cast<Eigen::Index>(y.size()));
-    check_points(data);
+    if (data.x.size() < 2)
+      test_.fail(data.file + " has " + counted(data.x.size(), "point") +
+                 (test_.from || test_.to ? " between `from` and `to`" : "") + "; a curve needs two or more");
+    note_recognised(data);
+    if (columns_.along.source == Column::Source::position) {
+      data.notes.push_back(fmt::format("positions count from the first, {}", readable(data.x[0], unit)));
+      data.x.array() -= data.x[0];
+    }
     return data;
   }
 
+  bool pressing_by_name() const { return columns_.along.pressing || columns_.up.pressing; }
+  /// Whether the file speaks of compression elsewhere than in the names of its columns.
+  bool speaks_of_compression() const {
+    std::size_t end = 0;
+    for (int line = 1; line < table_->head_places.front().line; ++line) end = file_.text.find('\n', end) + 1;
+    const std::string above = file_.text.substr(0, end);
+    for (const char* word : {"ompressi", "OMPRESSI", "ruckversuch", "压缩"})
+      if (above.find(word) != std::string::npos) return true;
+    return false;
+  }
+
  private:
-  [[noreturn]] void fail_at_head(const std::string& message) const {
-    throw InputError(SourceLocation{csv_.path, csv_.head_places.front().line}, message);
-  }
   [[noreturn]] void fail_at(int line, const std::string& message) const {
-    throw InputError(SourceLocation{csv_.path, line}, message);
+    throw InputError(SourceLocation{table_->path, line}, message);
   }
 
-  void choose_rows() {
-    for (std::size_t row = 0; row < csv_.rows.size(); ++row) {
-      bool chosen = true;
-      for (const auto& [column, text] : test_.rows) chosen &= trimmed(csv_.rows[row][csv_.column(column)]) == text;
-      if (chosen) rows_.push_back(row);
+  /// The block that the scene names, or else the only one that the test can take.
+  const MachineTable& choose_table() const {
+    const auto& tables = file_.tables;
+    if (test_.block > static_cast<int>(tables.size()))
+      test_.fail("block: " + test_.file + " has " + counted(std::ssize(tables), "block"));
+    if (test_.block > 0) return tables[test_.block - 1];
+    const MachineTable* found = nullptr;
+    std::string blocks;
+    int count = 0;
+    for (std::size_t i = 0; i < tables.size(); ++i) {
+      if (!suits(tables[i], test_)) continue;
+      blocks += fmt::format("{}{} (line {}, {} rows)", count ? ", " : "", i + 1, tables[i].head_places.front().line,
+                            tables[i].rows.size());
+      if (++count; !found) found = &tables[i];
     }
-    if (!rows_.empty() || test_.rows.empty()) return;
-    const auto& [column, text] = test_.rows.back();
+    if (count > 1)
+      throw InputError(
+          SourceLocation{test_.file, found->head_places.front().line},
+          "several blocks have the columns of this test: " + blocks + "; choose one, for example block: 1");
+    const auto longest =
+        std::max_element(tables.begin(), tables.end(), [](auto& a, auto& b) { return a.rows.size() < b.rows.size(); });
+    return found ? *found : *longest;
+  }
+
+  bool chosen(std::size_t row) const {
+    const std::size_t fields = table_->rows[row].size();
+    if (fields != table_->head.size())
+      throw InputError(table_->location(table_->places[row][std::min(fields, table_->head.size()) - 1]),
+                       std::to_string(fields) + " fields; the head has " + std::to_string(table_->head.size()));
+    return std::all_of(test_.rows.begin(), test_.rows.end(),
+                       [&](const auto& rule) { return table_->rows[row][column(rule.first)] == rule.second; });
+  }
+  std::size_t column(const std::string& name) const {
+    const auto found = find_column(*table_, name);
+    return found ? *found : table_->column(name);
+  }
+  [[noreturn]] void fail_at_rows() const {
+    const auto& [name, text] = test_.rows.back();
     std::vector<std::string> words;
-    for (const auto& fields : csv_.rows)
-      if (const std::string& word = fields[csv_.column(column)];
-          std::find(words.begin(), words.end(), word) == words.end())
+    for (const auto& fields : table_->rows)
+      if (const std::string& word = fields[column(name)]; std::find(words.begin(), words.end(), word) == words.end())
         words.push_back(word);
-    test_.fail("rows: no row of " + csv_.path + " has '" + text + "' as its " + column + suggestion(text, words));
-  }
-
-  /// Columns whose heads, or what the scene says of them, name a quantity with its unit.
-  std::vector<Column> known_columns() const {
-    std::vector<Column> known;
-    for (const auto& [head, meaning] : test_.columns) {
-      const auto same = [&, name = head](const std::string& other) { return trimmed(other) == name; };
-      if (std::none_of(csv_.head.begin(), csv_.head.end(), same))
-        test_.fail("columns: " + csv_.path + " has no column '" + head + "'" + suggestion(head, csv_.head));
-    }
-    for (std::size_t number = 0; number < csv_.head.size(); ++number) {
-      std::string text = csv_.head[number];
-      for (const auto& [head, meaning] : test_.columns)
-        if (trimmed(text) == head) text = meaning;
-      const Head head = split(text);
-      if (head.name == "stress")
-        fail_at_head("column '" + text + "': is it nominal_stress (force over section at rest) or true_stress?");
-      if (head.name == "strain") fail_at_head("column '" + text + "': is it nominal_strain, true_strain or stretch?");
-      const DataQuantity* quantity = find_quantity(head.name);
-      if (!quantity) continue;
-      const bool angle_without = quantity->name == "angle" && head.unit.empty();
-      if ((!quantity->ratio && head.unit.empty()) || angle_without)
-        fail_at_head("column '" + text + "' has no unit; write for example '" + shown(*quantity) + "'");
-      const auto factor = factor_of(head.unit, quantity->unit);
-      if (!factor)
-        fail_at_head("column '" + text + "': '" + head.unit + "' is no unit of " + quantity->name +
-                     "; write for example '" + shown(*quantity) + "'");
-      known.push_back({quantity, *factor, number});
-    }
-    return known;
-  }
-
-  /// The only column with one of these quantities.
-  Column choose(const std::vector<Column>& known, const std::vector<std::string>& wanted,
-                const std::string& role) const {
-    std::vector<Column> found;
-    for (const Column& column : known)
-      if (std::find(wanted.begin(), wanted.end(), column.quantity->name) != wanted.end()) found.push_back(column);
-    // Of a specimen both may be loads or displacements; what stands first is prescribed.
-    if (found.size() > 1 && !test_.kind->homogeneous && !test_.kind->in_time)
-      return role == "answers" ? found.back() : found.front();
-    if (found.size() == 1) return found.front();
-    std::vector<const DataQuantity*> quantities;
-    for (const std::string& name : wanted) quantities.push_back(find_quantity(name));
-    std::vector<std::string> allowed;
-    for (const DataQuantity* quantity : quantities) allowed.push_back(shown(*quantity));
-    const std::string all = fmt::format("{}", fmt::join(allowed, ", "));
-    if (found.size() > 1)
-      fail_at_head("two columns say what " + role + ", " + found[0].quantity->name + " and " + found[1].quantity->name +
-                   "; leave one out, or name it otherwise");
-    for (const Column& column : known)
-      if (known.size() > 1)
-        fail_at_head("no column says what " + role + " in a test of kind " + test_.kind->name + "; '" +
-                     column.quantity->name + "' does not; one of: " + all);
-    for (const std::string& head : csv_.head)
-      if (const std::string near = nearest_name(split(head).name, names_of(quantities)); !near.empty())
-        fail_at_head("column '" + trimmed(head) + "' is not known; did you mean '" + near + "'?");
-    fail_at_head("no column says what " + role + " in a test of kind " + test_.kind->name + "; one of: " + all +
-                 "; or say in the scene what a head means, columns: {\"" +
-                 trimmed(role == "answers" ? csv_.head.back() : csv_.head.front()) + "\": " + allowed.back() + "}");
+    test_.fail("rows: no row of " + table_->path + " has '" + text + "' as its " + name + suggestion(text, words));
+    throw InputError(table_->path);
   }
 
   double value(std::size_t row, const Column& column) const {
-    const std::string text = trimmed(csv_.rows[row][column.number]);
-    const std::string name = trimmed(csv_.head[column.number]);
-    if (text.empty()) fail_at(csv_.line(row), name + ": nothing stands there; leave the row out, or give its number");
+    const std::string& text = table_->rows[row][column.number];
+    const std::string& name = table_->head[column.number];
+    if (text.empty())
+      fail_at(table_->line(row), name + ": nothing stands there; leave the row out, or give its number");
     std::size_t used = 0;
     double number = NAN;
     try {
@@ -212,14 +132,14 @@ class DataFile {
     } catch (const std::exception&) {
     }
     if (used != text.size() || text.find_first_of("xX") != std::string::npos)
-      fail_at(csv_.line(row), name + ": '" + text + "' is no number");
+      fail_at(table_->line(row), name + ": '" + text + "' is no number");
     if (!std::isfinite(number))
-      fail_at(csv_.line(row), name + ": '" + text + "' is no measured value; leave the row out");
-    return number * column.factor;
+      fail_at(table_->line(row), name + ": '" + text + "' is no measured value; leave the row out");
+    return number * *column.factor;
   }
 
   void check_value(std::size_t row, const DataQuantity& quantity, double value) const {
-    const int line = csv_.line(row);
+    const int line = table_->line(row);
     if (quantity.name == "stretch" && !(value > 0))
       fail_at(line, "stretch " + number(value) + " is impossible: it is 1 at rest; is the column nominal_strain?");
     if (quantity.name == "stretch" && value > kMostStretch)
@@ -228,61 +148,223 @@ class DataFile {
       fail_at(line, "nominal strain " + number(value) + " is impossible: it must be above -1");
     if (quantity.name.ends_with("strain") && value > kMostStretch)
       fail_at(line, "strain " + number(value) + " is beyond any material: in per cent? then head it '" + quantity.name +
-                        " [%]'");
-    if (quantity.name == "time" && value < 0) fail_at(line, "a time of " + number(value) + " s is before the test");
+                        " [%]'; rows behind a slip are left out by `to`");
+    if (quantity.name == "time" && value < 0)
+      fail_at(line, "a time of " + number(value) + " s is before the test; `from` leaves such rows out");
   }
 
-  void check_points(const MeasuredData& data) const {
-    const Eigen::Index count = data.x.size();
-    if (count < 2)
-      test_.fail(csv_.path + " has " + counted(count, "point") +
-                 (test_.from || test_.to ? " between `from` and `to`" : "") + "; a curve needs two or more");
-    double direction = 0;
-    for (Eigen::Index i = 1; i < count; ++i) {
-      const double step = data.x[i] - data.x[i - 1];
-      if (direction == 0) direction = step;
-      if (step * direction < 0)
-        fail_at(data.lines[i], data.along->name +
-                                   " goes back; give one branch, in order: sort the rows, or choose some by `rows`, "
-                                   "`from` and `to`");
-    }
-    const int first = data.lines.front();
-    if (direction == 0) fail_at(first, data.along->name + " is the same in all rows; a curve needs several values");
-    if ((data.y.array() == data.y[0]).all())
-      fail_at(first, data.up->name + " is the same in all rows; a curve needs several values");
+  void note_recognised(MeasuredData& data) const {
+    std::string note = file_.recognised(*table_);
+    for (const Column* column : {&columns_.along, &columns_.up})
+      if (column->source >= Column::Source::machine_name)
+        note += fmt::format("{}'{}'{} as {}", note.empty() ? "" : ", ", column->name,
+                            column->name.ends_with(']') || column->name.ends_with(')') ? "" : " [" + column->unit + "]",
+                            column->quantity->name);
+    if (!note.empty()) data.notes.push_back(note);
   }
 
   const DataTest& test_;
-  Csv csv_;
+  MachineFile file_;
+  const MachineTable* table_ = nullptr;
+  ChosenColumns columns_;
   std::vector<std::size_t> rows_;
 };
 
+double rest_of(const MeasuredData& data) { return data.along->name == "stretch" ? 1 : 0; }
+
+void keep_rows(MeasuredData& data, Eigen::Index begin, Eigen::Index end) {
+  data.x = VectorX(data.x.segment(begin, end - begin)), data.y = VectorX(data.y.segment(begin, end - begin));
+  data.lines.erase(data.lines.begin() + end, data.lines.end());
+  data.lines.erase(data.lines.begin(), data.lines.begin() + begin);
+}
+
+/// Positive numbers of a column that counts compression are negative strains and stresses.
+void turn_signs(const DataTest& test, const DataFile& file, MeasuredData& data) {
+  const bool pressing = test.pressing.value_or(test.kind->pressed || file.pressing_by_name());
+  const bool positive = (data.x.array() - rest_of(data)).sum() > 0, pulls = positive && data.y.sum() > 0;
+  if (!test.pressing && !pressing && pulls && test.kind->homogeneous == HomogeneousTest::uniaxial &&
+      file.speaks_of_compression())
+    data.warnings.push_back(
+        "the file speaks of compression and its values are positive, which is read as tension: "
+        "kind: compression takes them as compression, signs: pulling says that they pull");
+  if (!pressing) return;
+  if (positive && data.along->name == "stretch")
+    throw InputError(SourceLocation{data.file, data.lines.front()},
+                     "stretches above 1 are no compression: is the column nominal_strain?");
+  std::string turned;
+  if (positive || (test.pressing && !test.kind->pressed)) data.x = -data.x, turned = data.along->name;
+  if (data.y.sum() > 0 || (test.pressing && !test.kind->pressed))
+    data.y = -data.y, turned += (turned.empty() ? "" : " and ") + data.up->name;
+  if (!turned.empty()) data.notes.push_back("compression is positive in the file: " + turned + " turned to negative");
+}
+
+/// One branch of a curve that goes to and fro.
+void choose_branch(const DataTest& test, MeasuredData& data) {
+  const std::vector<Branch> all = branches_of(data.x);
+  const bool unloading = test.branch == BranchChoice::unloading;
+  std::vector<Branch> chosen;
+  for (const Branch& branch : all)
+    if (branch.loading != unloading) chosen.push_back(branch);
+  const auto count = static_cast<int>(chosen.size());
+  if (test.branch == BranchChoice::only && test.cycle == 0) {
+    if (all.size() == 1) return;
+    throw InputError(
+        SourceLocation{data.file, data.lines[all[1].begin]},
+        fmt::format("{} goes back here: choose a branch by branch: loading or branch: unloading{}, or rows by "
+                    "`rows`, `from` and `to`; or sort the rows, if they are of one branch",
+                    data.along->name,
+                    count > 1 ? fmt::format(", and one of {} cycles by cycle: 1 … {}", count, count) : ""));
+  }
+  const int cycle = test.cycle < 0 ? count + test.cycle : std::max(test.cycle, 1) - 1;
+  if (cycle < 0 || cycle >= count)
+    test.fail(
+        fmt::format("cycle: {} has {} {}", data.file, count, unloading ? "unloading branches" : "loading branches"));
+  const Branch& own = chosen[cycle];
+  data.notes.push_back(fmt::format("{} branch {} of {}, lines {} to {}", unloading ? "unloading" : "loading", cycle + 1,
+                                   count, data.lines[own.begin], data.lines[own.end - 1]));
+  keep_rows(data, own.begin, own.end);
+  if (data.x.size() < 2) test.fail("cycle: the branch has one point; a curve needs two or more");
+}
+
+/// Whether the rows go away from rest to one side.
+bool leaves_rest(const MeasuredData& data) {
+  const VectorX e = (data.x.array() - rest_of(data)).matrix();
+  Eigen::Index largest = 0;
+  const double far = e.cwiseAbs().maxCoeff(&largest);
+  return std::abs(e[0]) < 0.3 * far && largest > e.size() / 2;
+}
+
+void cut_behind_tear(const DataTest& test, MeasuredData& data) {
+  const auto tear = find_tear(data.x, data.y, data.noise);
+  if (!tear) return;
+  const int line = data.lines[tear->row];
+  const std::string found = fmt::format("{} falls by {:.0f} % at line {}, as of a specimen that tears or slips",
+                                        data.up->name, 100 * tear->lost, line);
+  if (test.keep_torn) return data.warnings.push_back(found + ": these rows count, as `torn: keep` says"), void();
+  data.warnings.push_back(found + fmt::format(": {} from there on are left out; torn: keep takes them",
+                                              counted(data.x.size() - tear->row, "row")));
+  keep_rows(data, 0, tear->row);
+  if (data.x.size() < 2)
+    throw InputError(SourceLocation{data.file, line}, "the specimen tears here, and fewer than two rows are before it");
+}
+
+std::string range_of(const ZeroPoint& zero, const Dimension& unit) {
+  return fmt::format("{} (95 %: {} … {})", readable(zero.value, unit, 3), readable(zero.low, unit, 3),
+                     readable(zero.high, unit, 3));
+}
+
+/// Moves the zero point of what is prescribed to where the load begins, or names it where it lies elsewhere.
+void find_zero_point(const DataTest& test, MeasuredData& data) {
+  const bool stated = test.zero != ZeroChoice::as_given;
+  const VectorX e = (data.x.array() - rest_of(data)).matrix();
+  const auto zero = test.zero == ZeroChoice::toe ? find_toe(e, data.y) : find_zero(e, data.y);
+  const double range = e.maxCoeff() - e.minCoeff();
+  if (!zero) {
+    if (stated)
+      test.fail("zero: " + data.file + " has too few rows to find where the load begins; write zero: as_given");
+    return;
+  }
+  if (!stated) {
+    const bool elsewhere = zero->low > 0 || zero->high < 0;
+    if (elsewhere && data.noise > 0 && std::abs(zero->value) > kNoticedZero * range)
+      data.warnings.push_back(fmt::format("the load begins at a {} of {}: {}? zero: found counts from there",
+                                          data.along->name, range_of(*zero, data.along->unit),
+                                          (zero->value > 0) == (e[e.size() - 1] > 0) ? "slack" : "a preload"));
+    return;
+  }
+  data.notes.push_back(fmt::format("{} counts from {}", data.along->name, range_of(*zero, data.along->unit)));
+  data.zero = zero->value;
+  if (data.along->name == "nominal_strain" || data.along->name == "stretch")  // the length there is the one at rest
+    data.x = ((e.array() - zero->value) / (1 + zero->value) + rest_of(data)).matrix();
+  else
+    data.x.array() -= zero->value;
+  const double side = e[e.size() - 1] < zero->value ? -1 : 1;
+  Eigen::Index first = 0;
+  while (first < e.size() && side * (e[first] - zero->value) < 0) ++first;
+  if (data.x.size() - first < 2) test.fail("zero: fewer than two rows lie behind the point where the load begins");
+  keep_rows(data, first, data.x.size());
+}
+
+/// Means of groups of rows that follow each other.
+void average(MeasuredData& data, Eigen::Index groups) {
+  const Eigen::Index count = data.x.size();
+  if (count <= groups) return;
+  MeasuredData means = data;
+  means.x.resize(groups), means.y.resize(groups), means.lines.clear();
+  for (Eigen::Index group = 0; group < groups; ++group) {
+    const Eigen::Index begin = group * count / groups, size = (group + 1) * count / groups - begin;
+    means.x[group] = data.x.segment(begin, size).mean(), means.y[group] = data.y.segment(begin, size).mean();
+    means.lines.push_back(data.lines[begin]);
+  }
+  means.noise *= std::sqrt(static_cast<double>(groups) / static_cast<double>(count));
+  data = std::move(means);
+}
+
+void check_points(const MeasuredData& data) {
+  const int first = data.lines.front();
+  if ((data.x.array() == data.x[0]).all())
+    throw InputError(SourceLocation{data.file, first},
+                     data.along->name + " is the same in all rows; a curve needs several values");
+  if ((data.y.array() == data.y[0]).all())
+    throw InputError(SourceLocation{data.file, first},
+                     data.up->name + " is the same in all rows; a curve needs several values");
+}
+
+void check_times(const MeasuredData& data) {
+  for (Eigen::Index i = 1; i < data.x.size(); ++i)
+    if (data.x[i] < data.x[i - 1])
+      throw InputError(SourceLocation{data.file, data.lines[i]},
+                       "time goes back: choose rows by `rows`, `from` and `to`, or sort them");
+}
+
 /// A test that pulls makes the material longer: else columns or signs are swapped.
 void check_signs(const MeasuredData& data) {
-  double largest = 0;
-  for (Eigen::Index i = 0; i < data.y.size(); ++i) largest = std::max(largest, std::abs(data.y[i]));
+  const double least = std::max(0.02 * data.y.cwiseAbs().maxCoeff(), 4 * data.noise);
   int wrong = 0, line = 0;
   for (Eigen::Index i = 0; i < data.y.size(); ++i) {
-    if (data.x[i] * data.y[i] >= 0 || std::abs(data.y[i]) < 0.02 * largest) continue;
+    if (data.x[i] * data.y[i] >= 0 || std::abs(data.y[i]) < least) continue;
     if (wrong++ == 0) line = data.lines[i];
   }
   if (2 * wrong > data.y.size())
     throw InputError(SourceLocation{data.file, line},
                      "the stress pulls where the strain presses, or the reverse, here and in " +
                          counted(wrong - 1, "other row") +
-                         ": are the columns swapped, or is a strain headed as stretch?");
+                         ": are the columns swapped, or is a strain headed as stretch? Of compression, kind: "
+                         "compression takes either sign of each");
 }
 
 /// A first point without strain and stress is no information, and relative residuals cannot be over it.
 void leave_out_rest(MeasuredData& data) {
-  if (data.x.size() < 3 || data.x[0] != 0 || data.y[0] != 0) return;
-  data.x = VectorX(data.x.tail(data.x.size() - 1)), data.y = VectorX(data.y.tail(data.y.size() - 1));
-  data.lines.erase(data.lines.begin());
+  if (data.x.size() > 2 && data.x[0] == 0 && data.y[0] == 0) keep_rows(data, 1, data.x.size());
 }
 
 }  // namespace
 
-MeasuredData load_data(const DataTest& test) { return DataFile(test).read(); }
+MeasuredData load_data(const DataTest& test) {
+  const DataFile file(test);
+  MeasuredData data = file.read();
+  if (test.kind->in_time) {
+    check_times(data), check_points(data);
+    data.noise = noise_of(data.x, data.y);
+    return data;
+  }
+  turn_signs(test, file, data);
+  choose_branch(test, data);
+  check_points(data);
+  data.noise = noise_of(data.x, data.y);
+  const bool from_rest = test.branch != BranchChoice::unloading && leaves_rest(data);
+  if (from_rest) cut_behind_tear(test, data);
+  const Eigen::Index points = test.points > 0 ? test.points : test.kind->homogeneous ? kManyRows : kManyEquilibria;
+  if (data.x.size() > points) data.notes.push_back(fmt::format("{} rows averaged to {} points", data.x.size(), points));
+  average(data, std::max(points, kManyRows));
+  if (from_rest) find_zero_point(test, data);
+  if (!from_rest && test.zero != ZeroChoice::as_given)
+    test.fail("zero: the rows of " + data.file +
+              " do not begin near rest; choose those that do by branch, `from` and `to`");
+  average(data, points);
+  check_points(data);
+  return data;
+}
 
 MeasuredData as_strain_and_stress(const DataTest& test, MeasuredData data) {
   const std::string along = data.along->name, up = data.up->name;
@@ -292,13 +374,13 @@ MeasuredData as_strain_and_stress(const DataTest& test, MeasuredData data) {
   };
   if (along == "stretch") data.x.array() -= 1;
   if (along == "true_strain") data.x = data.x.array().unaryExpr([](double e) { return std::expm1(e); }).matrix();
-  if (along == "displacement") data.x /= need(test.length, "length", "displacement");
-  if (up == "force") data.y /= need(test.cross_section, "cross_section", "force");
+  if (along == "displacement") data.x /= need(test.length > 0 ? test.length + data.zero : 0, "length", "displacement");
+  if (up == "force") data.y /= need(test.cross_section, "cross_section", "force"), data.noise /= test.cross_section;
   if (up == "true_stress") data.y = data.y.cwiseQuotient((1 + data.x.array()).matrix());
   if (!test.kind->in_time) {
     check_signs(data);
     data.along = find_quantity(test.kind->homogeneous == HomogeneousTest::shear ? "shear" : "nominal_strain");
-    if (test.relative) leave_out_rest(data);
+    if (test.residuals != ResidualScale::absolute) leave_out_rest(data);
   }
   data.up = find_quantity("nominal_stress");
   return data;

@@ -2,6 +2,7 @@
 #include <string>
 
 #include "elastin/core/base/types.h"
+#include "lab/identify/curve.h"
 #include "lab/scene/identify.h"
 
 namespace elastin::lab {
@@ -10,14 +11,19 @@ namespace elastin::lab {
 struct MeasuredData {
   const DataQuantity* along = nullptr;  ///< what is prescribed
   const DataQuantity* up = nullptr;     ///< the response
-  VectorX x, y;                         ///< SI, x ascending or descending
+  VectorX x, y;                         ///< SI, in the order of the rows
   std::vector<int> lines;               ///< of the file
   std::string file;
+  double noise = 0;                        ///< standard deviation of readings near zero, SI; 0: not known
+  double zero = 0;                         ///< what was subtracted from x as the point where the load begins
+  std::vector<std::string> notes = {};     ///< what was recognised in the file and done with its rows
+  std::vector<std::string> warnings = {};  ///< what may change the numbers
 };
 
-/// Reads the columns that a test takes, in its range. Throws InputError naming file, line and what is needed: no unit,
-/// nominal or true not said, a column that is missing, misspelt, twice there or swapped with another, values that are
-/// missing, no numbers, out of order or no such quantity, fewer than two, or all alike.
+/// Reads the columns that a test takes, of its rows between `from` and `to`, and of them the branch that the scene
+/// chooses, as far as the specimen is whole; many rows are averaged in groups. Throws InputError naming file, line and
+/// what is needed: no unit, nominal or true not stated, a column that is missing, misspelt or there twice, values that
+/// are missing, no numbers, out of order or no such quantity, fewer than two, or all alike.
 MeasuredData load_data(const DataTest& test);
 
 /// The same as that which a homogeneous test prescribes and answers: nominal strain, or amount of shear, and nominal

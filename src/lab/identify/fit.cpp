@@ -319,7 +319,9 @@ SearchEnd searched(const UnknownMaterial& unknown, Residuals& residuals, const F
 
 VectorX WeightedTest::scale() const {
   const VectorX& measured = test->data().y;
-  if (stated->relative) return measured;
+  if (stated->residuals == ResidualScale::automatic)
+    return measured.unaryExpr([noise = test->data().noise](double y) { return std::hypot(y, 100 * noise); });
+  if (stated->residuals == ResidualScale::relative) return measured;
   return VectorX::Constant(measured.size(), measured.cwiseAbs().maxCoeff());
 }
 
@@ -331,6 +333,8 @@ const char* name_of(FitOutcome outcome) {
       return "bound_reached";
     case FitOutcome::flat_valley:
       return "flat_valley";
+    case FitOutcome::misfit:
+      return "misfit";
     case FitOutcome::not_converged:
       return "not_converged";
     case FitOutcome::failed:

@@ -7,6 +7,7 @@
 
 #include "elastin/core/base/dense.h"
 #include "lab/identify/measured_test.h"
+#include "lab/identify/window_moduli.h"
 #include "lab/run/material_numbers.h"
 
 namespace elastin::lab {
@@ -59,7 +60,8 @@ struct UnknownMaterial {
 struct WeightedTest {
   const DataTest* stated = nullptr;
   std::unique_ptr<MeasuredTest> test;
-  /// What differences are over: each value, or the largest one of the test.
+  std::vector<WindowModulus> moduli = {};
+  /// What differences are over, by the test's ResidualScale.
   VectorX scale() const;
 };
 
@@ -67,6 +69,7 @@ enum class FitOutcome {
   converged,
   bound_reached,  ///< the least lies at a bound of an unknown
   flat_valley,    ///< unknowns can change together without any change of the residuals
+  misfit,         ///< the least is found, and a third of the measured values is left
   not_converged,  ///< the search ran out of iterations, or was stopped
   failed,         ///< none of the starts could be solved
 };

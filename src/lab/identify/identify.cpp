@@ -1,5 +1,7 @@
 #include "lab/identify/identify.h"
 
+#include <fmt/format.h>
+
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
@@ -275,6 +277,26 @@ std::vector<std::string> labels_of_all(const Catalog& catalog, const IdentifyTas
   return labels;
 }
 
+/// No value that differences are over may be 0, and few may be noise.
+void check_scale(const WeightedTest& test) {
+  const MeasuredData& data = test.test->data();
+  const VectorX scale = test.scale();
+  Eigen::Index first = 0, within = 0;
+  for (Eigen::Index i = 0; i < data.y.size(); ++i) {
+    if (scale[i] == 0)
+      throw InputError(
+          SourceLocation{data.file, data.lines[i]},
+          data.up->name + " is 0, and relative residuals are over it: leave the row out, or write residuals: absolute");
+    if (test.stated->residuals == ResidualScale::relative && std::abs(data.y[i]) < 3 * data.noise && within++ == 0)
+      first = i;
+  }
+  if (50 * within > data.y.size())
+    throw InputError(SourceLocation{data.file, data.lines[first]},
+                     fmt::format("{} from here on lie within the noise, {:.3g} {}, and would rule relative residuals: "
+                                 "write residuals: automatic, or absolute",
+                                 counted(within, "reading"), data.noise, si_unit(data.up->unit)));
+}
+
 std::vector<WeightedTest> make_tests(const IdentifyTask& task, const Catalog& catalog, const IdentifyRequest& request,
                                      const std::string& strategy) {
   const MaterialLaw* row = row_of(catalog, task.material);
@@ -284,12 +306,8 @@ std::vector<WeightedTest> make_tests(const IdentifyTask& task, const Catalog& ca
     tests.push_back({&stated, make_measured_test(stated, catalog, row, task.material, request.overrides, strategy)});
     const MeasuredData& data = tests.back().test->data();
     if (stated.weight > 0) points += data.y.size();
-    for (Eigen::Index i = 0; stated.relative && i < data.y.size(); ++i)
-      if (data.y[i] == 0)
-        throw InputError(
-            SourceLocation{data.file, data.lines[i]},
-            data.up->name +
-                " is 0, and relative residuals are over it: leave the row out, or write residuals: absolute");
+    check_scale(tests.back());
+    if (!stated.moduli.empty()) tests.back().moduli = window_moduli(stated, data);
   }
   if (points == 0) throw InputError(task.source.path() + ": no test has a weight above 0");
   return tests;

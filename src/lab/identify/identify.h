@@ -30,8 +30,10 @@ struct TestAnswer {
   MeasuredData data;
   VectorX fitted;       ///< empty where the material has no equilibrium there
   bool counted = true;  ///< false: predicted alone
-  bool relative = true;
-  double relative_rms = 0;                      ///< of differences over each value, or over the largest one
+  ResidualScale residuals = ResidualScale::automatic;
+  VectorX scale;                                ///< what differences are over
+  std::vector<WindowModulus> moduli;            ///< by windows of the measured curve
+  double relative_rms = 0;                      ///< of differences over the scale
   std::vector<std::pair<double, double>> line;  ///< the material's own curve through the test, if it is homogeneous
 };
 
@@ -72,7 +74,9 @@ struct Answer {
   std::vector<std::pair<std::string, std::string>> keys;
   double criterion = 0, condition = 1, seconds = 0;
   int starts = 0, agreeing = 0, freedom = 0;
-  bool succeeded() const { return outcome != FitOutcome::failed && outcome != FitOutcome::not_converged; }
+  bool succeeded() const {
+    return outcome != FitOutcome::failed && outcome != FitOutcome::misfit && outcome != FitOutcome::not_converged;
+  }
 };
 
 /// What a fit says, with intervals, stability and warnings.
@@ -80,6 +84,9 @@ struct Answer {
 /// @param stop called before each of these, which are then left as they are; may be empty
 Answer make_answer(const UnknownMaterial& unknown, std::vector<WeightedTest>& tests, const Fit& fit, bool profiles,
                    const std::function<bool()>& stop = {});
+
+/// Of all tests that count together.
+double whole_rms(const Answer& answer);
 
 /// Of one among several laws.
 LawAnswer law_answer(const Answer& answer);

@@ -131,8 +131,18 @@ double relaxed(const VectorX& elastic, const Relaxation& relaxation, double ramp
   return sum;
 }
 
+/// Of many times: behind the ramp each term has what it has at its end, times one exponential.
 VectorX relaxed(const VectorX& elastic, const Relaxation& relaxation, double ramp, const VectorX& times) {
-  return times.unaryExpr([&](double time) { return relaxed(elastic, relaxation, ramp, time); });
+  std::vector<std::pair<double, double>> terms;  // stress of a term alone at the end of the ramp, and its time
+  for (const auto& [share, tau] : relaxation.terms)
+    terms.emplace_back(relaxed(elastic, {.terms = {{share, tau}}}, ramp, ramp) - elastic[elastic.size() - 1], tau);
+  const double permanent = relaxation.long_term() * elastic[elastic.size() - 1];
+  return times.unaryExpr([&](double time) {
+    if (time < ramp) return relaxed(elastic, relaxation, ramp, time);
+    double stress = permanent;
+    for (const auto& [end, tau] : terms) stress += end * std::exp(-(time - ramp) / tau);
+    return stress;
+  });
 }
 
 class RelaxationTest final : public MeasuredTest {

@@ -40,6 +40,38 @@ Table number_table(const Answer& answer) {
   return table;
 }
 
+std::string scale_text(const TestAnswer& test) {
+  if (test.residuals == ResidualScale::absolute) return "the largest value";
+  if (test.residuals == ResidualScale::relative || test.data.noise == 0) return "each value";
+  return "each value and 100 x the noise of " + readable(test.data.noise, test.data.up->unit, 2);
+}
+
+Table modulus_table(const Answer& answer) {
+  Table table({"modulus", "test", "value", "95 % from", "to", "points"});
+  for (const TestAnswer& test : answer.tests)
+    for (const WindowModulus& found : test.moduli) {
+      const auto cell = [](double value) { return number_cell(readable(value, dimension::pressure), value); };
+      table.add({{found.window},
+                 {test.name, Tone::faint},
+                 cell(found.value),
+                 cell(found.low),
+                 cell(found.high),
+                 number_cell(std::to_string(found.rows), static_cast<double>(found.rows))});
+    }
+  return table;
+}
+
+/// What was recognised in the data files and done with their rows, a line each.
+std::vector<std::string> data_notes(const Answer& answer) {
+  std::vector<std::string> notes;
+  for (const TestAnswer& test : answer.tests)
+    if (!test.data.notes.empty()) {
+      const std::string note = test.data.file + ": " + fmt::format("{}", fmt::join(test.data.notes, "; "));
+      if (std::find(notes.begin(), notes.end(), note) == notes.end()) notes.push_back(note);
+    }
+  return notes;
+}
+
 Table test_table(const Answer& answer) {
   Table table({"test", "kind", "points", "rms", "of", ""});
   for (const TestAnswer& test : answer.tests)
@@ -47,7 +79,7 @@ Table test_table(const Answer& answer) {
                {test.kind, Tone::faint},
                number_cell(std::to_string(test.data.y.size()), static_cast<double>(test.data.y.size())),
                number_cell(percent_of(test.relative_rms), test.relative_rms),
-               {test.relative ? "each value" : "the largest value", Tone::faint},
+               {scale_text(test), Tone::faint},
                {test.counted ? "fitted" : "predicted", test.counted ? Tone::faint : Tone::poor}});
   return table;
 }
@@ -93,17 +125,6 @@ Table stability_table(const Answer& answer) {
   return table;
 }
 
-/// Of all tests that count together.
-double whole_rms(const Answer& answer) {
-  double squares = 0, count = 0;
-  for (const TestAnswer& test : answer.tests)
-    if (test.counted) {
-      squares += test.relative_rms * test.relative_rms * static_cast<double>(test.data.y.size());
-      count += static_cast<double>(test.data.y.size());
-    }
-  return std::sqrt(squares / count);
-}
-
 Table strategy_table(const std::vector<Answer>& answers) {
   Table table({answers.front().strategy.empty() ? "scene" : "strategy", "numbers", "rms", "time", ""});
   for (const Answer& answer : answers) {
@@ -131,6 +152,17 @@ std::string head_text(const Answer& answer) {
 
 std::vector<double> numbers_of(const VectorX& values) { return {values.begin(), values.end()}; }
 
+Json moduli_json(const TestAnswer& test) {
+  Json list = Json::array();
+  for (const WindowModulus& found : test.moduli)
+    list.push_back({{"window", found.window},
+                    {"value", found.value},
+                    {"low", found.low},
+                    {"high", found.high},
+                    {"points", found.rows}});
+  return list;
+}
+
 /// What is not finite becomes null.
 Json json_of(const Answer& answer) {
   Json json{{"scene", answer.scene}, {"title", answer.title}, {"law", answer.law}};
@@ -152,13 +184,18 @@ Json json_of(const Answer& answer) {
   for (const auto& row : answer.correlation.rowwise()) json["correlation"].push_back(numbers_of(row.transpose()));
   json["relative_rms"] = Json::object();
   for (const TestAnswer& test : answer.tests) json["relative_rms"][test.name] = test.relative_rms;
-  json["warnings"] = answer.warnings;
+  json["warnings"] = answer.warnings, json["notes"] = data_notes(answer);
   json["tests"] = Json::array();
   for (const TestAnswer& test : answer.tests)
     json["tests"].push_back({{"name", test.name},
                              {"kind", test.kind},
                              {"fitted", test.counted},
-                             {"residuals", test.relative ? "relative" : "absolute"},
+                             {"residuals", test.residuals == ResidualScale::automatic  ? "automatic"
+                                           : test.residuals == ResidualScale::relative ? "relative"
+                                                                                       : "absolute"},
+                             {"noise", test.data.noise},
+                             {"zero", test.data.zero},
+                             {"moduli", moduli_json(test)},
                              {test.data.along->name, numbers_of(test.data.x)},
                              {"measured_" + test.data.up->name, numbers_of(test.data.y)},
                              {"fitted_" + test.data.up->name, numbers_of(test.fitted)}});
@@ -241,7 +278,11 @@ std::string answer_html(const Answer& answer) {
                               ? ""
                               : "<p class=\"note\">Published: " + escaped(answer.published_source) + "</p>")) +
            card_html("Correlation of the numbers", correlation_html(answer));
-  out += card_html("Tests", test_table(answer).html());
+  std::string notes;
+  for (const std::string& note : data_notes(answer)) notes += "<p class=\"note\">" + escaped(note) + "</p>";
+  out += card_html("Tests", test_table(answer).html() + notes);
+  if (const Table moduli = modulus_table(answer); !moduli.empty())
+    out += card_html("Moduli of the measured curves", moduli.html());
   if (!answer.laws.empty())
     out += card_html("Laws, by the information criterion for small samples", law_table(answer).html());
   if (!answer.stability.empty()) out += card_html("Stability (Drucker)", stability_table(answer).html());
@@ -263,7 +304,9 @@ std::string answer_text(const Answer& answer, bool colours) {
   };
   add(number_table(answer));
   if (!answer.published_source.empty()) out += "published: " + answer.published_source + "\n";
-  add(test_table(answer)), add(law_table(answer)), add(stability_table(answer));
+  add(test_table(answer));
+  for (const std::string& note : data_notes(answer)) out += "  " + note + "\n";
+  add(modulus_table(answer)), add(law_table(answer)), add(stability_table(answer));
   if (!answer.warnings.empty()) out += "\n";
   for (const std::string& warning : answer.warnings)
     out += painted("  warning: ", Tone::poor, colours) + warning + "\n";
@@ -320,18 +363,14 @@ Plot fit_plot(const Answer& answer) {
 Plot residual_plot(const Answer& answer) {
   Plot plot;
   plot.title = answer.title + ": residuals";
-  plot.y = {
-      "fitted less measured, over " +
-          std::string(!answer.tests.empty() && answer.tests.front().relative ? "each value" : "the largest value"),
-      "%", false};
+  plot.y = {"fitted less measured, over " + (answer.tests.empty() ? "each value" : scale_text(answer.tests.front())),
+            "%", false};
   int colour = 0;
   for (const TestAnswer& test : answer.tests) {
     if (colour == 0) plot.x = {test.data.along->name, si_unit(test.data.along->unit), false};
     PlotSeries marks{test.name, colour++, PlotSeries::Kind::marked_line, {}};
-    const double largest = test.data.y.cwiseAbs().maxCoeff();
     for (Eigen::Index i = 0; i < test.fitted.size(); ++i)
-      marks.points.push_back(
-          {test.data.x[i], (test.fitted[i] - test.data.y[i]) / (test.relative ? test.data.y[i] : largest), test.name});
+      marks.points.push_back({test.data.x[i], (test.fitted[i] - test.data.y[i]) / test.scale[i], test.name});
     plot.series.push_back(std::move(marks));
   }
   plot.level = 0;

@@ -362,7 +362,7 @@ class SpecimenTest final : public MeasuredTest {
         throw InputError(
             SourceLocation{data_.file, data_.lines[point]},
             fmt::format("{} of {:.6g} has the other sign than what {} prescribes, {:.6g} (SI); of compression both "
-                        "displacement and force are negative",
+                        "displacement and force are negative, which signs: pressing makes of positive ones",
                         data_.along->name, data_.x[point], scene_->source.path(), whole_));
       if (part < 0 || part > 1 + kAgreement)
         throw InputError(
@@ -392,7 +392,7 @@ class SpecimenTest final : public MeasuredTest {
     throw InputError(
         SourceLocation{data_.file, data_.lines[last]},
         fmt::format("{} of {:.6g} (SI) has the other sign than the specimen's: of tension displacement and "
-                    "force are positive, of compression both negative",
+                    "force are positive, of compression both negative; signs: pressing reads positive ones so",
                     data_.up->name, data_.y[last]));
   }
 
@@ -415,11 +415,11 @@ class SpecimenTest final : public MeasuredTest {
     Eigen::Index count = 0;
     for (Eigen::Index i = 0; i < data_.x.size(); ++i) {
       if (data_.x[i] == 0) {
-        if (std::abs(data_.y[i]) > offset * data_.y.cwiseAbs().maxCoeff())
+        if (std::abs(data_.y[i]) > std::max(offset * data_.y.cwiseAbs().maxCoeff(), 4 * data_.noise))
           throw InputError(
               SourceLocation{data_.file, data_.lines[i]},
-              fmt::format("{} is {:.6g} (SI) at rest, where it is 0: subtract that from all rows, or leave "
-                          "this one out",
+              fmt::format("{} is {:.6g} (SI) at rest, where it is 0: zero: found counts from where the load begins; "
+                          "else subtract that from all rows, or leave this one out",
                           data_.up->name, data_.y[i]));
         continue;
       }

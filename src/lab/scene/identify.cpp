@@ -58,13 +58,44 @@ std::vector<std::pair<std::string, HomogeneousTest>> homogeneous_names() {
 }
 
 template <class Setup>
-Key<Setup> residuals_key(bool Setup::*member, const std::string& text) {
-  return key::choice("residuals", member, {{"relative", true}, {"absolute", false}}, text);
+Key<Setup> residuals_key(ResidualScale Setup::*member, const std::string& text) {
+  using enum ResidualScale;
+  return key::choice("residuals", member, {{"automatic", automatic}, {"relative", relative}, {"absolute", absolute}},
+                     text);
+}
+
+Key<ModulusWindow> bound_key(const std::string& name, WindowBound ModulusWindow::*member, bool of_chord,
+                             const std::string& text) {
+  return Key<ModulusWindow>({name, "number, or quantity", "Pa", "", "", text},
+                            [member](const Reader& value, ModulusWindow& window) {
+                              const std::string given = value.text();
+                              const bool is_stress = given.ends_with("Pa");
+                              window.*member = {
+                                  value.quantity(is_stress ? dimension::pressure : dimension::none, kNotNegative),
+                                  is_stress};
+                            })
+      .needed_when(
+          [of_chord](const ModulusWindow& window) { return (window.kind == ModulusWindow::Kind::chord) == of_chord; },
+          of_chord ? "needed for `chord`" : "needed for `tangent` and `secant`");
+}
+
+const Keys<ModulusWindow>& modulus_keys() {
+  using enum ModulusWindow::Kind;
+  static const Keys<ModulusWindow> keys{
+      key::choice("kind", &ModulusWindow::kind, {{"chord", chord}, {"tangent", tangent}, {"secant", secant}},
+                  "stress over strain between two points, the slope at one, or stress over strain from rest to one")
+          .needed(),
+      bound_key("from", &ModulusWindow::from, true,
+                "where the window begins: a strain (`5 %`) or a stress (`2 kPa`), without sign"),
+      bound_key("to", &ModulusWindow::to, true, "where it ends"),
+      bound_key("at", &ModulusWindow::at, false, "the point")};
+  return keys;
 }
 
 const Keys<DataTest>& data_test_keys() {
   using S = DataTest;
   const auto is_relaxation = [](const S& test) { return test.kind->in_time; };
+  const auto curved = [](const S& test) { return !test.kind->in_time; };
   const auto of_strain = [](const S& test) { return test.kind->in_time && !test.scene; };
   std::vector<std::pair<std::string, const DataTestKind*>> kinds;
   for (const DataTestKind& kind : data_test_kinds()) kinds.emplace_back(kind.name, &kind);
@@ -75,11 +106,44 @@ const Keys<DataTest>& data_test_keys() {
              [](const Reader& value, S& test) { test.file = beside(value); })
           .needed(),
       texts_by_name_key("rows", &S::rows, "all", "only the rows with this text in this column: `{region: cortex}`"),
-      texts_by_name_key("columns", &S::columns, "none", "what a head of the file means: `{Load: force [N]}`"),
-      later_key("from", &S::from, "the column's", "none", "least of what is prescribed that counts"),
-      later_key("to", &S::to, "the column's", "none", "largest of what is prescribed that counts"),
+      texts_by_name_key("columns", &S::columns, "as recognised",
+                        "what a column means, by its name or its number: `{Load: 'force [N]'}`"),
+      key::choice("decimal", &S::decimal, {{"point", '.'}, {"comma", ','}}, "mark of decimals in the file")
+          .otherwise("as recognised"),
+      key::whole("block", &S::block, 1, "which of several blocks of the file, each with names of its own, counts")
+          .otherwise("the only one with the columns"),
+      later_key("from", &S::from, "the column's", "none",
+                "least of what is prescribed that counts, as the file has it; no other row is looked at"),
+      later_key("to", &S::to, "the column's", "none", "largest of it"),
+      key::choice("signs", &S::pressing, {{"pulling", false}, {"pressing", true}}, "what the columns count positive")
+          .when(curved)
+          .otherwise("`pulling`; of `compression` either, by each column's own sign"),
+      key::choice("branch", &S::branch, {{"loading", BranchChoice::loading}, {"unloading", BranchChoice::unloading}},
+                  "which rows of a curve that goes to and fro count")
+          .when(curved)
+          .otherwise("all, of a curve that does not"),
+      key::whole("cycle", &S::cycle, -1000, 1000, "which of several such branches: 1 is the first, -1 the last")
+          .when(curved)
+          .otherwise("1"),
+      key::choice(
+          "torn", &S::keep_torn, {{"left_out", false}, {"keep", true}},
+          "rows behind a tear or slip: a fall of the reading by a fifth within three rows, or by half of the largest")
+          .when(curved),
+      key::choice("zero", &S::zero,
+                  {{"as_given", ZeroChoice::as_given}, {"found", ZeroChoice::found}, {"toe", ZeroChoice::toe}},
+                  "where what is prescribed counts from: as the file has it; `found`: where the load begins, behind "
+                  "slack or before a preload; `toe`: where the tangent of the steepest fifth of the range crosses "
+                  "zero. `length` and strains are then over the length there")
+          .when(curved),
+      key::whole("points", &S::points, 2, "more rows than these are averaged in groups")
+          .when(curved)
+          .otherwise("500; of `specimen` 50"),
+      key::list({"moduli", "list of maps", "", "", "none", "moduli by windows of the measured curve, below"},
+                &S::moduli,
+                [](Reader item) { return item.set_section("identify.tests.moduli"), modulus_keys().read(item); })
+          .when([](const S& test) { return test.kind->homogeneous.has_value(); }),
       key::quantity("weight", &S::weight, dimension::none, "of its squares; 0: predicted and not fitted", kNotNegative),
-      residuals_key(&S::relative, "of this test").otherwise("as above"),
+      residuals_key(&S::residuals, "of this test").otherwise("as above"),
       key::quantity("cross_section", &S::cross_section, dimension::area, "of a homogeneous test", kPositive)
           .otherwise("needed with `force`"),
       key::quantity("length", &S::length, dimension::length, "of a homogeneous test", kPositive)
@@ -98,9 +162,9 @@ const Keys<DataTest>& data_test_keys() {
   return keys;
 }
 
-DataTest read_test(const Reader& reader, bool relative) {
+DataTest read_test(const Reader& reader, ResidualScale residuals) {
   DataTest test;
-  test.relative = relative;
+  test.residuals = residuals;
   test = data_test_keys().read(reader, {}, std::move(test));
   test.fail = failure_at(reader);
   if (test.name.empty()) test.name = test.kind->name;
@@ -129,7 +193,7 @@ std::vector<UnknownChoice> read_unknowns(const Reader& reader) {
 }
 
 struct IdentifySetup : IdentifyTask {
-  bool relative = true;  ///< residuals of tests that do not say it
+  ResidualScale residuals = ResidualScale::automatic;  ///< of tests that do not state it
 };
 
 void read_published(Reader reader, IdentifySetup& task) {
@@ -143,7 +207,7 @@ void read_published(Reader reader, IdentifySetup& task) {
 
 void read_tests(const Reader& reader, IdentifySetup& task) {
   for (const Reader& item : reader.items()) {
-    DataTest test = read_test(item, task.relative);
+    DataTest test = read_test(item, task.residuals);
     for (const DataTest& other : task.tests)
       if (other.name == test.name) item.fail("there is a test '" + test.name + "' already; give this one a name");
     task.tests.push_back(std::move(test));
@@ -154,7 +218,10 @@ void read_tests(const Reader& reader, IdentifySetup& task) {
 const Keys<IdentifySetup>& identify_map_keys() {
   using S = IdentifySetup;
   static const Keys<S> keys{
-      residuals_key(&S::relative, "difference over each measured value, or over the largest one of the test"),
+      residuals_key(
+          &S::residuals,
+          "differences are over each measured value (`relative`), over the largest one of the test (`absolute`), or "
+          "over each value and a hundred times the noise of readings near zero together (`automatic`)"),
       Key<S>({"tests", "list of maps", "", "", "", "the tests, below"}, read_tests).needed(),
       Key<S>(
           {"unknowns", "list, or map", "", "", "all numbers of the law but `bulk_modulus`; of E and ν, E",
@@ -216,6 +283,8 @@ const std::vector<DataTestKind>& data_test_kinds() {
                      shear ? std::vector<std::string>{"shear", "displacement"} : strains,
                      shear ? std::vector<std::string>{"nominal_stress", "force"} : stresses, test});
     }
+    all.insert(all.begin() + 1,
+               {"compression", "uniaxial, pressed", strains, stresses, HomogeneousTest::uniaxial, false, true});
     all.push_back(
         {"relaxation", "stress over time at a strain that is kept", {"time"}, {"nominal_stress", "force"}, {}, true});
     all.push_back({"specimen",
@@ -262,16 +331,18 @@ void check_identify(const Reader& reader) {
 std::vector<KeySection> identify_keys() {
   std::vector<std::string> quantities;
   for (const DataQuantity& quantity : data_quantities()) quantities.push_back(quantity.name);
-  return {{"identify", "Identification",
-           "The section `identify` says which measured tests `elastin identify` fits the material to. A scene of "
-           "homogeneous tests alone needs no body, stiffness and experiment.",
-           identify_map_keys().rows()},
-          {"identify.unknowns", "", "Each of `unknowns` may have:", unknown_keys().rows()},
-          {"identify.tests", "",
-           "Each of `tests` is a CSV file with two columns, whose heads say what they hold with its unit, such as "
-           "`force [N]`, of " +
-               words_text(quantities) + ":",
-           data_test_keys().rows()}};
+  return {
+      {"identify", "Identification",
+       "The section `identify` says which measured tests `elastin identify` fits the material to. A scene of "
+       "homogeneous tests alone needs no body, stiffness and experiment.",
+       identify_map_keys().rows()},
+      {"identify.unknowns", "", "Each of `unknowns` may have:", unknown_keys().rows()},
+      {"identify.tests", "",
+       "Each of `tests` is a file with two columns, whose names, or a row below them, state what they hold with its "
+       "unit, such as `force [N]`, of " +
+           words_text(quantities) + ":",
+       data_test_keys().rows()},
+      {"identify.tests.moduli", "", "Each of `moduli` has:", modulus_keys().rows()}};
 }
 
 }  // namespace elastin::lab

@@ -27,11 +27,31 @@ struct DataTestKind {
   std::vector<std::string> along, up;  ///< quantities that it takes: of what is prescribed, and of the response
   std::optional<HomogeneousTest> homogeneous = {};  ///< every point in the same state
   bool in_time = false;                             ///< at a strain that is kept
+  bool pressed = false;                             ///< whether strains and stresses are negative
 };
 const std::vector<DataTestKind>& data_test_kinds();
 
 /// How far a column counts, in the scene file's words: its dimension is known when the data are read.
 using LaterQuantity = std::function<double(const Dimension&)>;
+
+/// What differences from measured values are over: each value, but a hundred times the noise at least, so that readings
+/// near zero do not rule; each value; or the largest one of the test.
+enum class ResidualScale { automatic, relative, absolute };
+/// Which rows of a curve that goes to and fro: `only` refuses such a curve.
+enum class BranchChoice { only, loading, unloading };
+/// Where what is prescribed is zero: as the file has it, where the load begins, or by the steepest tangent.
+enum class ZeroChoice { as_given, found, toe };
+
+/// An end of a window, a strain or a stress [Pa].
+struct WindowBound {
+  double value = 0;
+  bool is_stress = false;
+};
+/// A modulus that is read off the measured curve.
+struct ModulusWindow {
+  enum class Kind { chord, tangent, secant } kind = Kind::chord;
+  WindowBound from, to, at;
+};
 
 /// One measured test as a scene states it.
 struct DataTest {
@@ -42,7 +62,16 @@ struct DataTest {
   std::vector<std::pair<std::string, std::string>> columns;  ///< what heads of the file mean: "force [N]"
   LaterQuantity from, to;                                    ///< range of what is prescribed; empty = all of it
   double weight = 1;                                         ///< of its squares; 0 = predicted and not fitted
-  bool relative = true;                                      ///< residuals over each value, or over the largest one
+  ResidualScale residuals = ResidualScale::automatic;
+  char decimal = 0;              ///< mark of decimals; 0: as recognised
+  int block = 0;                 ///< of the file, from 1; 0: the only one with the columns
+  std::optional<bool> pressing;  ///< whether the columns count compression positive
+  BranchChoice branch = BranchChoice::only;
+  int cycle = 0;  ///< from 1, or −1 from the last; 0: the first
+  bool keep_torn = false;
+  ZeroChoice zero = ZeroChoice::as_given;
+  int points = 0;  ///< to which more rows are averaged; 0: as many as show the shape of any curve
+  std::vector<ModulusWindow> moduli;
   double cross_section = 0, length = 0;              ///< [m²], [m] that make stress of force, strain of displacement
   std::optional<SceneSource> scene;                  ///< of a specimen
   HomogeneousTest held = HomogeneousTest::uniaxial;  ///< of a relaxation test

@@ -15,7 +15,7 @@ namespace {
 
 struct Broken {
   std::string what, text;
-  int line;            ///< of the data file; 0: the place is in the scene
+  int line;            ///< of the data file; 0: the place is in the scene; -1: the whole file
   std::string needed;  ///< words of the message
   std::string kind = "uniaxial", more = "", material = "";
 };
@@ -38,7 +38,7 @@ const std::string kGood = "stretch,nominal_stress [kPa]\n1.1,0.5\n1.2,1\n1.3,1.4
 
 const std::vector<Broken> kBroken{
     {"no unit", "stretch,nominal_stress\n1.1,1\n1.2,2\n", 1, "has no unit; write for example 'nominal_stress ["},
-    {"unknown unit", "stretch,nominal_stress [psi]\n1.1,1\n1.2,2\n", 1, "'psi' is no unit of nominal_stress"},
+    {"unknown unit", "stretch,nominal_stress [dyn]\n1.1,1\n1.2,2\n", 1, "'dyn' is no unit of nominal_stress"},
     {"unit of something else", "stretch,nominal_stress [mm]\n1.1,1\n1.2,2\n", 1, "'mm' is no unit of nominal_stress"},
     {"nominal or true unsaid", "stretch,stress [kPa]\n1.1,1\n1.2,2\n", 1,
      "nominal_stress (force over section at rest) or true_stress"},
@@ -54,8 +54,25 @@ const std::vector<Broken> kBroken{
     {"not a number", "stretch,nominal_stress [kPa]\n1.1,0.5\n1.2,nan\n1.3,1\n", 3, "'nan' is no measured value"},
     {"a word", "stretch,nominal_stress [kPa]\n1.1,0.5\n1.2,n/a\n1.3,1\n", 3, "'n/a' is no number"},
     {"another base", "stretch,nominal_stress [kPa]\n1.1,0.5\n1.2,0x10\n1.3,1\n", 3, "'0x10' is no number"},
-    {"heads of a machine", "Extension (mm),Load (N)\n1,1\n2,2.2\n", 1,
-     "or say in the scene what a head means, columns: {\"Extension (mm)\": displacement [mm]}"},
+    {"names that nobody knows", "Ext (mm),Ld (N)\n1,1\n2,2.2\n", 1,
+     "or state what a name means, columns: {\"Ext (mm)\": 'displacement [mm]'}"},
+    {"no length", "Extension (mm),Load (N)\n1,1\n2,2.2\n", 0, "key 'length' is missing: the data have a displacement"},
+    {"no names", "1,1\n2,2.2\n", 1, "there are no names of columns above the numbers"},
+    {"a machine's stress", "Dehnung;Spannung\n%;MPa\n1,5;1,2\n2,5;2,2\n", 1,
+     "State it: columns: {\"Dehnung\": 'nominal_strain [%]'}"},
+    {"a spreadsheet", "PK\x03\x04 and so on", -1, "save the sheet as CSV"},
+    {"no text", std::string("a,b\n1,\0x\n", 10), -1, "is no text"},
+    {"points and commas", "stretch;nominal_stress [kPa]\n1,1;0,5\n1.2;1\n", 3,
+     "decimal points in line 3 and decimal commas in line 2: state decimal: point"},
+    {"two blocks", "stretch,nominal_stress [kPa]\n1.1,1\n1.2,2\nstretch,nominal_stress [kPa]\n1.1,3\n1.2,4\n", 1,
+     "1 (line 1, 2 rows), 2 (line 4, 2 rows); choose one, for example block: 1"},
+    {"too few blocks", kGood, 0, "block: ", "uniaxial", ", block: 2"},
+    {"to and fro", "stretch,nominal_stress [kPa]\n1.1,1\n1.2,2\n1.1,.9\n1.2,2\n1.1,.9\n", 4,
+     "branch: loading or branch: unloading, and one of 2 cycles by cycle: 1 … 2"},
+    {"too few cycles", "stretch,nominal_stress [kPa]\n1.1,1\n1.2,2\n1.1,.9\n", 0, "has 1 loading branch", "uniaxial",
+     ", cycle: 2"},
+    {"stretches that are pressed", kGood, 2, "stretches above 1 are no compression", "compression"},
+    {"a window without rows", kGood, 0, "moduli: tangent at 80 %", "uniaxial", ", moduli: [{kind: tangent, at: 80 %}]"},
     {"no body", "displacement [mm],force [N]\n1,1\n2,2.2\n", 0, "a specimen needs its body", "specimen"},
     {"a gap", "stretch,nominal_stress [kPa]\n1.1,0.5\n1.2,\n1.3,1\n", 3, "nothing stands there"},
     {"one point", "stretch,nominal_stress [kPa]\n1.1,0.5\n", 0, "has 1 point; a curve needs two or more"},
@@ -63,7 +80,8 @@ const std::vector<Broken> kBroken{
      "nominal_stress is the same in all rows"},
     {"constant stretch", "stretch,nominal_stress [kPa]\n1.1,1\n1.1,2\n1.1,3\n", 2, "stretch is the same in all rows"},
     {"a row too short", "stretch,nominal_stress [kPa]\n1.1,0.5\n1.2\n1.3,1\n", 3, "1 fields; the head has 2"},
-    {"semicolons", "stretch;nominal_stress [kPa]\n1,1;0,5\n1,2;1\n", 1, "separate"},
+    {"decimals or thousands", "stretch;nominal_stress [kPa]\n1,100;1,500\n1,200;2,500\n", 2,
+     "may stand before decimals or between thousands: state decimal: point"},
     {"column twice", "stretch,nominal_stress [kPa],stretch\n1.1,0.5,1\n1.2,1,1\n", 1,
      "two columns are called 'stretch'"},
     {"empty", "", 1, "no head"},
@@ -89,7 +107,9 @@ TEST_CASE("each broken data file is answered with its place and what is needed",
                       scene = folder.write("scene.yaml", scene_of(broken));
     const std::string message = message_of(scene);
     INFO(message);
-    const std::string place = broken.line > 0 ? data + ":" + std::to_string(broken.line) + ":" : scene + ":3:";
+    const std::string place = broken.line < 0   ? data + ":"
+                              : broken.line > 0 ? data + ":" + std::to_string(broken.line) + ":"
+                                                : scene + ":3:";
     CHECK(message.starts_with(place));
     CHECK(message.find(broken.needed) != std::string::npos);
   }
@@ -118,6 +138,9 @@ TEST_CASE("columns in any unit and spelling of their heads are the same data", "
       {"# a remark\nstretch,nominal_stress_kPa\n1.1,1\n1.25,2\n", ""},
       {"nominal_strain [%],nominal_stress (kPa)\r\n10,1\r\n25,2\r\n", ""},
       {"\xEF\xBB\xBFnominal_stress / MPa,true_strain\n0.001,0.0953101798\n0.002,0.22314355131\n", ""},
+      {"stretch;nominal_stress [kPa]\n1,1;1\n1,25;2\n", ""},
+      {"stretch\tnominal_stress [Pa]\n1.1\t1,000\n1.25\t2,000\n", ""},
+      {"1;1.000\n1,1;1.000\n1,25;2.000\n", ", from: 1.05, columns: {1: stretch, 2: 'nominal_stress [Pa]'}"},
       {"stretch,true_stress [kPa]\n1.1,1.1\n1.25,2.5\n", ""},
       {"Ext,Load,note\n4,0.04,a\n10,0.08,b\n",
        ", columns: {Ext: 'displacement [mm]', Load: 'force [N]'}, length: 40 mm, cross_section: 40 mm2"},

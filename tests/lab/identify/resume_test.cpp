@@ -177,7 +177,7 @@ TEST_CASE(
   CHECK(task.material.density == 1100);
   CHECK(task.material.fibre.has_value());
   CHECK(task.material.softening.has_value());
-  CHECK_FALSE(task.tests.front().relative);
+  CHECK(task.tests.front().residuals == ResidualScale::absolute);
 }
 
 TEST_CASE("files of a scene are named from its new folder", "[identify]") {

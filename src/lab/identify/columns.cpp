@@ -1,0 +1,263 @@
+#include "lab/identify/columns.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <string_view>
+
+namespace elastin::lab {
+namespace {
+
+using Source = Column::Source;
+
+/// Names that machines give to columns, small letters, without what stands in brackets.
+struct MachineNames {
+  const char *quantity, *names;
+  bool pressing = false, position = false;
+};
+constexpr std::array kMachineNames{
+    MachineNames{"time",
+                 "elapsed time|test time|running time|total time|time elapsed|zeit|prüfzeit|testzeit|temps|时间"},
+    MachineNames{
+        "displacement",
+        "disp|extension|elongation|stroke|crosshead|crosshead displacement|crosshead extension|axial disp|axial "
+        "displacement|tensile extension|tensile displacement|xdisplacement|x displacement|actuator displacement|"
+        "distance|standardweg|weg|traversenweg|verschiebung|verlängerung|déplacement|allongement|位移|伸长|变形|行程"},
+    MachineNames{"displacement", "compressive extension|compressive displacement|stauchweg", true},
+    MachineNames{"displacement", "position|z position|axial position|crosshead position", false, true},
+    MachineNames{
+        "force",
+        "load|axial force|axial load|tensile load|tensile force|standardkraft|kraft|prüfkraft|xforce|x force|fz|"
+        "charge|力|载荷|负荷|试验力|荷重|試験力"},
+    MachineNames{"force", "compressive load|compressive force|druckkraft", true},
+    MachineNames{"nominal_strain", "tensile strain|engineering strain|eng strain|工程应变"},
+    MachineNames{"nominal_strain", "compressive strain|stauchung", true},
+    MachineNames{"nominal_stress", "tensile stress|engineering stress|eng stress|工程应力"},
+    MachineNames{"nominal_stress", "compressive stress|druckspannung", true},
+    MachineNames{"true_strain", "logarithmic strain|hencky strain|真应变"},
+    MachineNames{"true_stress", "cauchy stress|真应力"}, MachineNames{"torque", "axial torque|drehmoment|扭矩"},
+    MachineNames{"angle", "rotation|twist|rotary position|drehwinkel|转角"}, MachineNames{"pressure", "druck"},
+    // Nominal or true: not stated.
+    MachineNames{"stress", "spannung|contrainte|应力|応力"}, MachineNames{"strain", "dehnung|déformation|应变"}};
+
+/// Small letters, blanks for underscores, and nothing in brackets.
+std::string simplified(const std::string& name) {
+  std::string simple;
+  int depth = 0;
+  for (const char c : name) {
+    if (c == '(' || c == '[') ++depth;
+    if (depth == 0) simple += c == '_' || c == '.' ? ' ' : c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+    if (c == ')' || c == ']') --depth;
+  }
+  std::string single;
+  for (const char c : simple)
+    if (c != ' ' || (!single.empty() && single.back() != ' ')) single += c;
+  if (single.ends_with(' ')) single.pop_back();
+  return single;
+}
+
+struct Meaning {
+  std::string quantity;
+  Source source;
+  bool pressing = false;
+};
+
+std::optional<Meaning> meaning_of(const std::string& name) {
+  const std::string simple = simplified(name);
+  const auto is_own = [&](const char* own) { return simple == own; };
+  for (const DataQuantity& quantity : data_quantities())
+    if (simple == simplified(quantity.name))
+      return Meaning{quantity.name, name == quantity.name ? Source::own_name : Source::machine_name};
+  if (is_own("stress") || is_own("strain")) return Meaning{simple, Source::own_name};
+  for (const MachineNames& row : kMachineNames)
+    if (("|" + std::string(row.names) + "|").find("|" + simple + "|") != std::string::npos && !simple.empty())
+      return Meaning{row.quantity, row.position ? Source::position : Source::machine_name, row.pressing};
+  return std::nullopt;
+}
+
+struct Head {
+  std::string name, unit;
+};
+
+/// "force" and "N" of "force [N]", "force (N)", "force, N", "force / N", "force in N", "force_N" or "force N".
+Head split(const std::string& head) {
+  for (const auto& [open, close] : {std::pair{" [", "]"}, {" (", ")"}, {"[", "]"}, {"(", ")"}})
+    if (const std::size_t at = head.rfind(open); at != std::string::npos && at > 0 && head.ends_with(close)) {
+      const std::size_t from = at + std::string_view(open).size();
+      const Head parts{head.substr(0, at), head.substr(from, head.size() - from - 1)};
+      return parts;
+    }
+  if (meaning_of(head)) return {head, ""};
+  for (const char* mark : {", ", " / ", " in ", "/", "_", " "})
+    if (const std::size_t at = head.rfind(mark); at != std::string::npos && meaning_of(head.substr(0, at)))
+      return {head.substr(0, at), head.substr(at + std::string_view(mark).size())};
+  return {head, ""};
+}
+
+std::string shown(const DataQuantity& quantity) {
+  const std::string examples = unit_examples(quantity.unit), unit = examples.substr(examples.find(' ') + 1);
+  return quantity.ratio
+             ? quantity.name
+             : quantity.name + " [" + (quantity.name == "angle" ? "deg" : unit.substr(0, unit.find(','))) + "]";
+}
+
+class TableColumns {
+ public:
+  TableColumns(const MachineTable& table, const DataTest& test) : table_(table), test_(test) {
+    for (std::size_t number = 0; number < table.head.size(); ++number) add(number);
+  }
+
+  std::vector<Column> candidates(const std::vector<std::string>& wanted) const {
+    std::vector<Column> found;
+    for (const Column& column : known_)
+      if (std::find(wanted.begin(), wanted.end(), column.quantity->name) != wanted.end()) found.push_back(column);
+    if (found.empty()) return found;
+    const auto best =
+        std::min_element(found.begin(), found.end(), [](auto& a, auto& b) { return a.source < b.source; });
+    const Source source = best->source;
+    std::erase_if(found, [&](const Column& column) { return column.source != source; });
+    if (source >= Source::machine_name) prefer(found, wanted);
+    return found;
+  }
+
+  /// The only column with one of these quantities.
+  Column choose(const std::vector<std::string>& wanted, const std::string& role) const {
+    const std::vector<Column> found = candidates(wanted);
+    // Of a specimen both may be loads or displacements; what stands first is prescribed.
+    const bool of_specimen = !test_.kind->homogeneous && !test_.kind->in_time;
+    if (found.size() == 1 || (found.size() > 1 && of_specimen)) {
+      const Column& column = found.size() > 1 && role == "answers" ? found.back() : found.front();
+      check_unit(column);
+      return column;
+    }
+    if (found.size() > 1)
+      fail((found[0].name == found[1].name
+                ? "two columns are called '" + found[0].name + "'"
+                : "two columns say what " + role + ", " + found[0].name + " and " + found[1].name) +
+           "; state the one that counts, by its number: " + hint(std::to_string(found[0].number + 1), found[0]));
+    std::vector<std::string> allowed;
+    for (const std::string& name : wanted) allowed.push_back(shown(*find_quantity(name)));
+    for (const auto& [head, quantity] : unsaid_)
+      if ((role == "answers") == (quantity == "stress"))
+        fail("column '" + head + "': is it " +
+             (quantity == "stress" ? "nominal_stress (force over section at rest) or true_stress"
+                                   : "nominal_strain, true_strain or stretch") +
+             "? State it: columns: {\"" + head + "\": 'nominal_" + quantity + unit_behind(head) + "'}");
+    const std::string all = fmt::format("{}", fmt::join(allowed, ", "));
+    if (known_.size() > 1)
+      fail("no column says what " + role + " in a test of kind " + test_.kind->name + "; '" + known_.front().name +
+           "' does not; one of: " + all);
+    for (const std::string& head : table_.head)
+      if (const std::string near = nearest_name(split(head).name, wanted); !near.empty())
+        fail("column '" + head + "' is not known; did you mean '" + near + "'?");
+    fail("no column says what " + role + " in a test of kind " + test_.kind->name + "; one of: " + all +
+         "; or state what a name means, columns: {\"" + (role == "answers" ? table_.head.back() : table_.head.front()) +
+         "\": '" + allowed.back() + "'}");
+  }
+
+ private:
+  [[noreturn]] void fail(const std::string& message) const {
+    throw InputError(SourceLocation{table_.path, table_.head_places.front().line},
+                     table_.named ? message : "there are no names of columns above the numbers; " + message);
+  }
+
+  void add(std::size_t number) {
+    std::string text = table_.head[number];
+    bool stated = false;
+    for (const auto& [head, meaning] : test_.columns)
+      if (find_column(table_, head) == number) text = meaning, stated = true;
+    Head head = split(text);
+    const auto meaning = meaning_of(head.name);
+    if (!meaning) {
+      if (stated) test_.fail("columns: '" + text + "' is no quantity with its unit, such as 'force [N]'");
+      return;
+    }
+    const DataQuantity* quantity = find_quantity(meaning->quantity);
+    if (!quantity) return unsaid_.emplace_back(table_.head[number], meaning->quantity), void();
+    Column column{quantity, stated ? text : table_.head[number],      head.unit,        {},
+                  number,   stated ? Source::scene : meaning->source, meaning->pressing};
+    const std::string below = number < table_.units.size() ? table_.units[number] : "";
+    if (!below.empty() && (column.unit.empty() || !machine_unit(column.unit, quantity->unit))) column.unit = below;
+    if (!column.unit.empty() || (quantity->ratio && quantity->name != "angle"))
+      column.factor = machine_unit(column.unit, quantity->unit);
+    known_.push_back(std::move(column));
+  }
+
+  /// Of what a machine writes, that which the test can use: displacement and force where the scene states what makes
+  /// strain and stress of them, or of a specimen; else strain and stress.
+  void prefer(std::vector<Column>& found, const std::vector<std::string>& wanted) const {
+    const auto keep = [&](const auto& condition) {
+      if (std::any_of(found.begin(), found.end(), condition))
+        std::erase_if(found, [&](auto& c) { return !condition(c); });
+    };
+    if (test_.kind->homogeneous || test_.kind->in_time) {
+      keep([&](const Column& column) { return (column.quantity->name == "displacement") == (test_.length > 0); });
+      keep([&](const Column& column) { return (column.quantity->name == "force") == (test_.cross_section > 0); });
+    } else {
+      for (const std::string& name : wanted)
+        if (std::any_of(found.begin(), found.end(), [&](auto& column) { return column.quantity->name == name; }))
+          return std::erase_if(found, [&](auto& column) { return column.quantity->name != name; }), void();
+    }
+  }
+
+  void check_unit(const Column& column) const {
+    if (column.factor) return;
+    if (column.unit.empty())
+      fail("column '" + column.name + "' has no unit; write for example '" + shown(*column.quantity) + "'" +
+           (column.source == Source::own_name
+                ? ""
+                : ", columns: {\"" + column.name + "\": '" + shown(*column.quantity) + "'}"));
+    fail("column '" + column.name + "': '" + column.unit + "' is no unit of " + column.quantity->name +
+         "; write for example '" + shown(*column.quantity) + "'");
+  }
+
+  static std::string hint(const std::string& head, const Column& column) {
+    return "columns: {\"" + head + "\": '" + column.quantity->name +
+           (column.unit.empty() ? "" : " [" + column.unit + "]") + "'}";
+  }
+
+  std::string unit_behind(const std::string& head) const {
+    std::string unit = split(head).unit;
+    if (const auto number = find_column(table_, head); unit.empty() && number && *number < table_.units.size())
+      unit = table_.units[*number];
+    return unit.empty() ? "" : " [" + unit + "]";
+  }
+
+  const MachineTable& table_;
+  const DataTest& test_;
+  std::vector<Column> known_;
+  std::vector<std::pair<std::string, std::string>> unsaid_;  ///< strains and stresses, nominal or true
+};
+
+}  // namespace
+
+const DataQuantity* find_quantity(const std::string& name) {
+  for (const DataQuantity& quantity : data_quantities())
+    if (quantity.name == name) return &quantity;
+  return nullptr;
+}
+
+std::optional<std::size_t> find_column(const MachineTable& table, const std::string& name) {
+  for (const bool whole : {true, false})
+    for (std::size_t i = 0; i < table.head.size(); ++i)
+      if ((whole ? table.head[i] : split(table.head[i]).name) == name) return i;
+  for (std::size_t i = 0; i < table.head.size(); ++i)
+    if (std::to_string(i + 1) == name) return i;
+  return std::nullopt;
+}
+
+bool suits(const MachineTable& table, const DataTest& test) {
+  const TableColumns columns(table, test);
+  return !columns.candidates(test.kind->along).empty() && !columns.candidates(test.kind->up).empty();
+}
+
+ChosenColumns choose_columns(const MachineTable& table, const DataTest& test) {
+  for (const auto& [head, meaning] : test.columns)
+    if (!find_column(table, head))
+      test.fail("columns: " + table.path + " has no column '" + head + "'" + suggestion(head, table.head));
+  const TableColumns columns(table, test);
+  return {columns.choose(test.kind->along, "is prescribed"), columns.choose(test.kind->up, "answers")};
+}
+
+}  // namespace elastin::lab

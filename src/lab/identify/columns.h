@@ -1,0 +1,38 @@
+#pragma once
+#include <optional>
+#include <string>
+
+#include "lab/identify/machine_file.h"
+#include "lab/scene/identify.h"
+
+namespace elastin::lab {
+
+const DataQuantity* find_quantity(const std::string& name);
+
+/// A column that holds a quantity.
+struct Column {
+  const DataQuantity* quantity = nullptr;
+  std::string name, unit;        ///< as the file, or the scene, states them
+  std::optional<double> factor;  ///< that makes its numbers SI; none: no unit, or no unit of the quantity
+  std::size_t number = 0;        ///< of the file's columns
+  /// How sure it is what it holds: by the scene, by the quantity's own name, by a name that machines use, by such a
+  /// name of a position, whose first value is subtracted.
+  enum class Source { scene, own_name, machine_name, position } source = Source::scene;
+  bool pressing = false;  ///< whether its name says that it counts compression
+};
+
+struct ChosenColumns {
+  Column along, up;  ///< what is prescribed; the response
+};
+
+/// The columns of this table that a test of this kind takes. Throws InputError at the head: no unit, nominal or true
+/// not stated, a column that is missing, misspelt or there twice.
+ChosenColumns choose_columns(const MachineTable& table, const DataTest& test);
+
+/// Whether the table has columns for both, whatever their units.
+bool suits(const MachineTable& table, const DataTest& test);
+
+/// The number of a column by its name, with or without its unit, or by its number from 1; none if there is none.
+std::optional<std::size_t> find_column(const MachineTable& table, const std::string& name);
+
+}  // namespace elastin::lab
