@@ -66,9 +66,9 @@ std::vector<ExportedCells> cells_of(const Body& body) {
 }
 
 /// What the experiment does with the body: read off the supports and loads of a model at every load step.
-class Reading {
+class ProblemReading {
  public:
-  Reading(const Scene& scene, StaticProblem& problem) : problem_(problem), model_(scene.specimen.body) {
+  ProblemReading(const Scene& scene, StaticProblem& problem) : problem_(problem), model_(scene.specimen.body) {
     for (const SpecimenLoad& load : scene.specimen.loads) load.add(model_);
     rig_ = scene.experiment->at_rest()->static_rig(model_);
     for (const auto& load : model_.loads())
@@ -128,7 +128,7 @@ StaticProblem problem_of(const Scene& scene) {
   problem.law = StrategyName(scene.stiffness.strategy.name).rule;
   problem.whole_cell = static_cast<bool>(scene.stiffness.strategy.volume_modulus);
   problem.small = scene.statics.linear;
-  Reading(scene, problem);
+  ProblemReading(scene, problem);
   if (auto more = missing_supports(problem); !more.empty()) {
     problem.notes.push_back(
         counted(static_cast<int>(more.size()), "component") +
