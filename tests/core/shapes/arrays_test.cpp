@@ -36,7 +36,8 @@ TEST_CASE("A body from arrays", "[arrays]") {
   CHECK(body.connections.ends == arrays.connections);
   CHECK(body.connections.rest_length == std::vector{1., 1., 1., std::sqrt(2.)});
   CHECK(body.radius == VectorX::Constant(4, 0.5));
-  CHECK(body.mass.isApprox(VectorX::Constant(4, 1000. / 6 / 4), 1e-12));  // of their hull, a sixth of the box  // 1000 kg/m3 in the bounding box of 1 m3
+  CHECK(body.mass.isApprox(VectorX::Constant(4, 1000. / 6 / 4),
+                           1e-12));  // of their hull, a sixth of the box  // 1000 kg/m3 in the bounding box of 1 m3
   arrays.masses = VectorX::LinSpaced(4, 1, 4);
   arrays.radii = VectorX::Constant(4, 0.1);
   arrays.rest_lengths = VectorX::Constant(4, 0.9);

@@ -24,8 +24,7 @@ TEST_CASE("each key of the reference stands once in its map, with type, default 
     }
     paths.insert(section.path);
   }
-  for (const std::string path :
-       {"", "body", "body.lattice", "experiment.tension", "contact", "time", "identify"}) {
+  for (const std::string path : {"", "body", "body.lattice", "experiment.tension", "contact", "time", "identify"}) {
     CAPTURE(path);
     CHECK(paths.contains(path));
   }
