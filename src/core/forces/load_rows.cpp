@@ -186,16 +186,17 @@ Body dragging(const Body& body, const LoadValues& values, double power) {
   molecules.radius = values.numbers.at("body_radius") * (body.mass / mass).array().pow(1 / power);
   return molecules;
 }
-const ParameterInfo kBodyRadius =
-    optional("body_radius", dimension::length,
-             "of a sphere that drags as the whole body does, shared by mass; without it every molecule drags as a "
-             "sphere of its own radius, and the sum depends on their number");
+ParameterInfo body_radius() {
+  return optional("body_radius", dimension::length,
+                  "of a sphere that drags as the whole body does, shared by mass; without it every molecule drags as a "
+                  "sphere of its own radius, and the sum depends on their number");
+}
 
 LoadKind stokes_drag() {
   LoadKind load{{"stokes_drag",
                  "ambient viscous friction F = -6 pi viscosity r V",
                  "[M03]",
-                 {required("viscosity", dimension::viscosity, "viscosity of the medium"), kBodyRadius}}};
+                 {required("viscosity", dimension::viscosity, "viscosity of the medium"), body_radius()}}};
   load.add = [](Model& model, const LoadValues& values, const Material*) {
     model.add(make_stokes_drag(dragging(model.body(), values, 1), values.numbers.at("viscosity")));
   };
@@ -210,7 +211,7 @@ LoadKind quadratic_drag() {
                  "[M03, reading]",
                  {required("density", dimension::density, "density of the medium"),
                   required("drag_coefficient", dimension::none, "drag coefficient of a molecule; 0.47 of a sphere"),
-                  kBodyRadius}}};
+                  body_radius()}}};
   load.add = [](Model& model, const LoadValues& values, const Material*) {
     model.add(make_quadratic_drag(dragging(model.body(), values, 2), values.numbers.at("density"),
                                   values.numbers.at("drag_coefficient")));
