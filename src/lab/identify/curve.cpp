@@ -6,6 +6,7 @@
 
 #include "elastin/core/base/dense.h"
 #include "lab/identify/fit.h"
+#include "lab/report/records.h"
 
 namespace elastin::lab {
 namespace {
@@ -18,11 +19,6 @@ constexpr double kNearRest = 0.2;    // of the largest reading, below which it i
 constexpr Eigen::Index kDense = 30;  // rows from which neighbours show noise
 constexpr double kNormal = 0.67449;  // median of |x| of a standard normal x
 
-double typical_of(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 double median_of_three(const VectorX& a, Eigen::Index from) {
   return std::max(std::min(a[from], a[from + 1]), std::min(std::max(a[from], a[from + 1]), a[from + 2]));
 }
@@ -89,7 +85,7 @@ double noise_of(const VectorX& x, const VectorX& y) {
     all.push_back(std::abs(bend[i] - (bend[i - 1] + bend[i + 1]) / 2) / std::sqrt(35. / 8));
     if (std::abs(y[i]) < kNearRest * largest) near_rest.push_back(all.back());
   }
-  return typical_of(near_rest.size() < 10 ? all : near_rest) / kNormal;
+  return median(near_rest.size() < 10 ? all : near_rest) / kNormal;
 }
 
 std::optional<ZeroPoint> find_zero(const VectorX& x, const VectorX& y) {
