@@ -244,5 +244,5 @@ TEST_CASE("a specimen whose scene does not prescribe what was measured is refuse
   CHECK(message("displacement [mm],force [N]\n0.5,-0.1\n1,-0.2\n", pulled)
             .find("data.csv:3: force of -0.2 (SI) has the other sign") != std::string::npos);
   CHECK(message("displacement [mm],force [N]\n0,0.01\n0.5,0.1\n1,0.2\n", pulled)
-            .find("data.csv:2: force is 0.01 (SI) at rest, where it is 0: subtract that") != std::string::npos);
+            .find("data.csv:2: force is 0.01 (SI) at rest, where it is 0: zero: found counts") != std::string::npos);
 }
