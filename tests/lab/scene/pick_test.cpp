@@ -219,6 +219,16 @@ TEST_CASE("planes of symmetry make a quarter of a block measure as the whole of 
   CHECK(by_molecules == Approx(quarter).epsilon(1e-10));
 }
 
+TEST_CASE("a set of sets in another program's file is the region that it names, in any case", "[scene][pick]") {
+  const std::string scene =
+      "material: {youngs_modulus: 10 kPa, poissons_ratio: 0}\nstiffness: neo_hookean\n"
+      "body: {mesh: {file: " ELASTIN_TEST_DATA
+      "/mesh/data/brought/inp_elset_of_elsets.inp, length_unit: mm}, regions: "
+      "[{cells: {set: both}, stiffness: 10}]}\n"
+      "experiment: {kind: tension, axis: x, strain: 0.1 %, fixed_grip: clamped, loaded_grip: clamped}\n";
+  CHECK(modulus_of(scene) == Approx(10e3 * 3 / (2. / 10 + 1)).epsilon(2e-3));  // two of three cubes in series
+}
+
 TEST_CASE("what is wrong with supports is told", "[scene][supports]") {
   const TemporaryFolder folder;
   const auto said = [&](const std::string& supports, const std::string& experiment = "{kind: tension, force: 1 mN}",
