@@ -13,6 +13,7 @@ import json
 import os
 import re
 import shlex
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -20,6 +21,7 @@ import tempfile
 PAPER = "elastin compare scenes/tension/table1-*.yaml scenes/tension/table2.yaml"
 HARD = "elastin verify scenes/hard/*.yaml --choices --markdown"
 SLIPS = "elastin check, on each slip of tests/lab/scene/slips.txt"
+BROUGHT = "elastin check, on each file of tests/mesh/data/brought"
 NUMBER = re.compile(r"[-+−]?\d+(?:\.\d+)?(?:e[-+]\d+)?")
 
 
@@ -112,6 +114,33 @@ def slips_table(elastin):
     return "\n".join(lines[1:]) + "\n"
 
 
+def brought_table(elastin):
+    """What is read of each mesh and surface, what is said of it, or why it is refused."""
+    lines = ["| file | read | said |", "|---|---|---|"]
+    for file in sorted(glob.glob("tests/mesh/data/brought/*[!t]")):
+        name = os.path.basename(file)
+        body = f"fill: {{spacing: 2 mm, file: {name}" if name.startswith("surf_") else f"mesh: {{file: {name}"
+        text = (f"title: t\nbody: {{{body}, length_unit: mm}}}}\nmaterial: {{youngs_modulus: 10 kPa, poissons_ratio: 0.3}}\n"
+                "stiffness: neo_hookean\nexperiment: {kind: tension, axis: x, strain: 0.1 %}\n")
+        with tempfile.TemporaryDirectory() as folder:
+            for other in glob.glob("tests/mesh/data/brought/*"):
+                shutil.copy(other, folder)
+            with open(os.path.join(folder, "scene.yaml"), "w", encoding="utf-8") as stream:
+                stream.write(text)
+            ran = subprocess.run([elastin, "check", "scene.yaml"], cwd=folder, stdout=subprocess.PIPE,
+                                 stderr=subprocess.PIPE, check=False)
+        rows = re.findall(r"^  (.{22})(.*)$", ran.stdout.decode(), re.M)
+        read = [f"{value.split(',')[0]} {kind.strip()}" for kind, value in rows
+                if kind.strip() in ("molecules", "hexahedra", "tetrahedra", "triangles")]
+        said = [re.sub(rf"^(scene.yaml: )?(body.fill: )?{re.escape(name)}:? |, masses scaled.*|, with their molecules", "", value)
+                for kind, value in rows if kind.strip() in ("note", "warning") and (name in value or "winding" in value)]
+        said = [re.sub("^filled: .*% of the surface's", "inside:", one) for one in said]
+        if ran.returncode == 2:
+            read, said = ["refused"], [ran.stderr.decode().strip().split(name + ":", 1)[-1]]
+        lines.append(f"| `{name}` | {', '.join(read)} | {'; '.join(said)} |")
+    return "\n".join(lines) + "\n"
+
+
 def block(text, begin, end):
     """Where the text between two lines begins and ends."""
     start = text.find(begin + "\n")
@@ -130,7 +159,9 @@ def main(root, elastin, write):
               ("tests/README.md", f"<!-- table: {HARD} -->", "<!-- table: end -->",
                lambda: output(elastin, HARD if write else HARD.replace(" --choices", "")), same_cases),
               ("tests/README.md", f"<!-- table: {SLIPS} -->", "<!-- table: end -->",
-               lambda: slips_table(elastin), lambda old, new: old == new)]
+               lambda: slips_table(elastin), lambda old, new: old == new),
+              ("tests/README.md", f"<!-- table: {BROUGHT} -->", "<!-- table: end -->",
+               lambda: brought_table(elastin), same_cases)]
     stale = []
     for document, begin, end, make, same in checks:
         with open(document, encoding="utf-8") as stream:

@@ -1,6 +1,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <string>
+#include <tuple>
 
 #include "lab/report/records.h"
 #include "lab/scene/scene.h"
@@ -185,6 +186,33 @@ TEST_CASE("a filled organ: its volume is told, its mass is that of the surface, 
   CHECK(bare->specimen.body.mass.sum() == Approx(1100 * 359.3199e-6).epsilon(1e-6));
   CHECK_THAT(unsuited(bare->specimen, *bare->experiment, choose_strategy(built_in_catalog(), "patch")),
              Contains("leave the filled body its cells"));
+}
+
+TEST_CASE("surfaces with faults are filled, with a note of their repair, or refused if it is not wanted",
+          "[bodies][fill]") {
+  const auto brought = [](const std::string& file) {
+    return replaced(kBall, "organ.stl, length_unit: mm, spacing: 12 mm",
+                    ELASTIN_TEST_DATA "/mesh/data/brought/" + file + ", length_unit: mm, spacing: 2 mm");
+  };
+  const std::string no_repair = "body.fill.repair=none";
+  for (const auto& [file, volume, repair, fault] :
+       std::vector<std::tuple<std::string, double, std::string, std::string>>{
+           {"surf_inside_out.stl", 1, "1 shell that was inside out turned", "it is inside out"},
+           {"surf_zero_area.stl", 1, "1 triangle without area dropped", "needs its repair: 1 triangle without area"},
+           {"surf_one_triangle_missing.stl", 1, "1 hole closed, the widest 14.1 mm across", "it has holes"},
+           {"surf_cavity_same_normals.stl", 0.936, "1 inner shell turned to bound a cavity",
+            "needs its repair: 1 inner"}}) {
+    INFO(file);
+    const auto scene = load(brought(file));
+    CHECK(scene->specimen.body.mass.sum() == Approx(1100e-6 * volume).epsilon(1e-6));
+    CHECK_THAT(scene->notes.at(0), Contains(file + " repaired: " + repair));
+    CHECK(scene->warnings.empty());
+    CHECK_THAT(refusal(brought(file), {no_repair}), Contains("body.fill.file: ") && Contains(fault));
+  }
+  CHECK(load(brought("surf_cavity.stl"), {no_repair})->notes.size() == 1);
+  const auto both = load(brought("surf_two_overlapping.stl"));  // 2 cm³, less the 0.125 that they share
+  CHECK(both->specimen.body.mass.sum() == Approx(1100e-6 * 1.875).epsilon(0.02));
+  CHECK_THAT(both->warnings.at(0), Contains("it crosses itself") && Contains("winding number"));
 }
 
 TEST_CASE("surfaces that cannot be filled are refused with their fault and place", "[bodies][fill]") {
