@@ -3,6 +3,7 @@
 #include <memory>
 #include <optional>
 
+#include "core/linear/assembled.h"
 #include "core/linear/block_inverse.h"
 #include "core/linear/linear_choice.h"
 #include "core/linear/multigrid.h"
@@ -83,6 +84,8 @@ class Pcg final : public LinearSolver, public KeepsCoarsePicture {
     if (first == 0) return result;
     add_coarse(now);
     p = z;
+    const bool assembled = AssembledStiffness::pays(tangent, expected_iterations(tangent.model().body(), tolerance));
+    if (assembled) rows_.assemble(tangent);
     double size_of_p = now[0];  // pᵀ M p, M the preconditioner: what pᵀ K p is small or large against
     const int limit = 10000 + 3 * n / 10;
     // On a stiffness that is not symmetric the search gets stuck: the best iterate is its result.
@@ -91,7 +94,7 @@ class Pcg final : public LinearSolver, public KeepsCoarsePicture {
     double best = first;
     int best_at = 0;
     while (true) {
-      tangent.apply(p, kp, workspace_);
+      assembled ? rows_.apply(p, kp) : tangent.apply(p, kp, workspace_);
       keep_free(supports, kp);
       const double curvature = ordered_sum(
           n, [&](int i) { return p.col(i).dot(kp.col(i)); }, 0., kMoleculeThreshold);
@@ -153,6 +156,7 @@ class Pcg final : public LinearSolver, public KeepsCoarsePicture {
   double pace_ = 0;  ///< iterations a digit with it when new
   // Kept from one solve to the next, so that steps in time ask for no memory.
   BlockInverses inverse_;
+  AssembledStiffness rows_;
   Positions r_, p_, kp_, best_x_;
   Tangent::ApplyWorkspace workspace_;
 };
