@@ -3,7 +3,7 @@
 #   consumer_test.sh install BUILD        installs to a fresh prefix, moves that, builds the project on it
 #   consumer_test.sh alone BUILD          its program on elastin::core needs Eigen and nothing else
 #   consumer_test.sh law BUILD            its own law stands in the command's comparison beside the others
-#   consumer_test.sh parts BUILD          its own stepper and load give the closed form
+#   consumer_test.sh parts BUILD          its own stepper, load, and experiment with a measure of its own give the closed forms
 #   consumer_test.sh c BUILD              the example in C runs on the installed shared library
 #   consumer_test.sh pkg-config BUILD     the same program by pkg-config
 #   consumer_test.sh subdirectory BUILD   the project with Elastin's sources inside: builds the core, a few minutes
@@ -62,7 +62,7 @@ case $what in
     table=$(NO_COLOR=1 ./own_law compare "$source/tests/consumer/cube.yaml") || fail "$table"
     [[ $table == *$'\n'"  columns   10.000 kPa"* ]] || fail "no row of the program's own law: $table"
     ;;
-  parts) "$work/build/own_parts" "$source/tests/consumer/ratchet.yaml" ;;
+  parts) "$work/build/own_parts" "$source"/tests/consumer/{ratchet,hanging}.yaml ;;
   c) "$work/build/from_c" ;;
   pkg-config)
     export PKG_CONFIG_PATH=$work/prefix/lib/pkgconfig:$work/prefix/lib64/pkgconfig

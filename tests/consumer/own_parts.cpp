@@ -1,5 +1,5 @@
-// A scene with a stepper and a load of this program's own:
-//   own_parts ratchet.yaml
+// A scene with a stepper and a load of this program's own, and one with an experiment that has a measure of its own:
+//   own_parts ratchet.yaml hanging.yaml
 #include "own_parts.h"
 
 #include <cmath>
@@ -25,15 +25,28 @@ bool moves_as_it_must(const char* scene, const Catalog& catalog) {
   return result.solver == "in_parts" && std::abs(moved / expected - 1) < 1e-9;
 }
 
+/// Two molecules of the mass m, joined by a spring: the lower one sinks by m g / k, under half of g by half of that.
+bool hangs_as_it_must(const char* scene, const Catalog& catalog) {
+  lab::ExperimentCatalog experiments = lab::built_in_experiments();
+  experiments.add(own::hanging_row());
+  lab::Laboratory laboratory(scene, {}, catalog, experiments);
+  const lab::LaboratoryResult result = laboratory.run();
+  const double expected = laboratory.body().mass[0] * 9.81 / 300;
+  std::printf("sinks by %.9g m; expected %.9g m\n", result.get("sag"), expected);
+  if (!result.good || result.main != std::vector<std::string>{"sag"} || result.measures.front().unit != "m")
+    return false;
+  return std::abs(result.get("sag") / expected - 1) < 1e-9 && result.curve.size() == 1;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc != 2) return 2;
+  if (argc != 3) return 2;
   try {
     Catalog catalog = built_in_catalog();
     catalog.steppers.add(own::in_parts_row());
     catalog.loads.add(own::ratchet_row());
-    return moves_as_it_must(argv[1], catalog) ? 0 : 1;
+    return moves_as_it_must(argv[1], catalog) && hangs_as_it_must(argv[2], catalog) ? 0 : 1;
   } catch (const InputError& error) {
     std::fprintf(stderr, "own_parts: %s\n", error.what());
     return 2;
