@@ -140,7 +140,7 @@ void Tangent::visit_local_blocks(const BlockVisitor& visit) const {
     for (const int i : {0, 1})
       for (const int j : {0, 1}) visit(ends[c][i], ends[other][j], i == j ? block : Matrix3(-block));
   };
-  for (int c = 0; c < model_.body().connections.size(); ++c) visit_pair(c, c, link_block(c));
+  for (int c = 0; linked_ && c < model_.body().connections.size(); ++c) visit_pair(c, c, link_block(c));
   visit_cells([&](const CellSlopes& cells) {
     for (int cell = 0; cell < cells.size(); ++cell) {
       const auto connections = cells.connections_of(cell);

@@ -133,6 +133,20 @@ double Simulation::Impl::longest_substep() {
   return sum > 0 ? options.safety * 2 / sum : std::numeric_limits<double>::infinity();
 }
 
+/// Brings the longest substep down by what is added. The largest eigenvalue of a sum is at most the sum of both: the
+/// whole body is not searched for it while somebody waits for the next step.
+void Simulation::Impl::limit_step_by(const std::function<void(Model&)>& add) {
+  Model added(body);
+  add(added);
+  const auto& loads = added.loads();
+  if (added.elasticity().empty() && added.viscosity().empty() &&
+      std::none_of(loads.begin(), loads.end(), [](const auto& load) { return load->changes(); }))
+    return;
+  const StableStep own = bounded_stable_step(added, state_at_rest(body));
+  stable->frequency = std::hypot(stable->frequency, own.frequency);
+  stable->damping_rate += own.damping_rate;
+}
+
 StepResult Simulation::Impl::step(double dt) {
   if (!(dt > 0 && std::isfinite(dt)))
     return refused("a step of " + number(dt) + " s: a step must be above 0 s and finite");
@@ -312,6 +326,7 @@ void Simulation::add(std::function<void(Model&)> add) {
 
 void Simulation::put(std::function<void(Model&)> add) {
   Impl& in = *impl_;
+  if (in.stable) in.limit_step_by(add);
   const std::size_t before = in.terms();
   add(in.model);
   in.known += in.terms() - before;
@@ -322,7 +337,6 @@ void Simulation::put(std::function<void(Model&)> add) {
     if (const HistoryBlock* own = in.shown.find_history(block.name); own && own->values.size() == block.values.size())
       block = *own;
   if (!in.shown.history.empty() || in.shown.time > 0) in.work.history = in.shown.history = std::move(history);
-  in.stable.reset();
   in.make_own_integrator();
   if (in.effort > 0) in.set_effort(in.effort);
   in.budget.restart();

@@ -21,6 +21,7 @@ struct Simulation::Impl {
   StepResult step(double dt);
   StepResult substeps_of(double dt, int substeps);
   double longest_substep();
+  void limit_step_by(const std::function<void(Model&)>& add);
   void make_own_integrator();
   void begin_step(double start, double end);
   void go_back();

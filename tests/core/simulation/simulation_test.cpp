@@ -1,10 +1,13 @@
 #include "elastin/core/simulation/simulation.h"
 
 #include <catch2/catch.hpp>
+#include <cmath>
 #include <limits>
 
 #include "core/simulation/tissues.h"
 #include "elastin/core/base/error.h"
+#include "elastin/core/forces/load_table.h"
+#include "elastin/core/forces/loads.h"
 #include "elastin/core/solve/stable_step.h"
 #include "support/refusal.h"
 
@@ -301,6 +304,26 @@ TEST_CASE("simulation: an explicit step goes in as many parts as its body and it
   CHECK((tissue.positions().col(13) - at).norm() < 1e-4);
   CHECK(tissue.velocities().cwiseAbs().maxCoeff() < 1e-4 / (100 * longest));
   CHECK((tissue.coupling_force(other) - 1e3 * (at - tissue.positions().col(13))).norm() < 1e-12);
+}
+
+TEST_CASE("simulation: what is added between steps shortens them by what it resists, without another search") {
+  Simulation tissue = simulation_of(tissue_cube(3));
+  Model model(tissue.body());
+  const Catalog catalog = built_in_catalog();
+  model.add(catalog.find("lattice").make(tissue.body(), kTissue, {}));
+  const double longest = 0.8 * find_stable_step(model, state_at_rest(tissue.body())).step;
+  CHECK(tissue.step(3.5 * longest).substeps == 4);
+  tissue.add_load(*built_in_loads().find("gravity"), {.vectors = {{"acceleration", Vector3(0, 0, -9.81)}}});
+  CHECK(tissue.step(3.5 * longest).substeps == 4);
+  // Ten times as much damping as the body's fastest vibration has stiffness.
+  const double viscosity = 20 * 0.8 / longest * tissue.body().mass[0] / (6 * EIGEN_PI * tissue.body().radius[0]);
+  tissue.add_load(*built_in_loads().find("stokes_drag"), {.numbers = {{"viscosity", viscosity}}});
+  model.add(make_stokes_drag(tissue.body(), viscosity));
+  const double damped = 0.8 * find_stable_step(model, state_at_rest(tissue.body())).step;
+  CHECK(damped < 0.1 * longest);
+  const int parts = tissue.step(3.5 * longest).substeps;
+  CHECK(parts >= std::ceil(3.5 * longest / damped));
+  CHECK(parts <= 1.1 * std::ceil(3.5 * longest / damped));
 }
 
 TEST_CASE("simulation: explicit steps see that the body stiffens, and go in shorter parts from there on") {
