@@ -38,7 +38,7 @@ double typical_skin(const ContactGeometry& geometry) {
   double radii = 0, sides = 0;
   for (const Sample& sample : geometry.samples) radii += sample.radius;
   for (std::size_t t = 0; t < geometry.triangles.size(); ++t) {
-    const auto [a, b, c] = geometry.corners_of(static_cast<int>(t), geometry.body.rest);
+    const auto [a, b, c] = geometry.corners_of(static_cast<int>(t), geometry.rest);
     sides += ((b - a).norm() + (c - b).norm() + (a - c).norm()) / 3;
   }
   const double of_radii = geometry.samples.empty() ? 0 : radii / static_cast<double>(geometry.samples.size());
@@ -53,7 +53,7 @@ double typical_skin(const ContactGeometry& geometry) {
 
 BroadPhase::BroadPhase(const ContactGeometry& geometry) : geometry_(geometry), skin_(typical_skin(geometry)) {
   std::vector<char> seen(geometry.pieces, 0);
-  std::vector<char> moves(geometry.body.size(), 0);
+  std::vector<char> moves(static_cast<std::size_t>(geometry.rest.cols()), 0);
   for (const Sample& sample : geometry.samples) {
     piece_of_sample_.push_back(sample.piece);
     seen[sample.piece] = 1;
@@ -64,9 +64,9 @@ BroadPhase::BroadPhase(const ContactGeometry& geometry) : geometry_(geometry), s
                  (geometry.self || std::count(seen.begin(), seen.end(), 1) > 1);
   if (within_body_ && !geometry.spheres)
     for (const auto& triangle : geometry.triangles)
-      for (const int molecule : triangle) moves[molecule] = 1;
-  for (int molecule = 0; molecule < geometry.body.size(); ++molecule)
-    if (moves[molecule]) moving_.push_back(molecule);
+      for (const int point : triangle) moves[point] = 1;
+  for (int point = 0; point < geometry.rest.cols(); ++point)
+    if (moves[point]) moving_.push_back(point);
   if (geometry.self) neighbours_ = neighbours_of(geometry.body);
   positions_.resize(3, static_cast<Eigen::Index>(moving_.size()));
   sample_boxes_.resize(geometry.samples.size());
@@ -233,8 +233,8 @@ bool BroadPhase::joined(const Sample& sample, std::span<const int> molecules) co
 }
 
 bool BroadPhase::overlap_at_rest(const Sample& sample, int triangle) const {
-  const Vector3 position = geometry_.position_of(sample, geometry_.body.rest);
-  const auto corners = geometry_.corners_of(triangle, geometry_.body.rest);
+  const Vector3 position = geometry_.position_of(sample, geometry_.rest);
+  const auto corners = geometry_.corners_of(triangle, geometry_.rest);
   const Vector3 away = position - nearest_point(position, corners).position;
   const double distance = away.norm();
   const bool behind = away.dot((corners[1] - corners[0]).cross(corners[2] - corners[0])) <= 0;
@@ -245,7 +245,8 @@ void BroadPhase::add_triangle(int s, int triangle, double within) {
   const Sample& sample = geometry_.samples[s];
   const int piece = geometry_.piece_of_triangle[triangle];
   if (piece == sample.piece) {
-    if (!geometry_.self || joined(sample, geometry_.triangles[triangle]) || overlap_at_rest(sample, triangle)) return;
+    if (!geometry_.self || joined(sample, geometry_.molecules_of(triangle)) || overlap_at_rest(sample, triangle))
+      return;
   }
   const Vector3 position = geometry_.position_of(sample, *now_);
   const double gap =

@@ -1,4 +1,5 @@
 #pragma once
+#include <span>
 #include <vector>
 
 #include "contact/distance.h"
@@ -12,13 +13,29 @@ namespace elastin::contact {
 struct ContactGeometry {
   const Body& body;
   std::vector<Sample> samples;
-  Cells<3> triangles;
+  Cells<3> triangles;       ///< of points: molecules and, behind them, the middles of quadrilaterals, as last corners
+  Cells<4> quadrilaterals;  ///< with their four triangles each at the end of all
+  Positions rest;           ///< of the points
   std::vector<int> piece_of_triangle;
   std::vector<SignedDistance> obstacles;
   int pieces = 0;
   bool spheres = false, self = false;
   double depth = 0;  ///< behind a triangle up to which a sample is pressed in [m]: half the mean side
 
+  /// The molecules of a triangle, or of the quadrilateral that it is a part of.
+  std::span<const int> molecules_of(int triangle) const {
+    const int others = static_cast<int>(triangles.size() - 4 * quadrilaterals.size());
+    if (triangle < others) return triangles[triangle];
+    return quadrilaterals[(triangle - others) / 4];
+  }
+  /// Sets those of the middles.
+  void set_middles(Positions& positions) const {
+    for (std::size_t q = 0; q < quadrilaterals.size(); ++q) {
+      const auto& [a, b, c, d] = quadrilaterals[q];
+      positions.col(body.size() + static_cast<Eigen::Index>(q)) =
+          (positions.col(a) + positions.col(c) + (positions.col(b) + positions.col(d))) / 4;
+    }
+  }
   int first_piece() const { return static_cast<int>(obstacles.size()); }
   int first_sphere() const { return first_piece() + pieces; }
   Vector3 position_of(const Sample& sample, const Positions& positions) const {

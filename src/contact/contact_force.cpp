@@ -9,9 +9,9 @@
 namespace elastin::contact {
 namespace {
 
-std::vector<Sample> samples_of(const Body& body, ContactSurface surface, const Cells<3>& triangles) {
+std::vector<Sample> samples_of(const Body& body, ContactSurface surface, const SurfaceSides& sides) {
   if (surface == ContactSurface::spheres) return sphere_samples(body, surface_molecules(body));
-  return triangle_samples(body, triangles);
+  return side_samples(body, sides);
 }
 
 void add(const ContactResponse& response, const Vector3& normal, const Vector3& tangential, Positions& forces) {
@@ -23,13 +23,12 @@ void add(const ContactResponse& response, const Vector3& normal, const Vector3& 
 
 }  // namespace
 
-ContactForce::ContactForce(const Body& body, const ContactOptions& options, const Cells<3>& triangles)
+ContactForce::ContactForce(const Body& body, const ContactOptions& options, const SurfaceSides& sides)
     : body_(body),
       options_(options),
       spheres_(options.surface == ContactSurface::spheres),
       damping_ratio_(damping_ratio_of(options.restitution)),
-      search_(body, samples_of(body, options.surface, triangles), triangles, spheres_, options.obstacles,
-              options.self) {
+      search_(body, samples_of(body, options.surface, sides), sides, spheres_, options.obstacles, options.self) {
   BodyFindings findings = inspect(body);
   pieces_ = findings.pieces;
   for (const Obstacle& obstacle : options_.obstacles) {
@@ -128,13 +127,13 @@ std::unique_ptr<Contact> make_contact(const Body& body, const ContactOptions& op
   if (!(options.restitution >= 0.01 && options.restitution <= 1))
     throw InputError("the restitution must be from 0.01 to 1");
   if (!(options.penetration >= 0)) throw InputError("the penetration must not be negative");
-  Cells<3> triangles;
+  SurfaceSides sides;
   if (options.surface == ContactSurface::triangles) {
-    triangles = surface_triangles(body);
-    if (triangles.empty())
+    sides = surface_sides(body);
+    if (sides.empty())
       throw InputError("the body has no surface of triangles (no cells, cubes or triangles); take its spheres");
   }
-  return std::make_unique<ContactForce>(body, options, triangles);
+  return std::make_unique<ContactForce>(body, options, sides);
 }
 
 }  // namespace elastin::contact

@@ -24,14 +24,13 @@ struct ContactResponse {
   int sample = 0, target = 0;
   double gap = 0;  ///< [m]
   Vector3 normal = Vector3::UnitZ(), position = Vector3::Zero();
-  std::array<Side, 9> sides;  ///< of sample, target, and anchor where that lies elsewhere
+  std::array<Side, 11> sides;  ///< of sample, target, and anchor where that lies elsewhere
   int count = 0;
-  double pressing = 0;                 ///< N ≥ 0, damping included [N]
-  double elastic = 0;                  ///< of it, from penalty and multiplier [N]
-  double energy = 0;                   ///< of the elastic part [J]
-  Vector3 friction = Vector3::Zero();  ///< [N]
-  Vector3 slip = Vector3::Zero();      ///< elastic, after its return to the cone [m]
-  bool sticks = false;
+  double pressing = 0;                           ///< N ≥ 0, damping included [N]
+  double elastic = 0;                            ///< of it, from penalty and multiplier [N]
+  double energy = 0;                             ///< of the elastic part [J]
+  Vector3 friction = Vector3::Zero();            ///< [N]
+  Vector3 slip = Vector3::Zero();                ///< elastic, after its return to the cone [m]
   Matrix3 stiffness = Matrix3::Zero();           ///< −∂(normal force)/∂u, but for the target's turning [N/m]
   Matrix3 damping = Matrix3::Zero();             ///< −∂(normal force)/∂u̇ [N s/m]
   Matrix3 friction_stiffness = Matrix3::Zero();  ///< −∂friction/∂(motion from the anchor) [N/m]
@@ -64,7 +63,7 @@ void set_response(const ContactPoint& geometry, const ContactSetting& setting, C
 /// times the speed it came with, 0.01 ≤ e ≤ 1. [Schwager & Pöschel 2007]
 double damping_ratio_of(double restitution);
 
-/// Which of its molecules a sample is nearest to: of a triangle's three samples each to another.
+/// Which of its molecules a sample is nearest to: of a side's samples each to another.
 inline int nearest_of(const Sample& sample) {
   return static_cast<int>(std::max_element(sample.weights.begin(), sample.weights.end()) - sample.weights.begin());
 }
@@ -80,7 +79,7 @@ struct MoleculePressure {
 /// contact_report.cpp.
 class ContactForce final : public Contact {
  public:
-  ContactForce(const Body& body, const ContactOptions& options, const Cells<3>& triangles);
+  ContactForce(const Body& body, const ContactOptions& options, const SurfaceSides& sides);
 
   void add_forces(const State& state, Positions& forces) const override;
   void add_resistance(const State& state, Positions& forces) const override;
@@ -114,6 +113,10 @@ class ContactForce final : public Contact {
  private:
   double friction_of(const Obstacle& obstacle) const {
     return obstacle.friction >= 0 ? obstacle.friction : options_.friction;
+  }
+  /// μ against an obstacle or, from the number of obstacles on, the body itself.
+  double friction_against(int target) const {
+    return target < obstacle_count() ? friction_of(options_.obstacles[target]) : options_.friction;
   }
   int obstacle_count() const { return static_cast<int>(options_.obstacles.size()); }
   Vector3 sample_position(const State& state, int sample) const;
@@ -185,8 +188,9 @@ inline std::pair<int, int> key_of(const ContactHistory& memory) { return {memory
 inline std::pair<int, int> key_of(const MoleculePressure& held) { return {held.molecule, held.target}; }
 
 /// Σ weight · position.
-inline Vector3 position_of(const std::array<int, 3>& molecules, const std::array<double, 3>& weights, int count,
-                           const Positions& positions) {
+template <std::size_t N>
+Vector3 position_of(const std::array<int, N>& molecules, const std::array<double, N>& weights, int count,
+                    const Positions& positions) {
   Vector3 sum = Vector3::Zero();
   for (int i = 0; i < count; ++i) sum += weights[i] * positions.col(molecules[i]);
   return sum;

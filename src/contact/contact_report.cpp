@@ -4,6 +4,14 @@
 #include <cmath>
 
 namespace elastin::contact {
+namespace {
+
+/// Whether a touch is held by less friction than slides: one that slid is kept on the cone, to rounding.
+bool sticks(const ContactResponse& response, double coefficient) {
+  return response.friction.norm() < (1 - 1e-6) * coefficient * response.pressing;
+}
+
+}  // namespace
 
 ContactReport ContactForce::report(const State& state) const {
   ContactReport report;
@@ -16,7 +24,7 @@ ContactReport ContactForce::report(const State& state) const {
     const Sample& sample = samples[response.sample];
     const Vector3 force = response.pressing * response.normal + response.friction;
     ++report.pairs;
-    report.sticking += response.sticks;
+    report.sticking += sticks(response, friction_against(response.target));
     report.largest_penetration = std::max(report.largest_penetration, -response.gap);
     // Bodies touch each other from both sides: their area is counted once.
     report.area += response.target < obstacle_count() || spheres_ ? sample.area : sample.area / 2;

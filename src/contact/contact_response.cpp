@@ -29,8 +29,7 @@ void set_friction(const ContactPoint& geometry, const ContactSetting& setting, C
   const Vector3 trial = -k * slip - c * rate;
   const double size = trial.norm();
   // What just touches sticks: whether rounding has left it a force decides nothing.
-  response.sticks = size <= most + 1e-3 * kNearness * k * setting.onset;
-  if (response.sticks) {
+  if (size <= most + 1e-3 * kNearness * k * setting.onset) {
     response.friction = trial;
     response.slip = slip;
     response.friction_stiffness = k * across;

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "core/geometry/triangle.h"
+
 namespace elastin::contact {
 namespace {
 
@@ -26,12 +28,27 @@ void ContactForce::set_poses(double time) const {
 
 void ContactForce::anchor(const State& state, const ContactPoint& contact_point, const Vector3& at,
                           ContactHistory& memory) const {
-  memory.molecules = contact_point.molecules;
-  memory.weights = contact_point.weights;
-  memory.count = contact_point.count;
-  memory.offset = contact_point.count == 0 ? poses_[contact_point.target].to_own(at)
-                                           : Vector3(at - position_of(contact_point.molecules, contact_point.weights,
-                                                                      contact_point.count, state.positions));
+  memory.count = std::min(contact_point.count, 3);
+  if (memory.count == 0) {
+    memory.offset = poses_[contact_point.target].to_own(at);
+    return;
+  }
+  // Of a quadrilateral the three corners that are nearest to the position.
+  const int left_out =
+      contact_point.count < 4
+          ? 3
+          : static_cast<int>(std::min_element(contact_point.weights.begin(), contact_point.weights.end()) -
+                             contact_point.weights.begin());
+  for (int k = 0, own = 0; k < contact_point.count; ++k)
+    if (k != left_out) {
+      memory.molecules[own] = contact_point.molecules[k];
+      memory.weights[own++] = contact_point.weights[k];
+    }
+  if (contact_point.count == 4) {
+    const auto corner = [&](int k) -> Vector3 { return state.positions.col(memory.molecules[k]); };
+    memory.weights = nearest_point(contact_point.position, {corner(0), corner(1), corner(2)}).weights;
+  }
+  memory.offset = at - position_of(memory.molecules, memory.weights, memory.count, state.positions);
 }
 
 Vector3 ContactForce::slip_from(const State& state, const ContactPoint& contact_point,
@@ -139,8 +156,7 @@ ContactSetting ContactForce::setting_of(const State& state, const ContactPoint& 
   setting.multiplier = multiplier_of(contact_point);
   setting.mass = 1 / inverse_mass;
   setting.damping_ratio = damping_ratio_;
-  setting.friction =
-      contact_point.count == 0 ? friction_of(options_.obstacles[contact_point.target]) : options_.friction;
+  setting.friction = friction_against(contact_point.target);
   setting.onset = 1e-3 * std::sqrt(sample.area);
   if (memory) setting.slip = slip_from(state, contact_point, *memory);
   return setting;
@@ -165,10 +181,13 @@ void ContactForce::set_sides(const ContactPoint& contact_point, const ContactHis
     side.normal -= contact_point.weights[i];
     side.slope += contact_point.slopes[i];
   }
-  const auto& anchors = memory ? memory->molecules : contact_point.molecules;
-  const auto& weights = memory ? memory->weights : contact_point.weights;
-  const int count = memory ? memory->count : contact_point.count;
-  for (int i = 0; i < count; ++i) side_of(anchors[i]).tangential -= weights[i];
+  const auto pull = [&](const auto& anchor) {
+    for (int i = 0; i < anchor.count; ++i) side_of(anchor.molecules[i]).tangential -= anchor.weights[i];
+  };
+  if (memory)
+    pull(*memory);
+  else
+    pull(contact_point);
 }
 
 void ContactForce::commit_step(State& state) const {

@@ -21,25 +21,34 @@ double seconds_between(Clock::time_point start, Clock::time_point end) {
   return std::chrono::duration<double>(end - start).count();
 }
 
-ContactGeometry geometry_of(const Body& body, std::vector<Sample> samples, Cells<3> triangles, bool spheres,
+ContactGeometry geometry_of(const Body& body, std::vector<Sample> samples, const SurfaceSides& sides, bool spheres,
                             const std::vector<Obstacle>& obstacles, bool self) {
-  ContactGeometry geometry{body, std::move(samples), std::move(triangles), {}, {}, 0, spheres, self, 0};
+  ContactGeometry geometry{
+      body, std::move(samples), sides.triangles, sides.quadrilaterals, body.rest, {}, {}, 0, spheres, self, 0};
+  int middle = body.size();
+  geometry.rest.conservativeResize(3, middle + static_cast<Eigen::Index>(sides.quadrilaterals.size()));
+  geometry.set_middles(geometry.rest);
+  for (const auto& [a, b, c, d] : sides.quadrilaterals) {
+    for (const auto& [from, to] : {std::pair{a, b}, {b, c}, {c, d}, {d, a}})
+      geometry.triangles.push_back({from, to, middle});
+    ++middle;
+  }
   const BodyFindings findings = inspect(body);
   geometry.pieces = findings.pieces;
   for (const Obstacle& obstacle : obstacles) geometry.obstacles.emplace_back(obstacle.shape);
-  double sides = 0;
+  double lengths = 0;
   for (std::size_t t = 0; t < geometry.triangles.size(); ++t) {
     geometry.piece_of_triangle.push_back(findings.piece_of[geometry.triangles[t][0]]);
-    const auto [a, b, c] = geometry.corners_of(static_cast<int>(t), body.rest);
-    sides += (b - a).norm() + (c - b).norm() + (a - c).norm();
+    const auto [a, b, c] = geometry.corners_of(static_cast<int>(t), geometry.rest);
+    lengths += (b - a).norm() + (c - b).norm() + (a - c).norm();
   }
-  if (!geometry.triangles.empty()) geometry.depth = sides / static_cast<double>(6 * geometry.triangles.size());
+  if (!geometry.triangles.empty()) geometry.depth = lengths / static_cast<double>(6 * geometry.triangles.size());
   return geometry;
 }
 
 /// Whether each piece's surface has two triangles on every side, or four where parts meet: only then has it an inside.
 std::vector<char> closed_pieces(const ContactGeometry& geometry) {
-  std::vector<std::array<int, 3>> sides;  // piece, and the two molecules
+  std::vector<std::array<int, 3>> sides;  // piece, and the two points
   for (std::size_t t = 0; t < geometry.triangles.size(); ++t)
     for (int k = 0; k < 3; ++k) {
       const auto [a, b] = std::minmax(geometry.triangles[t][k], geometry.triangles[t][(k + 1) % 3]);
@@ -62,6 +71,7 @@ struct ContactSearch::Impl {
   BroadPhase broad;
   SurfaceNormals normals;
   std::vector<char> closed;
+  Positions points;                          ///< of a body with quadrilaterals
   std::vector<int> groups;                   ///< where candidates of another (sample, target) begin, and the end
   std::vector<ContactPoint> contact_points;  ///< one a group
   std::vector<char> near;                    ///< whether it is one
@@ -70,10 +80,21 @@ struct ContactSearch::Impl {
   explicit Impl(ContactGeometry all)
       : geometry(std::move(all)),
         broad(geometry),
-        normals(geometry.body.size(), geometry.triangles),
+        normals(static_cast<int>(geometry.rest.cols()), geometry.triangles),
         closed(closed_pieces(geometry)) {}
 
+  /// The molecules' positions and behind them those of the quadrilaterals' middles.
+  const Positions& with_middles(const Positions& positions) {
+    if (geometry.quadrilaterals.empty()) return positions;
+    points.resize(3, geometry.rest.cols());
+    points.leftCols(positions.cols()) = positions;
+    geometry.set_middles(points);
+    return points;
+  }
   void set_groups();
+  /// Makes a position on a triangle the target: a middle stands for its four molecules in equal parts.
+  void set_target(int triangle, const std::array<double, 3>& weights, const std::array<Vector3, 3>& slopes,
+                  ContactPoint& found) const;
   /// What the group's sample touches of its target, if it is nearer than reach.
   bool contact_point(int group, const Positions& positions, const std::vector<Pose>& poses, double reach,
                      ContactPoint& contact_point) const;
@@ -151,9 +172,10 @@ bool ContactSearch::Impl::add_surface_contact(int group, const Positions& positi
   const Sample& sample = geometry.samples[found.sample];
   const int piece = found.target - geometry.first_piece();
   Vector3 looks = Vector3::Zero();
-  if (sample.count == 3) {
-    const Vector3 a = positions.col(sample.molecules[0]);
-    looks = (positions.col(sample.molecules[1]) - a).cross(positions.col(sample.molecules[2]) - a).normalized();
+  if (sample.count >= 3) {  // of four the diagonals
+    const auto at = [&](int corner) -> Vector3 { return positions.col(sample.molecules[corner]); };
+    looks =
+        (sample.count == 4 ? (at(2) - at(0)).cross(at(3) - at(1)) : (at(1) - at(0)).cross(at(2) - at(0))).normalized();
   }
   for (int c = groups[group]; c < groups[group + 1]; ++c) {
     const int triangle = broad.candidates()[c].item;
@@ -183,23 +205,35 @@ bool ContactSearch::Impl::add_surface_contact(int group, const Positions& positi
   found.normal = distance.normal;
   found.turning = distance.turning;
   found.position = nearest.position.position;
-  found.molecules = geometry.triangles[nearest.triangle];
-  found.weights = nearest.position.weights;
-  found.count = 3;
-  found.slopes = weight_slopes(geometry.corners_of(nearest.triangle, positions), nearest.position.weights);
+  set_target(nearest.triangle, nearest.position.weights,
+             weight_slopes(geometry.corners_of(nearest.triangle, positions), nearest.position.weights), found);
   return true;
 }
 
-ContactSearch::ContactSearch(const Body& body, std::vector<Sample> samples, Cells<3> triangles, bool spheres,
+void ContactSearch::Impl::set_target(int triangle, const std::array<double, 3>& weights,
+                                     const std::array<Vector3, 3>& slopes, ContactPoint& found) const {
+  const std::span<const int> molecules = geometry.molecules_of(triangle);
+  const auto& corners = geometry.triangles[triangle];
+  found.count = static_cast<int>(molecules.size());
+  for (int k = 0; k < found.count; ++k) {
+    found.molecules[k] = molecules[k];
+    found.weights[k] = found.count == 4 ? weights[2] / 4 : 0;
+    if (found.count == 4) found.slopes[k] = slopes[2] / 4;
+    for (int corner = 0; corner < 3; ++corner)
+      if (corners[corner] == molecules[k]) found.weights[k] += weights[corner], found.slopes[k] += slopes[corner];
+  }
+}
+
+ContactSearch::ContactSearch(const Body& body, std::vector<Sample> samples, const SurfaceSides& sides, bool spheres,
                              const std::vector<Obstacle>& obstacles, bool self)
-    : impl_(std::make_unique<Impl>(
-          geometry_of(body, std::move(samples), std::move(triangles), spheres, obstacles, self))) {}
+    : impl_(std::make_unique<Impl>(geometry_of(body, std::move(samples), sides, spheres, obstacles, self))) {}
 ContactSearch::~ContactSearch() = default;
 ContactSearch::ContactSearch(ContactSearch&&) noexcept = default;
 
-void ContactSearch::find(const Positions& positions, const std::vector<Pose>& poses, double reach,
+void ContactSearch::find(const Positions& molecules, const std::vector<Pose>& poses, double reach,
                          std::vector<ContactPoint>& found) {
   Impl& impl = *impl_;
+  const Positions& positions = impl.with_middles(molecules);
   const auto start = Clock::now();
   if (impl.broad.update(positions, poses, reach)) {
     impl.set_groups();

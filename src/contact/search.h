@@ -7,24 +7,35 @@
 
 namespace elastin::contact {
 
-/// A point on a body's surface that can touch something: Σ weight · position of up to three molecules.
+/// A point on a body's surface that can touch something: Σ weight · position of up to four molecules.
 struct Sample {
-  std::array<int, 3> molecules{-1, -1, -1};  ///< the first `count`
-  std::array<double, 3> weights{0, 0, 0};    ///< they sum to 1
+  std::array<int, 4> molecules{-1, -1, -1, -1};  ///< the first `count`
+  std::array<double, 4> weights{0, 0, 0, 0};     ///< they sum to 1
   int count = 1;
   double radius = 0;  ///< of the sphere about it [m]
   double area = 0;    ///< of the surface that it stands for [m²]
   int piece = 0;      ///< of the body (BodyFindings::piece_of)
 };
 
+/// A body's surface, normals outwards, as its cells have it: no diagonal of a quadrilateral is preferred.
+struct SurfaceSides {
+  Cells<3> triangles;
+  Cells<4> quadrilaterals;
+  /// At rest [m²], of the triangles and then of the quadrilaterals. Those of a curved side share its own area.
+  std::vector<double> areas;
+  bool empty() const { return areas.empty(); }
+};
+/// Sides of one cell alone, those of second order in the flat sides that their nodes make, and cells of two dimensions.
+/// Empty where the body has no such cells.
+SurfaceSides surface_sides(const Body& body);
+
 /// The molecules' own spheres; area (2r)². `molecules` names those that can touch.
 std::vector<Sample> sphere_samples(const Body& body, const std::vector<int>& molecules);
-/// Points of a surface of triangles, three a triangle (the quadrature of degree 2); each stands for a third of its area
-/// at rest, radius 0.
-std::vector<Sample> triangle_samples(const Body& body, const Cells<3>& triangles);
+/// Points of a surface where integrals are taken, radius 0: three a triangle, four a quadrilateral. Together those of a
+/// side stand for its area.
+std::vector<Sample> side_samples(const Body& body, const SurfaceSides& sides);
 
-/// The body's surface, normals outwards: sides of one tetrahedron alone, faces of one cube alone (each cut in two), its
-/// own triangles. Empty where it has no such cells.
+/// The body's surface in triangles alone, for pictures.
 Cells<3> surface_triangles(const Body& body);
 /// Molecules that can touch, ascending: all but those inside a surface of cells (tetrahedra, cubes).
 std::vector<int> surface_molecules(const Body& body);
@@ -37,18 +48,18 @@ struct ContactPoint {
   double gap = 0;                      ///< between the surfaces [m]; below 0 = pressed in
   Vector3 position = Vector3::Zero();  ///< on the target's surface [m]
   /// On the body as target: position = Σ weight · molecule + reach of a sphere along the normal. Count 0 = an obstacle.
-  std::array<int, 3> molecules{-1, -1, -1};
-  std::array<double, 3> weights{0, 0, 0};
+  std::array<int, 4> molecules{-1, -1, -1, -1};
+  std::array<double, 4> weights{0, 0, 0, 0};
   int count = 0;
   /// How the normal turns as the sample moves against the target: ∂n/∂(x_sample − x_target) [1/m], symmetric; zero on a
   /// plane.
   Matrix3 turning = Matrix3::Zero();
   /// How it turns with the target's triangle: δn = −Σ slope_j (n · δx_j) [1/m]; zero where it has none.
-  std::array<Vector3, 3> slopes{Vector3::Zero(), Vector3::Zero(), Vector3::Zero()};
+  std::array<Vector3, 4> slopes{Vector3::Zero(), Vector3::Zero(), Vector3::Zero(), Vector3::Zero()};
 };
 
-/// Finds what is near. Pieces touch each other. A closed surface of
-/// triangles pushes out what is up to half its mean side behind it: back through where it came in, if it is more than
+/// Finds what is near. Pieces touch each other; a quadrilateral is touched as four triangles about its middle. A closed
+/// surface pushes out what is up to half its mean side behind it: back through where it came in, if it is more than
 /// half through. A surface with a rim is a sheet, touched on both sides and never behind: what touches it needs a
 /// radius. Within a piece what is joined, and what overlaps at rest, does not touch. Broad phase by FCL over boxes that
 /// are `skin` wider than they must be, and made again only when something has moved by half of it; the touches found
@@ -60,9 +71,9 @@ class ContactSearch {
     long rebuilds = 0, calls = 0;
     std::size_t candidates = 0;  ///< pairs that the broad phase left, last time
   };
-  /// @param spheres whether the body is touched as spheres (else as `triangles`, which may be empty).
+  /// @param spheres whether the body is touched as spheres (else as `sides`, which may be empty).
   /// @param self whether samples touch their own piece, too: not what they are joined to.
-  ContactSearch(const Body& body, std::vector<Sample> samples, Cells<3> triangles, bool spheres,
+  ContactSearch(const Body& body, std::vector<Sample> samples, const SurfaceSides& sides, bool spheres,
                 const std::vector<Obstacle>& obstacles, bool self);
   ~ContactSearch();
   ContactSearch(ContactSearch&&) noexcept;

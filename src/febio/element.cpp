@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <set>
+#include <utility>
 
 namespace elastin::febio {
 
@@ -15,6 +17,8 @@ std::string Element::needed_attribute(const std::string& name) const {
   if (!element_->attribute(name)) fail("the attribute '" + name + "' is missing");
   return attribute(name);
 }
+
+int Element::whole_attribute(const std::string& name) const { return parse_whole(needed_attribute(name)); }
 
 std::vector<Element> Element::children() const {
   std::vector<Element> result;
@@ -45,6 +49,14 @@ void Element::allow(std::initializer_list<const char*> names) const {
       child.fail("is not supported in <" + name() + ">" + suggestion(child.name(), known));
 }
 
+void Element::refuse_twice(const std::string& attribute) const {
+  std::set<std::pair<std::string, std::string>> seen;
+  for (const Element& child : children())
+    if (const std::string value = child.attribute(attribute);
+        !value.empty() && !seen.emplace(child.name(), value).second)
+      child.fail(attribute + "=\"" + value + "\" stands here twice: only one could be in force");
+}
+
 void Element::allow_attributes(std::initializer_list<const char*> names) const {
   const std::vector<std::string> known(names.begin(), names.end());
   for (const auto& [key, value] : element_->attributes)
@@ -72,20 +84,14 @@ std::vector<double> Element::numbers(std::size_t count) const {
 
 std::vector<int> Element::integers() const {
   std::vector<int> result;
-  for (const std::string_view word : words()) {
-    int value = 0;
-    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-    if (error != std::errc() || end != word.data() + word.size())
-      fail("'" + std::string(word) + "' is no whole number");
-    result.push_back(value);
-  }
+  for (const std::string_view word : words()) result.push_back(parse_whole(word));
   return result;
 }
 
 std::shared_ptr<const LoadController> Element::controller(const LoadControllers& controllers) const {
   const std::string id = attribute("lc");
   if (id.empty()) return nullptr;
-  const auto found = controllers.find(static_cast<int>(parse(id)));
+  const auto found = controllers.find(parse_whole(id));
   if (found == controllers.end()) fail("there is no load_controller " + id);
   return found->second;
 }
@@ -113,6 +119,13 @@ double Element::parse(std::string_view word) const {
   const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
   if (error != std::errc() || end != word.data() + word.size() || !std::isfinite(value))
     fail("'" + std::string(word) + "' is no number");
+  return value;
+}
+
+int Element::parse_whole(std::string_view word) const {
+  int value = 0;
+  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+  if (error != std::errc() || end != word.data() + word.size()) fail("'" + std::string(word) + "' is no whole number");
   return value;
 }
 

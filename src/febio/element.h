@@ -22,12 +22,16 @@ class Element {
   /// Of the attribute, or "".
   std::string attribute(const std::string& name) const;
   std::string needed_attribute(const std::string& name) const;
+  /// That attribute as an integer.
+  int whole_attribute(const std::string& name) const;
 
   std::vector<Element> children() const;
   std::optional<Element> find(const std::string& name) const;
   Element at(const std::string& name) const;
   /// Throws on a child with another name.
   void allow(std::initializer_list<const char*> names) const;
+  /// Throws on two children of one name that have the same value of this attribute.
+  void refuse_twice(const std::string& attribute) const;
   /// Throws on an attribute with another name.
   void allow_attributes(std::initializer_list<const char*> names) const;
 
@@ -60,6 +64,7 @@ class Element {
 
  private:
   double parse(std::string_view word) const;
+  int parse_whole(std::string_view word) const;
   std::vector<std::string_view> words() const;
 
   const mesh::XmlElement* element_;

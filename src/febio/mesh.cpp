@@ -38,20 +38,13 @@ std::vector<int> in_order(const std::vector<int>& nodes, const FebioShape& shape
   return result;
 }
 
-int id_of(const Element& element) {
-  const std::string id = element.needed_attribute("id");
-  try {
-    return std::stoi(id);
-  } catch (const std::exception&) {
-    element.fail("id=\"" + id + "\" is no whole number");
-  }
-}
-
 }  // namespace
 
 MeshReader::MeshReader(const Element& mesh) {
   mesh.allow(
       {"Nodes", "Elements", "NodeSet", "ElementSet", "Edge", "Surface", "DiscreteSet", "SurfacePair", "PartList"});
+  mesh.allow_attributes({});
+  mesh.refuse_twice("name");
   for (const Element& child : mesh.children()) {
     const std::string kind = child.name();
     if (kind == "Nodes") read_nodes(child);
@@ -89,7 +82,7 @@ void MeshReader::read_nodes(const Element& nodes) {
   Numbers own;
   for (const Element& node : nodes.children()) {
     const std::vector<double> place = node.numbers(3);
-    own.push_back(id_of(node));
+    own.push_back(node.whole_attribute("id"));
     if (!places_.emplace(own.back(), Vector3(place[0], place[1], place[2])).second)
       node.fail("there is a node " + std::to_string(own.back()) + " already");
   }
@@ -110,8 +103,9 @@ void MeshReader::read_cells(const Element& cells) {
       if (!places_.contains(node)) cell.fail("there is no node " + std::to_string(node));
     nodes = in_order(nodes, shape);
     all.insert(all.end(), nodes.begin(), nodes.end());
-    ids.push_back(id_of(cell));
-    cells_[ids.back()] = std::move(nodes);
+    ids.push_back(cell.whole_attribute("id"));
+    if (!cells_.emplace(ids.back(), std::move(nodes)).second)
+      cell.fail("there is an element " + std::to_string(ids.back()) + " already");
   }
   if (all.empty()) cells.fail("has no cells");
   domains_.push_back({name, shape.febio, static_cast<int>(kinds_.size())});

@@ -107,6 +107,7 @@ class ModelReader {
   Element root_;
   MeshReader mesh_;
   LoadControllers controllers_;
+  std::map<std::pair<int, int>, std::vector<int>> prescribed_;  // by molecule and axis, in which steps (-1: in all)
   std::shared_ptr<Built> built_ = std::make_shared<Built>();
   std::shared_ptr<ExperimentSetup> setup_ = std::make_shared<ExperimentSetup>();
 };
@@ -115,6 +116,9 @@ const Element& ModelReader::checked(const Element& root) {
   if (root.name() != "febio_spec") root.fail("a model of FEBio begins with <febio_spec version=\"4.0\">");
   if (root.attribute("version") != "4.0")
     root.refuse("version \"" + root.attribute("version") + "\"", "only 4.0 is; FEBio Studio converts models");
+  for (const Element& section : root.children())
+    if (!section.attribute("from").empty())
+      section.refuse("a section in another file, from=\"" + section.attribute("from") + "\"");
   const Element module = root.at("Module");
   if (module.attribute("type") != "solid") module.refuse("type=\"" + module.attribute("type") + "\"", "only solid is");
   return root;
@@ -135,6 +139,7 @@ void ModelReader::refuse_sections(const Element& owner, std::initializer_list<co
 
 void ModelReader::read_controllers(const Element& data) {
   data.allow({"load_controller"});
+  data.refuse_twice("id");
   for (const Element& one : data.children()) {
     one.allow_attributes({"id", "name", "type"});
     if (one.attribute("type") != "loadcurve") one.refuse("type=\"" + one.attribute("type") + "\"", "loadcurve is");
@@ -166,13 +171,14 @@ void ModelReader::read_controllers(const Element& data) {
       curve.points.push_back({pair[0], pair[1]});
     }
     if (curve.points.empty()) points.fail("has no points");
-    const std::string id = one.needed_attribute("id");
-    controllers_[std::atoi(id.c_str())] = std::make_shared<const LoadController>(std::move(curve));
+    controllers_[one.whole_attribute("id")] = std::make_shared<const LoadController>(std::move(curve));
   }
 }
 
 void ModelReader::read_materials(const Element& section) {
   section.allow({"material"});
+  section.refuse_twice("id");
+  section.refuse_twice("name");
   for (const Element& one : section.children()) {
     built_->materials.push_back(read_material(one, {controllers_, {setup_->clock, &setup_->clock->time}}));
     if (built_->materials.back().name.empty()) one.fail("the attribute 'name' is missing");
@@ -182,6 +188,7 @@ void ModelReader::read_materials(const Element& section) {
 
 void ModelReader::read_domains(const Element& section) {
   section.allow({"SolidDomain"});
+  section.refuse_twice("name");
   built_->domains.resize(mesh_.domains().size(), {-1, false});
   for (const Element& domain : section.children()) read_domain(domain);
   for (std::size_t i = 0; i < built_->domains.size(); ++i)
@@ -318,8 +325,14 @@ void ModelReader::read_boundary(const Element& boundary, int step) {
       if (bc.number("relative", 0) != 0 && step > 0)
         bc.at("relative").refuse("a displacement relative to the end of the step before");
       const Value value = bc.at("value").value(controllers_);
-      for (const int molecule : mesh_.node_set(bc, bc.needed_attribute("node_set")))
+      for (const int molecule : mesh_.node_set(bc, bc.needed_attribute("node_set"))) {
+        std::vector<int>& steps = prescribed_[{molecule, axis}];
+        if (std::any_of(steps.begin(), steps.end(), [&](int own) { return own < 0 || step < 0 || own == step; }))
+          bc.fail("a node of '" + bc.attribute("node_set") + "' has a prescribed displacement along " + kAxes[axis] +
+                  " already: only one could be in force");
+        steps.push_back(step);
         setup_->driven.push_back({molecule, axis, step, {{Value{1}, value}}});
+      }
     } else {
       bc.refuse("type=\"" + type + "\"", "zero displacement, prescribed displacement and linear constraint are");
     }
@@ -489,6 +502,7 @@ void ModelReader::read_surface_load(const Element& load) {
 
 void ModelReader::read_discrete(const Element& discrete) {
   discrete.allow({"discrete_material", "discrete"});
+  discrete.refuse_twice("id");
   std::map<std::string, Value> stiffness;
   for (const Element& material : discrete.children()) {
     if (material.name() != "discrete_material") continue;
@@ -597,8 +611,8 @@ void ModelReader::read_linear_constraints(const Element& constraint) {
       const std::string bc = node.needed_attribute("bc");
       const auto axis = std::find(std::begin(kAxes), std::end(kAxes), bc);
       if (axis == std::end(kAxes)) node.refuse("bc=\"" + bc + "\"", "x, y and z are");
-      gap.terms.push_back({mesh_.molecule(node, std::atoi(node.needed_attribute("id").c_str())),
-                           static_cast<int>(axis - kAxes), node.numbers(1).front()});
+      gap.terms.push_back(
+          {mesh_.molecule(node, node.whole_attribute("id")), static_cast<int>(axis - kAxes), node.numbers(1).front()});
     }
     result.gaps.push_back(std::move(gap));
   }

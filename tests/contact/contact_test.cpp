@@ -1,8 +1,11 @@
 #include "elastin/contact/contact.h"
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <numbers>
+#include <numeric>
+#include <random>
 
 #include "contact/contact_force.h"
 #include "elastin/core/base/error.h"
@@ -357,6 +360,67 @@ TEST_CASE("contact: tangents of two surfaces of triangles pressed into each othe
   ahead.positions += 1e-8 * motion, behind.positions -= 1e-8 * motion;
   CHECK((contact->energy(ahead) - contact->energy(behind)) / 2e-8 ==
         Approx(-forces.cwiseProduct(motion).sum()).epsilon(1e-5));
+}
+
+namespace {
+
+/// Two pieces of jittered hexahedra, pressed into each other and onto a floor; molecule a of the one has the number
+/// `number[a]` in the other.
+Body hexahedra(const std::vector<int>& number) {
+  const Body one = cell_box(cell_kind("hexahedron8"), {3, 3, 2}, {0.03, 0.03, 0.02}, 0.2);
+  const int n = one.size();
+  BodyArrays arrays;
+  arrays.positions.resize(3, 2 * n);
+  const Matrix3 turn = Eigen::AngleAxisd(0.2, Vector3(1, 2, 3).normalized()).toRotationMatrix();
+  CellBlock cells{one.blocks[0].kind, {}, {}};
+  for (int a = 0; a < n; ++a) {
+    arrays.positions.col(number[a]) = one.rest.col(a);
+    arrays.positions.col(number[n + a]) = turn * one.rest.col(a) + Vector3(0.004, 0.003, 0.0195);
+  }
+  for (int piece = 0; piece < 2; ++piece)
+    for (const int node : one.blocks[0].nodes) cells.nodes.push_back(number[piece * n + node]);
+  arrays.blocks = {cells};
+  return make_body(arrays);
+}
+
+}  // namespace
+
+TEST_CASE("contact: hexahedra touch alike however they are numbered", "[contact]") {
+  std::vector<int> given(2 * 48), shuffled(2 * 48);
+  std::iota(given.begin(), given.end(), 0);
+  shuffled = given;
+  std::shuffle(shuffled.begin(), shuffled.end(), std::mt19937_64(3));
+  ContactOptions options = options_of(1e8, 0, {floor_at(2e-4)});
+  options.surface = ContactSurface::triangles;
+  const Body one = hexahedra(given), other = hexahedra(shuffled);
+  const Positions forces = forces_of(*make_contact(one, options), state_at_rest(one)),
+                  renumbered = forces_of(*make_contact(other, options), state_at_rest(other));
+  REQUIRE(forces.norm() > 0);
+  for (int a = 0; a < one.size(); ++a)
+    CHECK((forces.col(a) - renumbered.col(shuffled[a])).norm() < 1e-11 * forces.cwiseAbs().maxCoeff());
+  CHECK(tangent_error(one, options, state_at_rest(one), 1e-9) < 1e-4);
+  CHECK(make_contact(one, options)->report(state_at_rest(one)).pairs > 5);
+  // Without the floor nothing comes from outside.
+  options.obstacles.clear();
+  Vector3 torque = Vector3::Zero();
+  const Positions inner = forces_of(*make_contact(one, options), state_at_rest(one));
+  for (int a = 0; a < one.size(); ++a) torque += Vector3(one.rest.col(a)).cross(Vector3(inner.col(a)));
+  CHECK(inner.rowwise().sum().norm() < 1e-12 * inner.cwiseAbs().maxCoeff());
+  CHECK(torque.norm() < 1e-12 * inner.cwiseAbs().maxCoeff());
+}
+
+TEST_CASE("contact: what slid into its place does not stick", "[contact]") {
+  for (const double part : {0.9, 1.1}) {
+    const double mu = 0.5;
+    Scene scene(block(), options_of(1e9, mu, {floor_at(0)}));
+    REQUIRE(solve_static(*scene.model, scene.state).outcome == Outcome::converged);
+    scene.model->commit_step(scene.state);
+    // The elastic slip at which the cone is reached is μ N / k: moved by less it sticks, by more it has slid.
+    const ContactReport before = scene.contact->report(scene.state);
+    scene.state.positions.row(0).array() += part * mu * before.largest_penetration;
+    scene.model->commit_step(scene.state);
+    CHECK(scene.contact->report(scene.state).sticking == (part < 1 ? 9 : 0));
+  }
 }
 
 TEST_CASE("contact: nothing passes through a thin plate however fast it comes", "[contact]") {

@@ -8,6 +8,7 @@
 #include <limits>
 #include <set>
 
+#include "core/model/block_geometry.h"
 #include "elastin/core/parallel/threads.h"
 #include "elastin/core/shapes/surfaces.h"
 #include "support/allocations.h"
@@ -82,13 +83,10 @@ struct Setting {
   bool spheres, self = false;
   std::vector<Obstacle> obstacles = {};
   ContactSearch search() const {
-    const Cells<3> triangles = surface_triangles(body);
-    return {body,
-            spheres ? sphere_samples(body, surface_molecules(body)) : triangle_samples(body, triangles),
-            spheres ? Cells<3>{} : triangles,
-            spheres,
-            obstacles,
-            self};
+    const SurfaceSides sides = spheres ? SurfaceSides{} : surface_sides(body);
+    return {body,      spheres ? sphere_samples(body, surface_molecules(body)) : side_samples(body, sides),
+            sides,     spheres,
+            obstacles, self};
   }
 };
 
@@ -152,7 +150,7 @@ TEST_CASE("molecules inside a surface of cells cannot touch, all others can", "[
 TEST_CASE("samples stand for the surface's whole area and its moments", "[contact]") {
   const Body body = jittered_block();
   const Cells<3> triangles = surface_triangles(body);
-  const auto samples = triangle_samples(body, triangles);
+  const auto samples = side_samples(body, surface_sides(body));
   REQUIRE(samples.size() == 3 * triangles.size());
   double area = 0, expected = 0, moment = 0, expected_moment = 0;
   for (const Sample& sample : samples) {
@@ -168,6 +166,35 @@ TEST_CASE("samples stand for the surface's whole area and its moments", "[contac
   }
   CHECK(area == Approx(expected).epsilon(1e-13));
   CHECK(moment == Approx(expected_moment).epsilon(1e-13));  // exact up to squares
+}
+
+TEST_CASE("quadrilaterals carry an even pressure as their shape functions do; curved sides have their own area",
+          "[contact]") {
+  // ∫ N_a dA of each molecule, as the cells' own rule has it, from the samples: no diagonal, no chord.
+  for (const char* kind : {"hexahedron8", "hexahedron20", "hexahedron27", "tetrahedron10", "prism6"})
+    for (const bool curved : {false, true}) {
+      if (curved && cell_kind(kind).order == 1) continue;
+      INFO(kind << (curved ? ", curved" : ""));
+      const Body body = cell_box(cell_kind(kind), {2, 2, 2}, {0.02, 0.02, 0.02}, 0.2, curved);
+      VectorX expected = VectorX::Zero(body.size()), found = expected;
+      double area = 0;
+      for (const BlockFace& face : boundary_faces(body))
+        for (std::size_t g = 0; g < face.kind->slopes.size(); ++g) {
+          const auto point = static_cast<Eigen::Index>(g);
+          const double weight = face.kind->weights[point] *
+                                measure_of(positions_of(body.rest, face.nodes) * face.kind->slopes[g].transpose());
+          area += weight;
+          for (std::size_t a = 0; a < face.nodes.size(); ++a)
+            expected[face.nodes[a]] += weight * face.kind->values(static_cast<Eigen::Index>(a), point);
+        }
+      double sum = 0;
+      for (const Sample& sample : side_samples(body, surface_sides(body))) {
+        sum += sample.area;
+        for (int k = 0; k < sample.count; ++k) found[sample.molecules[k]] += sample.area * sample.weights[k];
+      }
+      CHECK(sum == Approx(area).epsilon(1e-12));
+      if (cell_kind(kind).order == 1) CHECK((found - expected).norm() < 1e-3 * expected.norm());
+    }
 }
 
 TEST_CASE("spheres touch each other as all pairs tried do", "[contact]") {

@@ -348,5 +348,19 @@ TEST_CASE("what is not supported in a model of FEBio is named with its line", "[
         "<material id=\"2\" name=\"other\" type=\"neo-Hookean\">",
         ":5: <elastic>: type=\"Mooney-Rivlin\" in a material of type viscoelastic is not supported");
   check("<analysis>STATIC", "<analysis>EIGEN", ":3: <analysis>: 'EIGEN' is not supported");
+  // What stands twice, in another file, or under a number that is none.
+  check("id=\"1\">0,0,0<", "id=\"1a\">0,0,0<", ":8: <node>: '1a' is no whole number");
+  check("<elem id=\"1\">", "<elem id=\"1a\">", ":17: <elem>: '1a' is no whole number");
+  check("load_controller id=\"1\"", "load_controller id=\"1a\"", ":30: <load_controller>: '1a' is no whole number");
+  check("<LoadData>",
+        "<LoadData><load_controller id=\"1\" type=\"loadcurve\"><points><pt>0,0</pt></points></load_controller>",
+        ":30: <load_controller>: id=\"1\" stands here twice");
+  check("<NodeSet name=\"x\">", "<NodeSet name=\"x\">1</NodeSet><NodeSet name=\"x\">",
+        ":18: <NodeSet>: name=\"x\" stands here twice");
+  check("<Mesh>", "<Mesh from=\"other.feb\">", ":7: <Mesh>: a section in another file");
+  check("<Boundary>\n",
+        "<Boundary>\n<bc node_set=\"top\" type=\"prescribed displacement\"><dof>z</dof><value>1</value></bc>"
+        "<bc node_set=\"seventh\" type=\"prescribed displacement\"><dof>z</dof><value>2</value></bc>",
+        ":25: <bc>: a node of 'seventh' has a prescribed displacement along z already");
   check("</febio_spec>", "", ":30: no XML");
 }

@@ -24,9 +24,24 @@ TimeFunction TimeFunction::sine(double frequency, double phase, double mean) {
   return function;
 }
 
+namespace {
+
+/// Times are sums of many steps: what lies within this part of a point is at the point.
+constexpr double kRounding = 1e-10;
+double slack(double time, double point) { return kRounding * std::max(std::abs(time), std::abs(point)); }
+
+}  // namespace
+
 std::size_t TimeFunction::after(double time) const {
-  const auto found = std::upper_bound(points_.begin(), points_.end(), time,
-                                      [](double wanted, const auto& point) { return wanted < point.first; });
+  const auto found = std::partition_point(points_.begin(), points_.end(), [&](const auto& point) {
+    return point.first <= time + slack(time, point.first);
+  });
+  return static_cast<std::size_t>(found - points_.begin());
+}
+
+std::size_t TimeFunction::not_before(double time) const {
+  const auto found = std::partition_point(
+      points_.begin(), points_.end(), [&](const auto& point) { return point.first < time - slack(time, point.first); });
   return static_cast<std::size_t>(found - points_.begin());
 }
 
@@ -42,7 +57,8 @@ double TimeFunction::value(double time) const {
 
 double TimeFunction::rate(double time) const {
   if (points_.empty()) return circular_frequency_ * std::cos(circular_frequency_ * time + phase_);
-  const std::size_t next = after(time);
+  std::size_t next = not_before(time);
+  if (next == 0) next = after(time);
   if (next == 0 || next == points_.size()) return 0;
   const auto& before = points_[next - 1];
   return (points_[next].second - before.second) / (points_[next].first - before.first);

@@ -110,12 +110,16 @@ struct Extrapolation {
 };
 Extrapolation extrapolate(const std::vector<std::pair<double, double>>& spacings_and_values);
 
-/// The same for any two values or more of cells of first order, whose order is between 1 (at singular edges) and 2:
-/// where the order shown is there too, the limit is no further away than the orders 1 and 2 make it. Two extrapolations
-/// that agree by chance do not make it more certain than a tenth of the last correction. Values that do not change, to
-/// 1e-7, are the limit. Those that fall into no line have no order (NaN): of two the limit is in the middle of what the
-/// orders 1 and 2 lead to, its uncertainty half of the difference; of more it is the last value, its uncertainty the
-/// largest difference between the last three.
+/// The same for any two values or more, with what they do not show. A singular edge, of order 1 at worst, is hidden at
+/// first by smooth strain, whose errors are larger and fall sooner: an order shown by three values that is above 1 may
+/// still fall to it, and the uncertainty reaches the limits of order 1 and, of orders below 2, of order 2. Where four
+/// values show one order twice, within 0.3, it is 1.5 times the difference of their two limits, if that is less; where
+/// the order changes, at least that difference. An order that rises, or that no cells have, is a sum that passes
+/// through zero: then half of the change before counts, too. The uncertainty is never less than a tenth of the last
+/// correction, for two limits may agree by chance. Values that do not change, to 1e-7, are the limit. Those that fall
+/// into no line have no order (NaN): of two the limit is in the middle of what the orders 1 and 2 lead to, its
+/// uncertainty their difference; of more it is the last value, its uncertainty 1.5 times the largest difference between
+/// the last three.                                                            [Roache 1994; Celik et al. 2008]
 Extrapolation limit_of(const std::vector<std::pair<double, double>>& spacings_and_values);
 
 /// Gives all records of a scene the strategy's own extrapolated values as references, of each main measure that it has;

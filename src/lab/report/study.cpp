@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <optional>
 #include <set>
 
 #include "elastin/core/base/error.h"
@@ -114,7 +115,7 @@ Extrapolation extrapolate(const std::vector<std::pair<double, double>>& spacings
 }
 
 Extrapolation limit_of(const std::vector<std::pair<double, double>>& spacings_and_values) {
-  constexpr double unchanged = 1e-7, least_part = 0.1;
+  constexpr double unchanged = 1e-7, least_part = 0.1, steady = 0.3, most_order = 4.3;
   auto rows = spacings_and_values;
   std::sort(rows.begin(), rows.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
   if (rows.size() < 2) throw InputError("a limit takes two spacings or more");
@@ -123,17 +124,31 @@ Extrapolation limit_of(const std::vector<std::pair<double, double>>& spacings_an
   const auto limit = [&](double order) {
     return finest + change / (std::pow(rows[1].first / rows[0].first, order) - 1);
   };
-  if (rows.size() == 2) return {(limit(1) + limit(2)) / 2, std::abs(limit(1) - limit(2)) / 2, none};
-  try {
-    Extrapolation found = extrapolate(rows);
-    const double between = std::max(std::abs(found.value - limit(1)), std::abs(found.value - limit(2)));
-    if (found.order >= 1 && found.order <= 2) found.uncertainty = std::min(found.uncertainty, between);
-    found.uncertainty = std::max(found.uncertainty, least_part * std::abs(found.value - finest));
-    return found;
-  } catch (const InputError&) {
-    const double before = rows[1].second - rows[2].second;
-    return {finest, std::max({std::abs(change), std::abs(before), std::abs(change + before)}), none};
-  }
+  if (rows.size() == 2) return {(limit(1) + limit(2)) / 2, std::abs(change), none};
+  const double before = rows[1].second - rows[2].second;
+  const auto extrapolated = [](const auto& some) {
+    try {
+      return std::optional(extrapolate(some));
+    } catch (const InputError&) {
+      return std::optional<Extrapolation>();
+    }
+  };
+  const auto found = extrapolated(std::vector(rows.begin(), rows.begin() + 3));
+  if (!found) return {finest, 1.5 * std::max({std::abs(change), std::abs(before), std::abs(change + before)}), none};
+  const auto away = [&](double value) { return std::abs(found->value - value); };
+  Extrapolation result = *found;
+  if (found->order > 1) result.uncertainty = std::max(away(limit(1)), found->order < 2 ? away(limit(2)) : 0);
+  std::optional<Extrapolation> earlier;
+  if (rows.size() > 3) earlier = extrapolated(std::vector(rows.begin() + 1, rows.begin() + 4));
+  const double shown_before = earlier ? earlier->order : rows.size() > 3 ? 0 : most_order;
+  if (found->order > std::min(most_order, shown_before + steady))
+    result.uncertainty = std::max(result.uncertainty, std::abs(before) / 2);
+  if (earlier && std::abs(found->order - earlier->order) <= steady)
+    result.uncertainty = std::min(result.uncertainty, 1.5 * away(earlier->value));
+  else if (earlier)
+    result.uncertainty = std::max(result.uncertainty, away(earlier->value));
+  result.uncertainty = std::max(result.uncertainty, least_part * away(finest));
+  return result;
 }
 
 std::string refer_to_own(std::vector<Record>& records, const std::string& strategy) {

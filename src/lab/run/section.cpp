@@ -6,6 +6,7 @@
 #include <numbers>
 #include <vector>
 
+#include "core/model/block_geometry.h"
 #include "core/model/faces.h"
 #include "elastin/core/model/share.h"
 
@@ -78,6 +79,29 @@ class Slabs {
 constexpr std::array<std::array<std::size_t, 4>, 6> kTetrahedraOfCube{
     {{0, 1, 3, 7}, {0, 1, 5, 7}, {0, 2, 3, 7}, {0, 2, 6, 7}, {0, 4, 5, 7}, {0, 4, 6, 7}}};
 
+/// Calls visit(cell, scale) for the tetrahedra of the body. Those of a cell whose sides are curved have its own volume
+/// together: the scale is that over theirs.
+template <class Visit>
+void visit_tetrahedra(const Body& body, const Visit& visit) {
+  if (!has_blocks(body, 3))
+    for (const auto& cell : body.tetrahedra) visit(cell, 1.);
+  for (const CellBlock& block : body.blocks)
+    for (int own = 0; block.kind->dimensions == 3 && own < block.size(); ++own) {
+      const auto nodes = block.cell(own);
+      const Eigen::MatrixXd at = positions_of(body.rest, nodes);
+      double volume = 0, flat = 0;
+      for (std::size_t g = 0; g < block.kind->slopes.size(); ++g)
+        volume +=
+            block.kind->weights[static_cast<Eigen::Index>(g)] * measure_of(at * block.kind->slopes[g].transpose());
+      Cells<4> cells;
+      for (const auto& simplex : simplices_of(*block.kind, nodes)) {
+        cells.push_back({nodes[simplex[0]], nodes[simplex[1]], nodes[simplex[2]], nodes[simplex[3]]});
+        flat += signed_volume(body.rest, cells.back());
+      }
+      for (const auto& cell : cells) visit(cell, volume / flat);
+    }
+}
+
 /// Whether every molecule is a corner of one of the cells.
 template <class CellList>
 bool fill(const Body& body, const CellList& cells) {
@@ -135,14 +159,15 @@ Section hull_section(const Body& body, const Vector3& axis, const VectorX& heigh
 Section find_section(const Body& body, const Vector3& axis, double from, double to, double thickness) {
   const VectorX heights = body.rest.transpose() * axis;
   Slabs slabs(from, to, 10);
-  const auto add_tetrahedron = [&](const std::array<int, 4>& cell) {
+  const auto add_tetrahedron = [&](const std::array<int, 4>& cell, double scale = 1) {
     slabs.add(std::array{heights[cell[0]], heights[cell[1]], heights[cell[2]], heights[cell[3]]},
-              std::abs(signed_volume(body.rest, cell)));
+              scale * std::abs(signed_volume(body.rest, cell)));
   };
   const auto counts = [&](const auto& cell) { return lowest_in_whole(body, cell) < owned_molecules(body); };
   if (fill(body, body.tetrahedra)) {
-    for (const auto& cell : body.tetrahedra)
-      if (counts(cell)) add_tetrahedron(cell);
+    visit_tetrahedra(body, [&](const std::array<int, 4>& cell, double scale) {
+      if (counts(cell)) add_tetrahedron(cell, scale);
+    });
   } else if (fill(body, body.cubes)) {
     for (const auto& cube : body.cubes)
       for (const auto& t : kTetrahedraOfCube)

@@ -69,26 +69,11 @@ VectorX crossings(const Series& series, double level, bool upwards) {
   return Eigen::Map<const VectorX>(found.data(), static_cast<Eigen::Index>(found.size()));
 }
 
-}  // namespace
+double spread_of(const VectorX& values) { return (values.array() - values.mean()).matrix().norm(); }
 
-std::optional<ExponentialFit> fit_exponential(const Series& series) {
-  if (series.times.size() < 4) return std::nullopt;
-  const double range = series.values.maxCoeff() - series.values.minCoeff();
-  if (!(range > 1e-12 * series.values.cwiseAbs().maxCoeff())) return std::nullopt;
-  const Eigen::Index last = series.times.size() - 1;
-  const double duration = series.times[last] - series.times[0];
-  const auto misfit = [&](double logarithm) {
-    return linear_fit(exponential_columns(series.times, std::exp(logarithm)), series.values).second;
-  };
-  const double step = (series.times.tail(last) - series.times.head(last)).minCoeff();
-  const double time = std::exp(least_of(misfit, std::log(step / 10), std::log(100 * duration), 60));
-  const VectorX found = linear_fit(exponential_columns(series.times, time), series.values).first;
-  return ExponentialFit{time, found[0] + found[1], found[0]};
-}
-
-std::optional<VibrationFit> fit_vibration(const Series& series) {
-  const double middle = (series.values.maxCoeff() + series.values.minCoeff()) / 2;
-  const VectorX up = crossings(series, middle, true), down = crossings(series, middle, false);
+/// The damped cosine nearest to the values, found from where they cross a level.
+std::optional<VibrationFit> vibration_about(const Series& series, double level) {
+  const VectorX up = crossings(series, level, true), down = crossings(series, level, false);
   if (up.size() + down.size() < 3) return std::nullopt;
   const VectorX& more = up.size() >= down.size() ? up : down;
   const double period = (more[more.size() - 1] - more[0]) / static_cast<double>(more.size() - 1);
@@ -106,14 +91,39 @@ std::optional<VibrationFit> fit_vibration(const Series& series) {
     decay = least_of([&](double d) { return misfit(frequency, d); }, decay - slack, decay + slack, 8);
   }
   const auto [found, left] = linear_fit(vibration_columns(times, frequency, decay), series.values);
-  const double spread = (series.values.array() - series.values.mean()).matrix().norm();
-  return VibrationFit{frequency, decay, found[0], found[1], found[2], left / spread};
+  return VibrationFit{frequency, decay, found[0], found[1], found[2], left / spread_of(series.values)};
+}
+
+}  // namespace
+
+std::optional<ExponentialFit> fit_exponential(const Series& series) {
+  if (series.times.size() < 4) return std::nullopt;
+  const double range = series.values.maxCoeff() - series.values.minCoeff();
+  if (!(range > 1e-6 * series.values.cwiseAbs().maxCoeff())) return std::nullopt;
+  const Eigen::Index last = series.times.size() - 1;
+  const double duration = series.times[last] - series.times[0];
+  const auto misfit = [&](double logarithm) {
+    return linear_fit(exponential_columns(series.times, std::exp(logarithm)), series.values).second;
+  };
+  const double step = (series.times.tail(last) - series.times.head(last)).minCoeff();
+  const double time = std::exp(least_of(misfit, std::log(step / 10), std::log(100 * duration), 60));
+  if (!(time >= step && time <= 10 * duration)) return std::nullopt;
+  const auto [found, left] = linear_fit(exponential_columns(series.times, time), series.values);
+  return ExponentialFit{time, found[0] + found[1], found[0], left / spread_of(series.values)};
+}
+
+std::optional<VibrationFit> fit_vibration(const Series& series) {
+  // What dies away ends near its mean, what does not has it halfway between its extremes.
+  const double middle = (series.values.maxCoeff() + series.values.minCoeff()) / 2,
+               late = series.values.tail((series.values.size() + 3) / 4).mean();
+  const auto about_middle = vibration_about(series, middle), about_late = vibration_about(series, late);
+  if (!about_middle || !about_late) return about_middle ? about_middle : about_late;
+  return about_late->misfit < about_middle->misfit ? about_late : about_middle;
 }
 
 VibrationFit fit_sine(const Series& series, double circular_frequency) {
   const auto [found, left] = linear_fit(vibration_columns(series.times, circular_frequency, 0), series.values);
-  const double spread = (series.values.array() - series.values.mean()).matrix().norm();
-  return {circular_frequency, 0, found[0], found[1], found[2], left / spread};
+  return {circular_frequency, 0, found[0], found[1], found[2], left / spread_of(series.values)};
 }
 
 std::optional<double> period_of(const Series& series, double level) {

@@ -14,8 +14,10 @@ struct Series {
 struct ExponentialFit {
   double time = 0;  ///< τ [s]
   double start = 0, end = 0;
+  double misfit = 0;  ///< root mean square of what is left over that of the values about their mean
 };
-/// None of fewer than 4 values, or of values that do not change.
+/// None of fewer than 4 values, of values that change by less than a millionth, or where τ is shorter than the shortest
+/// interval or longer than ten times them all: these values do not show it.
 std::optional<ExponentialFit> fit_exponential(const Series& series);
 
 /// value = mean + exp(−δ t) (a cos ω t + b sin ω t) by least squares.

@@ -18,7 +18,9 @@ TEST_CASE("functions of time have their values and rates", "[time][loads]") {
   CHECK(ramp.value(0.5) == Approx(0.25));
   CHECK(ramp.value(3) == 1);
   CHECK(ramp.rate(1) == Approx(0.5));
-  CHECK(ramp.rate(2) == 0);  // at a kink: what follows
+  CHECK(ramp.rate(2) == Approx(0.5));  // at a kink: that of the step that ends there, whatever its time is rounded to
+  CHECK(ramp.rate(2 * (1 + 1e-15)) == Approx(0.5));
+  CHECK(ramp.rate(2 * (1 + 1e-9)) == 0);
   CHECK(ramp.rate(0) == Approx(0.5));
   CHECK(step.value(0.999) == 0);
   CHECK(step.value(1) == 1);

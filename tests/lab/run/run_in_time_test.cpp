@@ -160,6 +160,55 @@ TEST_CASE("creep, relaxation and a shaken base follow their formulas", "[time]")
   CHECK(shake.remark.empty());
 }
 
+TEST_CASE("a time history that is no such curve gives no such measure, and the run says why", "[time]") {
+  const auto check_absent = [](const std::string& text, std::initializer_list<const char*> names, const char* why) {
+    INFO(text);
+    const Run run = run_of(text);
+    REQUIRE(run.outcome == Outcome::converged);
+    for (const char* name : names) {
+      INFO(name);
+      CHECK_FALSE(std::isfinite(run.measures.get(name)));
+    }
+    CHECK_THAT(run.remark, Contains(why));
+  };
+  const std::string held = "fixture: {kind: tension, axis: x, force: 0.1 N, cross_section: 1 cm2}}\n",
+                    moved = "fixture: {kind: tension, axis: x, displacement: 1 mm, cross_section: 1 cm2}}\n",
+                    bar =
+                        "body: {tetrahedra: {kind: body_centred, cubes: [1, 1, 3], size: [10 mm, 10 mm, 30 mm]}}\n"
+                        "material: {youngs_modulus: 10 kPa, poissons_ratio: 0.3, density: 1000 kg/m3}\n"
+                        "stiffness: neo_hookean\n",
+                    pulled = "fixture: {kind: tension, axis: z, force: 1 mN}}\n",
+                    drawn = "fixture: {kind: tension, axis: z, displacement: 0.1 mm}}\n";
+  // An elastic body swings for ever, or jumps at once where the scheme lets nothing swing: neither is creep.
+  check_absent(kOscillator + "experiment: {kind: creep, " + held + "time: {duration: 3 s, step: 5 ms}\n",
+               {"retardation_time"}, "no retardation time");
+  check_absent(bar + "experiment: {kind: creep, " + pulled +
+                   "time: {duration: 10 s, step: 0.5 s, frames: 20, integrator: backward_euler}\n",
+               {"retardation_time"}, "no retardation time");
+  check_absent(bar + "experiment: {kind: relaxation, ramp: 0.01 s, " + drawn +
+                   "time: {duration: 1 s, step: 1 ms, integrator: newmark}\n",
+               {"relaxation_time", "relaxed_ratio"}, "no relaxation time");
+  // In its first period a body still vibrates: its resistance is not that of a cycle.
+  check_absent(bar + "experiment: {kind: cyclic, frequency: 20 /s, " + drawn +
+                   "time: {duration: 50 ms, step: 0.1 ms, frames: 500, integrator: newmark}\n",
+               {"storage_modulus", "loss_modulus", "loss_tangent"}, "no moduli");
+  check_absent(bar + "experiment: {kind: cyclic, frequency: 20 /s, " + drawn +
+                   "time: {duration: 110 ms, step: 0.1 ms, frames: 1100, integrator: newmark}\n",
+               {"storage_modulus", "loss_modulus", "loss_tangent"}, "no moduli: the cycle is not steady yet");
+  check_absent(kRelease + "loads: [{damping: 30 N s/m}]\ntime: {duration: 3 s, step: 5 ms}\n",
+               {"frequency", "damping_ratio", "logarithmic_decrement"}, "no frequency and no damping");
+  // The elastic jump of a standard linear solid is no part of its creep: τ = τ_r (1 + share).
+  const Run creep = run_of(
+      "body: {tetrahedra: {kind: body_centred, cubes: [1, 1, 3], size: [10 mm, 10 mm, 30 mm]}}\n"
+      "material: {youngs_modulus: 10 kPa, poissons_ratio: 0.3, density: 1 kg/m3, "
+      "relaxation: {model: standard_linear_solid, share: 1, time: 0.1 s}}\nstiffness: \"prony:neo_hookean\"\n"
+      "experiment: {kind: creep, " +
+      pulled + "time: {duration: 1 s, step: 1 ms, frames: 100, integrator: backward_euler}\n");
+  CHECK(measured(creep, "retardation_time") == Approx(0.2).epsilon(0.02));
+  CHECK(measured(creep, "fit_misfit") < 0.01);
+  CHECK(creep.remark.empty());
+}
+
 TEST_CASE("both drag laws reach their speeds, at the order of the integrator", "[time][drag]") {
   const std::string ball =
       "body: {molecules: [[0 m, 0 m, 0 m]], radius: 1 cm}\nmaterial: {youngs_modulus: 1 kPa, density: 1000 kg/m3}\n"

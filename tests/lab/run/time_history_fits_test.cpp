@@ -29,6 +29,28 @@ TEST_CASE("an exponential is found again", "[fits]") {
   CHECK_FALSE(fit_exponential(sampled(0, 1, 3, [](double t) { return t; })));
 }
 
+TEST_CASE("what is no exponential has a misfit, or none is found", "[fits]") {
+  const auto vibration = fit_exponential(sampled(0, 1, 200, [](double t) { return 1 - std::cos(40 * t); }));
+  CHECK((!vibration || vibration->misfit > 0.5));
+  CHECK(fit_exponential(sampled(0, 3, 50, [](double t) { return std::exp(-t); }))->misfit < 1e-6);
+  // Over within an interval, and hardly begun; constant but for the digits of a solver.
+  CHECK_FALSE(fit_exponential(sampled(0, 1, 50, [](double t) { return std::exp(-500 * t); })));
+  CHECK_FALSE(fit_exponential(sampled(0, 1, 50, [](double t) { return std::exp(-0.05 * t); })));
+  CHECK_FALSE(fit_exponential(sampled(0, 1, 50, [](double t) { return 3 + 1e-7 * std::sin(1e4 * t); })));
+}
+
+TEST_CASE("a vibration that soon dies away has its damping, whatever comes behind it", "[fits]") {
+  for (const double ratio : {0.05, 0.19, 0.3, 0.5})
+    for (const double duration : {12., 20.}) {
+      INFO("damping ratio " << ratio << " over " << duration);
+      const double omega = std::sqrt(1 - ratio * ratio);
+      const auto fit = fit_vibration(
+          sampled(0, duration, 300, [&](double t) { return std::exp(-ratio * t) * std::cos(omega * t); }));
+      REQUIRE(fit);
+      CHECK(fit->decay_rate / std::hypot(fit->decay_rate, fit->circular_frequency) == Approx(ratio).epsilon(1e-6));
+    }
+}
+
 TEST_CASE("a damped cosine is found again", "[fits]") {
   for (const double decay : {0., 0.3, 2.}) {
     const Series series =

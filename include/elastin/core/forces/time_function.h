@@ -4,8 +4,9 @@
 
 namespace elastin {
 
-/// A number that changes over time: the factor of a load or a displacement. At a jump or a kink it has the value and
-/// the rate that follow.
+/// A number that changes over time: the factor of a load or a displacement. At a jump it has the value that follows, at
+/// a kink the rate before it, with which a step that ends there went; where it begins, the rate that follows. A time
+/// that is next to a point but for rounding is that point's.
 class TimeFunction {
  public:
   /// 1 at all times.
@@ -27,8 +28,9 @@ class TimeFunction {
   bool constant() const;
 
  private:
-  /// The points around a time: index of the first that lies after it.
+  /// Index of the first point that lies after a time; not before it.
   std::size_t after(double time) const;
+  std::size_t not_before(double time) const;
   std::vector<std::pair<double, double>> points_;  // empty: a sine
   double circular_frequency_ = 0, phase_ = 0, mean_ = 0;
 };

@@ -173,10 +173,10 @@ class Indentation final : public StaticExperiment {
     const bool spheres = surface == contact::ContactSurface::spheres;
     for (int molecule = 0; molecule < body.size(); ++molecule)
       meet(body.rest.col(molecule), spheres ? body.radius[molecule] : 0);
-    if (!spheres)  // in a hollow a triangle's middle comes before its corners
-      for (const contact::Sample& sample : contact::triangle_samples(body, contact::surface_triangles(body))) {
+    if (!spheres)  // in a hollow a side's middle comes before its corners
+      for (const contact::Sample& sample : contact::side_samples(body, contact::surface_sides(body))) {
         Vector3 position = Vector3::Zero();
-        for (std::size_t i = 0; i < 3; ++i) position += sample.weights[i] * body.rest.col(sample.molecules[i]);
+        for (int i = 0; i < sample.count; ++i) position += sample.weights[i] * body.rest.col(sample.molecules[i]);
         meet(position, 0);
       }
     first -= 1e-9 * radius;  // what only seems to be pressed in, by rounding, would be asked for its equilibrium

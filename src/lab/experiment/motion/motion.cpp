@@ -1,8 +1,11 @@
 #include <cmath>
+#include <complex>
 #include <limits>
+#include <optional>
 
 #include "core/solve/newton.h"
 #include "elastin/core/base/error.h"
+#include "elastin/core/base/text.h"
 #include "elastin/core/forces/time_function.h"
 #include "elastin/core/model/share.h"
 #include "lab/experiment/keys.h"
@@ -53,15 +56,30 @@ const MeasureList& motion_measures() {
       {"relaxed_ratio", none, "force in the end / at the end of the ramp, of the fit"},
       {"storage_modulus", pressure, "stress in phase with the strain / strain, over the last period", Role::modulus},
       {"loss_modulus", pressure, "stress a quarter period ahead of the strain / strain", Role::modulus},
-      {"loss_tangent", none, "loss modulus / storage modulus"}};
+      {"loss_tangent", none, "loss modulus / storage modulus"},
+      {"fit_misfit", none,
+       "residual of the curve fitted to the time history / its variation, as root mean squares: above 0.1 it gives no "
+       "time constant, above 0.2 no damping, above 0.5 no frequency",
+       Role::detail},
+      {"cycle_change", none,
+       "change of the complex modulus since the period before / its size: above 0.02 there are no moduli",
+       Role::detail}};
   return list;
 }
 
-/// One measure over time, from a time on.
-Series series_of(const std::vector<CurvePoint>& history, std::string_view name, double from = 0) {
+/// Misfits beyond which a curve has no time constant, no damping, no frequency: the fitted part is not all but all,
+/// most, the larger part of it.
+constexpr double kMostForTime = 0.1, kMostForDamping = 0.2, kMostForFrequency = 0.5;
+/// Change of the complex modulus from one period to the next beyond which it is none of the material's.
+constexpr double kMostChange = 0.02;
+
+/// One measure over time, from a time on, to another.
+Series series_of(const std::vector<CurvePoint>& history, std::string_view name, double from = 0,
+                 double to = std::numeric_limits<double>::infinity()) {
   std::vector<double> times, values;
   for (const CurvePoint& row : history)
-    if (const double value = row.measures.get(name); row.time >= from * (1 - 1e-12) && std::isfinite(value)) {
+    if (const double value = row.measures.get(name);
+        row.time >= from * (1 - 1e-12) && row.time <= to * (1 + 1e-12) && std::isfinite(value)) {
       times.push_back(row.time);
       values.push_back(value);
     }
@@ -106,11 +124,37 @@ class Motion final : public TimedExperiment {
 
   void read_history(const std::vector<CurvePoint>& history, Measures& measures) const override {
     if (setup_.kind == MotionKind::release) read_vibration(series_of(history, response_.displacement), measures);
-    if (setup_.kind == MotionKind::creep)
-      if (const auto fit = fit_exponential(series_of(history, response_.displacement)))
-        measures.set("retardation_time", fit->time);
+    if (setup_.kind == MotionKind::creep) read_creep(history, measures);
     if (setup_.kind == MotionKind::relaxation) read_relaxation(history, measures);
     if (setup_.kind == MotionKind::cyclic) read_cycle(history, measures);
+  }
+
+  std::string remark(const Measures& measures) const override {
+    const double misfit = measures.get("fit_misfit"), change = measures.get("cycle_change");
+    const auto missing = [&](const char* measure) { return !std::isfinite(measures.get(measure)); };
+    const auto because = [&](const char* curve, double most) {
+      return std::isfinite(misfit) ? std::string("the time history is no ") + curve + " (fit_misfit " + number(misfit) +
+                                         ", at most " + number(most) + ")"
+                                   : std::string("the time history shows no ") + curve;
+    };
+    switch (setup_.kind) {
+      case MotionKind::release:
+        if (missing("frequency")) return "no frequency and no damping: " + because("damped cosine", kMostForFrequency);
+        return missing("damping_ratio") ? "no damping: " + because("damped cosine", kMostForDamping) : "";
+      case MotionKind::creep:
+        return missing("retardation_time") ? "no retardation time: " + because("exponential", kMostForTime) : "";
+      case MotionKind::relaxation:
+        return missing("relaxation_time") ? "no relaxation time: " + because("exponential", kMostForTime) : "";
+      case MotionKind::cyclic:
+        if (!missing("loss_tangent")) return "";
+        if (std::isfinite(change))
+          return "no moduli: the cycle is not steady yet (cycle_change " + number(change) + ", at most " +
+                 number(kMostChange) + ")";
+        return "no moduli: the duration has no two whole periods with eight frames each";
+      case MotionKind::motion:
+        break;
+    }
+    return "";
   }
 
   std::vector<MainMeasure> main_measures(const Material&, const Measures&) const override {
@@ -133,28 +177,60 @@ class Motion final : public TimedExperiment {
     return info && !(released() && is_property(info->role));
   }
 
-  /// The slowest part alone: from where a twentieth of the fall is left, faster ones are gone; at least the last
-  /// moments, for where the parts lie decades apart one exponential is a poor guess of the end.
-  void read_relaxation(const std::vector<CurvePoint>& history, Measures& measures) const {
-    const Series all = series_of(history, response_.resistance, setup_.ramp);
-    const auto whole = fit_exponential(all);
-    if (!whole) return;
-    measures.set("relaxed_ratio", whole->end / all.values[0]);
-    constexpr Eigen::Index kFewest = 6;
-    if (all.times.size() < kFewest) return;
-    double late = setup_.ramp;
-    for (Eigen::Index i = 0; i < all.times.size(); ++i)
-      if (std::abs(all.values[i] - whole->end) > 0.05 * std::abs(all.values[0] - whole->end)) late = all.times[i];
-    late = std::min(late, all.times[all.times.size() - kFewest]);
-    if (const auto fit = fit_exponential(series_of(history, response_.resistance, late))) {
-      measures.set("relaxation_time", fit->time);
-      measures.set("relaxed_ratio", fit->end / all.values[0]);
-    }
+  /// Behind the first row: what a body shows at once is elastic.
+  void read_creep(const std::vector<CurvePoint>& history, Measures& measures) const {
+    const Series all = series_of(history, response_.displacement);
+    const Eigen::Index behind = all.times.size() - 1;
+    if (behind < 1) return;
+    const auto fit = fit_exponential({all.times.tail(behind), all.values.tail(behind)});
+    if (!fit) return;
+    measures.set("fit_misfit", fit->misfit);
+    if (fit->misfit <= kMostForTime) measures.set("retardation_time", fit->time);
   }
 
-  /// Of the last period: what of the resistance is in phase with the displacement, and what is a quarter ahead of it.
+  /// Behind the row at the ramp's end, where the body still moves. The slowest part alone: from where a twentieth of
+  /// the fall is left, faster ones are gone; at least the last moments, for where the parts lie decades apart one
+  /// exponential is a poor guess of the end.
+  void read_relaxation(const std::vector<CurvePoint>& history, Measures& measures) const {
+    const Series all = series_of(history, response_.resistance, setup_.ramp * (1 + 1e-9));
+    const auto whole = fit_exponential(all);
+    if (!whole) return;
+    constexpr Eigen::Index kFewest = 6;
+    double late = all.times[0];
+    for (Eigen::Index i = 0; i < all.times.size(); ++i)
+      if (std::abs(all.values[i] - whole->end) > 0.05 * std::abs(all.values[0] - whole->end)) late = all.times[i];
+    if (all.times.size() >= kFewest) late = std::min(late, all.times[all.times.size() - kFewest]);
+    const auto end =
+        all.times.size() < kFewest ? whole : fit_exponential(series_of(history, response_.resistance, late));
+    if (!end) return;
+    measures.set("fit_misfit", end->misfit);
+    if (end->misfit > kMostForTime) return;
+    measures.set("relaxation_time", end->time);
+    measures.set("relaxed_ratio", end->end / all.values[0]);
+  }
+
+  /// Resistance over displacement in the period that begins at `from`: the part in phase with the displacement, and
+  /// the part a quarter period ahead of it. None of a period with fewer than eight frames.
+  std::optional<std::complex<double>> complex_stiffness(const std::vector<CurvePoint>& history, double from) const {
+    const double w = 2 * M_PI * setup_.frequency, to = from + 1 / setup_.frequency;
+    const Series moved = series_of(history, response_.displacement, from, to),
+                 resists = series_of(history, response_.resistance, from, to);
+    if (from < 0 || moved.times.size() < 8 || resists.times.size() < 8) return std::nullopt;
+    const VibrationFit by = fit_sine(moved, w), of = fit_sine(resists, w);
+    return std::complex(of.cosine, -of.sine) / std::complex(by.cosine, -by.sine);
+  }
+
+  /// Of the last period, unless the one before says otherwise.
   void read_cycle(const std::vector<CurvePoint>& history, Measures& measures) const {
-    const double from = history.back().time - 1 / setup_.frequency, w = 2 * M_PI * setup_.frequency;
+    const double period = 1 / setup_.frequency, from = history.back().time - period;
+    // A duration of two periods has them to rounding.
+    const double before = std::abs(from - period) < 1e-9 * period ? 0 : from - period;
+    const auto last = complex_stiffness(history, from), earlier = complex_stiffness(history, before);
+    if (!last || !earlier) return;
+    const double change = std::abs(*last - *earlier) / std::abs(*last);
+    measures.set("cycle_change", change);
+    if (!(change <= kMostChange)) return;
+    measures.set("loss_tangent", last->imag() / last->real());
     const CurvePoint* largest = nullptr;
     for (const CurvePoint& row : history) {
       const double own = std::abs(row.measures.get(response_.displacement));
@@ -162,22 +238,14 @@ class Motion final : public TimedExperiment {
           (!largest || own > std::abs(largest->measures.get(response_.displacement))))
         largest = &row;
     }
-    const Series moved = series_of(history, response_.displacement, from),
-                 resists = series_of(history, response_.resistance, from);
-    if (!largest || from < 0 || moved.times.size() < 8 || resists.times.size() < 8) return;
     // The modulus of a row is its resistance over its displacement, times what the body's shape gives.
-    double shape = std::numeric_limits<double>::quiet_NaN();
     for (const MeasureRole role : {MeasureRole::youngs_modulus, MeasureRole::shear_modulus})
-      if (const double own = largest->measures.get(all_measures_.named(role)); std::isfinite(own))
-        shape = own * largest->measures.get(response_.displacement) / largest->measures.get(response_.resistance);
-    const VibrationFit by = fit_sine(moved, w), of = fit_sine(resists, w);
-    const double square = by.cosine * by.cosine + by.sine * by.sine;
-    const double storage = (of.cosine * by.cosine + of.sine * by.sine) / square,
-                 loss = (of.cosine * by.sine - of.sine * by.cosine) / square;
-    measures.set("loss_tangent", loss / storage);
-    if (!std::isfinite(shape)) return;
-    measures.set("storage_modulus", shape * storage);
-    measures.set("loss_modulus", shape * loss);
+      if (const double own = largest->measures.get(all_measures_.named(role)); std::isfinite(own)) {
+        const double shape =
+            own * largest->measures.get(response_.displacement) / largest->measures.get(response_.resistance);
+        measures.set("storage_modulus", shape * last->real());
+        measures.set("loss_modulus", shape * last->imag());
+      }
   }
 
   void read_vibration(const Series& series, Measures& measures) const {
@@ -190,9 +258,12 @@ class Motion final : public TimedExperiment {
     if (turns.times.size() > 1) measures.set("return_time", turns.times[1]);
     const auto fit = fit_vibration(series);
     if (!fit) return;
+    measures.set("fit_misfit", fit->misfit);
+    if (!(fit->misfit <= kMostForFrequency)) return;
     const double w = fit->circular_frequency, d = fit->decay_rate;
     measures.set("frequency", w / (2 * M_PI));
     if (const auto period = period_of(series, fit->mean)) measures.set("period", *period);
+    if (!(fit->misfit <= kMostForDamping)) return;
     measures.set("logarithmic_decrement", 2 * M_PI * d / w);
     measures.set("damping_ratio", d / std::hypot(d, w));
   }
