@@ -97,7 +97,7 @@ class Held:
         try:
             yield
         except InputError as error:
-            raise InputError(self.placed(str(error))) from None
+            raise type(error)(self.placed(str(error))) from None
 
     def placed(self, message):
         def place(found):
@@ -147,5 +147,5 @@ def usual_strategies(body, strategies):
         return {"stiffness": strategies[0]}
     cells = set(body.cells)
     solid = any(not name.startswith(("triangle", "quadrilateral")) for name in cells)
-    return {"stiffness": "neo_hookean" if solid else "neo_hookean_membrane" if cells else "standard",
-            "strategies": "all"}
+    rule = _elastin._usual_rule(body)
+    return {"stiffness": "neo_hookean" if solid else "neo_hookean_membrane" if cells else rule, "strategies": "all"}
