@@ -74,8 +74,11 @@ elastin_status elastin_add_tool(elastin_simulation* simulation, const double pos
 
 elastin_status elastin_move_tool(elastin_simulation* simulation, int tool, const double position[3],
                                  const double turn[9]) {
-  return guarded(
-      [&] { given(simulation, "simulation").simulation.move_tool(tool, elastin::c::pose_of(position, turn)); });
+  return guarded([&] {
+    const elastin::Pose pose = elastin::c::pose_of(position, turn);
+    given(simulation, "simulation")
+        .simulation.move_tool(tool, pose.position, turn ? std::optional(pose.turn) : std::nullopt);
+  });
 }
 
 #ifdef ELASTIN_C_CONTACT

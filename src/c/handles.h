@@ -33,6 +33,7 @@ struct elastin_simulation {
   std::unique_ptr<CallbackRunner> runner;  ///< outlives what runs on it
   elastin::Simulation simulation;
   double youngs_modulus = 0;  ///< [Pa] of its material; 0 where it is not known
+  std::string warnings = {};  ///< as they were last requested
 };
 
 namespace elastin::c {

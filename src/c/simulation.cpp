@@ -170,6 +170,17 @@ elastin_status elastin_decouple(elastin_simulation* simulation, int coupling) {
   return guarded([&] { given(simulation, "simulation").simulation.decouple(coupling); });
 }
 
+elastin_status elastin_warnings(elastin_simulation* simulation, const char** text) {
+  return guarded([&] {
+    elastin_simulation& handle = given(simulation, "simulation");
+    given(text, "text");
+    handle.warnings.clear();
+    for (const std::string& warning : handle.simulation.warnings())
+      handle.warnings += (handle.warnings.empty() ? "" : "\n") + warning;
+    *text = handle.warnings.c_str();
+  });
+}
+
 elastin_status elastin_observe(elastin_simulation* simulation, int every, elastin_observer see, void* context) {
   return guarded([&] {
     elastin_simulation& handle = given(simulation, "simulation");

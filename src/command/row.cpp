@@ -80,16 +80,28 @@ namespace {
 
 volatile std::sig_atomic_t noted = 0;
 
+/// Nobody has asked for a second: what is done now (a factorisation, a packing) has no end at which to stop.
+void give_up(int) {
+  constexpr std::string_view message = "  stopped in the middle: this run is not complete\n";
+  std::signal(SIGINT, SIG_DFL);
+  if (write(STDERR_FILENO, message.data(), message.size()) >= 0 || noted) std::raise(SIGINT);
+}
+
 void note_interrupt(int) {
   constexpr std::string_view message = "\n  stopping after this run or step; Ctrl-C again stops at once\n";
   if (write(STDERR_FILENO, message.data(), message.size()) < 0) noted = 1;  // no terminal is left
   noted = 1;
   std::signal(SIGINT, SIG_DFL);
+  std::signal(SIGALRM, give_up);
+  alarm(1);
 }
 
 }  // namespace
 
 void stop_on_interrupt() { std::signal(SIGINT, note_interrupt); }
-bool interrupted() { return noted != 0; }
+bool interrupted() {
+  if (noted) alarm(0);
+  return noted != 0;
+}
 
 }  // namespace elastin::command

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "core/base/unit_table.h"
+#include "elastin/core/base/text.h"
 
 namespace elastin::config {
 namespace {
@@ -323,9 +324,7 @@ class NamedValues {
 
 /// As parse_quantity reads it; a whole number has no point.
 std::string text_of(const Value& value) {
-  char number[40];
-  std::snprintf(number, sizeof number, "%.15g", value.number);
-  std::string text = number;
+  std::string text = number(value.number, 15);
   if (value.unit == dimension::none) return value.angle ? text + " rad" : text;
   for (const auto& [name, power] : {std::pair{"kg", value.unit.mass}, {"m", value.unit.length}, {"s", value.unit.time}})
     if (power != 0) text += std::string(" ") + name + (power == 1 ? "" : "^" + std::to_string(power));

@@ -32,11 +32,6 @@ constexpr double kLargest = 1e30;
 /// "at least 0 m and at most 1 m"
 std::string allowed_text(const Range& range, const Dimension& dimension) {
   const std::string unit = si_unit(dimension).empty() ? "" : " " + si_unit(dimension);
-  const auto number = [](double value) {
-    char buffer[32];
-    std::snprintf(buffer, sizeof buffer, "%g", value);
-    return std::string(buffer);
-  };
   std::string text;
   if (std::isfinite(range.low)) text = (range.open_low ? "above " : "at least ") + number(range.low) + unit;
   if (std::isfinite(range.high)) text += (text.empty() ? "at most " : " and at most ") + number(range.high) + unit;

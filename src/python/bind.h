@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "elastin/config/scene_source.h"
+#include "elastin/core/base/error.h"
 #include "elastin/core/base/types.h"
 #include "elastin/core/model/body.h"
 #include "elastin/core/simulation/catalog.h"
@@ -52,6 +53,22 @@ py::array view(const std::vector<std::array<int, corners>>& rows, const py::hand
 /// Numbers of any shape that numpy can make of it; `name` is said in messages. Throws InputError.
 Positions positions_from(const py::handle& given, const char* name);
 VectorX numbers_from(const py::handle& given, const char* name);
+
+/// The value of an entry, as what is `allowed`. Throws InputError where it is none.
+template <class Value>
+Value entry_of(const py::handle& given, const std::string& name, const char* allowed) {
+  try {
+    return given.cast<Value>();
+  } catch (const py::cast_error&) {
+    throw InputError(name + ": is " + py::repr(given).cast<std::string>() + "; allowed: " + allowed);
+  }
+}
+inline double number_of(const py::handle& given, const std::string& name) {
+  return entry_of<double>(given, name, "a number");
+}
+inline std::string word_of(const py::handle& given, const std::string& name) {
+  return entry_of<std::string>(given, name, "a text");
+}
 
 /// A Python object that C++ keeps, copies and releases on any thread, with or without the interpreter's lock.
 template <class Object>

@@ -123,7 +123,7 @@ Body body_from_arrays(const py::object& positions, const py::object& connections
   arrays.connections = rows_from<2>(connections, "connections");
   arrays.triangles = rows_from<3>(triangles, "triangles");
   arrays.tetrahedra = rows_from<4>(tetrahedra, "tetrahedra");
-  for (const auto& [name, rows] : cells) arrays.blocks.push_back(block_from(name.cast<std::string>(), rows));
+  for (const auto& [name, rows] : cells) arrays.blocks.push_back(block_from(word_of(name, "cells"), rows));
   arrays.rest_lengths = numbers_or_none(rest_lengths, "rest_lengths");
   arrays.masses = numbers_or_none(masses, "masses");
   arrays.radii = numbers_or_none(radii, "radii");
@@ -159,25 +159,26 @@ double positive(const char* name, double value, const char* unit) {
 Material with_given_law(const py::dict& given, const Material& material) {
   static const Catalog catalog = built_in_catalog();
   if (!given.contains("law")) throw InputError("law: the dict needs a 'law', its name");
-  const auto row = catalog.material_laws.find(py::cast<std::string>(given["law"]));
+  const auto row = catalog.material_laws.find(word_of(given["law"], "law"));
   LawConstants constants{.law = row->name};
   for (const auto& [key, value] : given) {
-    const std::string name = py::cast<std::string>(key);
+    const std::string name = word_of(key, "a key of the law");
     const auto info = std::find_if(row->parameters.begin(), row->parameters.end(),
                                    [&](const ParameterInfo& parameter) { return parameter.name == name; });
     if (name == "law") continue;
     if (name == "terms") {
       for (const py::handle& term : value)
-        constants.terms.push_back(py::isinstance<py::sequence>(term) ? py::cast<std::vector<double>>(term)
-                                                                     : std::vector{py::cast<double>(term)});
+        constants.terms.push_back(py::isinstance<py::sequence>(term)
+                                      ? entry_of<std::vector<double>>(term, name, "lists of numbers")
+                                      : std::vector{number_of(term, name)});
     } else if (info != row->parameters.end() && info->kind == ValueKind::direction) {
-      const auto direction = py::cast<Vector3>(value);
+      const auto direction = entry_of<Vector3>(value, name, "three numbers");
       positive(name.c_str(), direction.norm(), "");
       constants.directions[name] = direction.normalized();
     } else if (py::isinstance<py::str>(value)) {
       constants.words[name] = py::cast<std::string>(value);
     } else {
-      constants.numbers[name] = py::cast<double>(value);
+      constants.numbers[name] = number_of(value, name);
     }
   }
   return with_law(*row, std::move(constants), material);
@@ -378,9 +379,9 @@ void add_bodies(py::module_& module) {
   module.def(
       "_material_of_scene", [](const std::string& yaml) { return lab::make_material(yaml); }, py::arg("yaml"));
   const auto body_of = [](const auto& scene, const Material& material) {
-    std::vector<std::string> warnings;
-    Body body = lab::make_body(scene, material, warnings);
-    return std::pair(std::make_shared<Body>(std::move(body)), warnings);
+    std::vector<std::string> warnings, notes;
+    Body body = lab::make_body(scene, material, warnings, notes);
+    return std::tuple(std::make_shared<Body>(std::move(body)), warnings, notes);
   };
   module.def(
       "_body_of_scene",

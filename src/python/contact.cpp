@@ -18,31 +18,34 @@ Pose pose_from(const Vector3& position, const std::optional<Matrix3>& turn) {
 }
 
 /// {'shape': 'sphere', 'radius': 3e-3, 'tool': tool}: what is neither where it is nor how rough is a size of the shape.
-contact::Obstacle obstacle_from(const Simulation& simulation, const py::dict& given, std::size_t number) {
+contact::Obstacle obstacle_from(const Simulation& simulation, const py::dict& given, std::size_t number,
+                                const std::vector<std::string>& taken) {
   contact::Obstacle obstacle;
   std::map<std::string, double> sizes;
   std::string shape;
   for (const auto& [key, value] : given) {
-    const auto name = key.cast<std::string>();
+    const auto name = word_of(key, "a key of an obstacle");
     if (name == "shape")
-      shape = value.cast<std::string>();
+      shape = word_of(value, name);
     else if (name == "name")
-      obstacle.name = value.cast<std::string>();
+      obstacle.name = word_of(value, name);
     else if (name == "position")
-      obstacle.pose.position = value.cast<Vector3>();
+      obstacle.pose.position = entry_of<Vector3>(value, name, "three numbers [m]");
     else if (name == "turn")
-      obstacle.pose.turn = value.cast<Matrix3>();
+      obstacle.pose.turn = entry_of<Matrix3>(value, name, "a rotation, a 3 x 3 matrix");
     else if (name == "tool")
-      obstacle.motion = simulation.tool_motion(value.cast<ToolId>());
+      obstacle.motion = simulation.tool_motion(entry_of<ToolId>(value, name, "a number that add_tool gave"));
     else if (name == "friction")
-      obstacle.friction = value.cast<double>();
+      obstacle.friction = number_of(value, name);
     else
-      sizes[name] = value.cast<double>();
+      sizes[name] = number_of(value, name);
   }
   if (shape.empty()) throw InputError("obstacles: number " + std::to_string(number) + " has no 'shape'");
   if ((obstacle.pose.turn.transpose() * obstacle.pose.turn - Matrix3::Identity()).norm() > 1e-9)
     throw InputError("obstacles: the turn of number " + std::to_string(number) + " is no rotation");
-  if (obstacle.name.empty()) obstacle.name = shape + std::to_string(number);
+  if (obstacle.name.empty()) obstacle.name = shape + std::to_string(taken.size());
+  if (std::find(taken.begin(), taken.end(), obstacle.name) != taken.end())
+    throw InputError("obstacles: the name '" + obstacle.name + "' is taken by an obstacle before; give another `name`");
   obstacle.shape = contact::make_shape(shape, sizes);
   return obstacle;
 }
@@ -58,8 +61,12 @@ void add_contact_to(Moving& self, double stiffness, const std::vector<py::dict>&
   if (surface != "triangles" && surface != "spheres")
     throw InputError("surface: is '" + surface + "'; allowed: triangles, spheres");
   options.surface = surface == "triangles" ? contact::ContactSurface::triangles : contact::ContactSurface::spheres;
-  for (std::size_t number = 0; number < obstacles.size(); ++number)
-    options.obstacles.push_back(obstacle_from(self.simulation, obstacles[number], number));
+  std::vector<std::string> names;  // of all contacts: forces go by them
+  for (const auto& known : contact::forces_on_obstacles(self.simulation)) names.push_back(known.first);
+  for (std::size_t number = 0; number < obstacles.size(); ++number) {
+    options.obstacles.push_back(obstacle_from(self.simulation, obstacles[number], number, names));
+    names.push_back(options.obstacles.back().name);
+  }
   self.in_turn([&](Simulation& simulation) {
     simulation.add([options](Model& model) { model.add(contact::make_contact(model.body(), options)); });
   });
@@ -94,14 +101,11 @@ void add_contact(MovingClass& simulation) {
       .def(
           "move_tool",
           [](Moving& self, ToolId tool, const Vector3& position, const std::optional<Matrix3>& turn) {
-            self.in_turn([&](Simulation& s) {
-              Pose pose = pose_from(position, turn);
-              if (!turn) pose.turn = s.tool_pose(tool).turn;
-              s.move_tool(tool, pose);
-            });
+            self.in_turn([&](Simulation& s) { s.move_tool(tool, position, turn); });
           },
           py::arg("tool"), py::arg("position"), py::arg("turn") = py::none(),
-          "Where a tool is to be at the end of the next step [m]: it goes there at constant speed, and stays.")
+          "Where a tool is to be at the end of the next step [m]: it goes there at constant speed, and stays. Without "
+          "a turn it keeps its own.")
       .def(
           "add_contact", &add_contact_to, py::arg("stiffness"), py::arg("obstacles") = std::vector<py::dict>{},
           py::kw_only(), py::arg("friction") = 0., py::arg("restitution") = 1., py::arg("penetration") = 0.,

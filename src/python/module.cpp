@@ -23,6 +23,21 @@ std::vector<std::tuple<std::string, std::string, std::string>> measures() {
   return list;
 }
 
+PyObject* missing_file_error = nullptr;  // of the interpreter
+
+/// A file that is not there is FileNotFoundError too; a value of a wrong type that nothing else has named is said.
+void translate(std::exception_ptr pointer) {
+  try {
+    std::rethrow_exception(std::move(pointer));
+  } catch (const InputError& error) {
+    const std::string_view text = error.what();
+    if (text.find("no such file") == text.npos && text.find("No such file") == text.npos) throw;
+    PyErr_SetString(missing_file_error, error.what());
+  } catch (const py::cast_error&) {
+    PyErr_SetString(PyExc_TypeError, "a value is of another type than is allowed here");
+  }
+}
+
 }  // namespace
 }  // namespace elastin::python
 
@@ -35,6 +50,11 @@ PYBIND11_MODULE(_elastin, module) {
   module.doc() = "Elastin's C++ side; import elastin instead.";
   py::register_exception<elastin::InputError>(module, "InputError", PyExc_ValueError).doc() =
       "Wrong use or wrong input: file:line:column, the key, what was given, what is allowed, the nearest name.";
+  missing_file_error = PyErr_NewExceptionWithDoc(
+      "elastin.MissingFileError", "A file that is not there: InputError and FileNotFoundError.",
+      py::make_tuple(module.attr("InputError"), py::handle(PyExc_FileNotFoundError)).ptr(), nullptr);
+  module.attr("MissingFileError") = py::reinterpret_borrow<py::object>(missing_file_error);
+  py::register_exception_translator(&translate);
   module.attr("__version__") = ELASTIN_VERSION;
   module.def("set_threads", &elastin::set_threads, py::arg("threads"),
              "How many threads loops over large bodies take; 0 = one a core. Results are bitwise identical with any.");

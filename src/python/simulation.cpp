@@ -48,10 +48,17 @@ std::shared_ptr<Moving> make_simulation(const std::shared_ptr<Body>& body, const
   const py::gil_scoped_release others_run;
   const auto* of_parts = std::get_if<std::vector<Material>>(&material);
   if (of_parts && of_parts->empty()) throw InputError("material: the list of the parts' materials is empty");
+  if (of_parts && of_parts->size() > 1 && body->parts.empty())
+    throw InputError("material: a list of " + std::to_string(of_parts->size()) +
+                     " for a body without parts, which has one; of_parts makes bodies that have several");
   const Strategy at_work = of_parts ? in_parts(chosen, *body, *of_parts) : chosen;
   const Material& first = of_parts ? of_parts->front() : std::get<Material>(material);
   auto made = std::make_shared<Moving>(Simulation(*body, at_work, first, options));
   made->recipe = recipe;
+  const std::vector<std::string> warnings = made->simulation.warnings(false);
+  const py::gil_scoped_acquire locked;
+  for (const std::string& warning : warnings)
+    if (PyErr_WarnEx(PyExc_UserWarning, warning.c_str(), 1) != 0) throw py::error_already_set();
   return made;
 }
 
@@ -124,7 +131,7 @@ void observe(Moving& self, py::function see, int every) {
 
 /// "" or "xz" or a 3 × 3 projector: the directions in which a held molecule stays free.
 Matrix3 free_directions(const py::object& given) {
-  if (!py::isinstance<py::str>(given)) return given.cast<Matrix3>();
+  if (!py::isinstance<py::str>(given)) return entry_of<Matrix3>(given, "free", "letters of xyz, or a 3 x 3 projector");
   Matrix3 free = Matrix3::Zero();
   for (const char axis : given.cast<std::string>()) {
     if (axis < 'x' || axis > 'z')
@@ -143,11 +150,11 @@ LoadValues load_values(const LoadKind& load, const py::kwargs& given) {
                                    [&](const ParameterInfo& one) { return one.name == name; });
     const ValueKind kind = info == load.parameters.end() ? ValueKind::number : info->kind;
     if (kind == ValueKind::molecules)
-      values.molecules[name] = value.cast<std::vector<int>>();
+      values.molecules[name] = entry_of<std::vector<int>>(value, name, "a list of numbers of molecules");
     else if (kind == ValueKind::vector || kind == ValueKind::direction)
-      values.vectors[name] = value.cast<Vector3>();
+      values.vectors[name] = entry_of<Vector3>(value, name, "three numbers");
     else
-      values.numbers[name] = value.cast<double>();
+      values.numbers[name] = number_of(value, name);
   }
   return values;
 }
@@ -340,6 +347,10 @@ void add_simulation(py::module_& module) {
           "largest "
           "distance of a molecule from where backward Euler's balance to the end has it, and the largest distance that "
           "it goes there [m]. NaN where one of the two fails.")
+      .def_property_readonly(
+          "warnings", [](Moving& self) { return self.in_turn([](Simulation& s) { return s.warnings(); }); },
+          "What makes its results doubtful, a sentence each: pieces, cells given twice, mechanisms, cells that lock, a "
+          "missing thickness, a budget that is not kept. Looks at the whole body: not for every step.")
       .def("observe", &observe, py::arg("see"), py::arg("every") = 1,
            "Calls see(simulation) after every `every` steps that succeeded. It must not step; what it raises ends the "
            "step() that it came from.")

@@ -42,7 +42,7 @@ Strategy make_strategy(const std::string& name, py::function constants, const st
     strategy.unsuited = [kept = keep(*unsuited)](const Body& body) {
       const py::gil_scoped_acquire locked;
       const py::object why = (*kept)(std::make_shared<Body>(body));
-      return why.is_none() ? std::string() : why.cast<std::string>();
+      return why.is_none() ? std::string() : word_of(why, "what unsuited returns");
     };
   return strategy;
 }
@@ -56,6 +56,13 @@ VectorX constants_of(const Strategy& strategy, const Body& body, const Material&
   const std::string why = strategy.unsuited(prepared);
   if (!why.empty()) throw InputError("strategy '" + strategy.name + "' cannot run on this body: " + why);
   return strategy.constants(prepared, material, parameters);
+}
+
+/// The rule that is nearest to a material on a body without cells: made for lattices, or else for any neighbours.
+std::string usual_rule(const Body& body) {
+  for (const char* rule : {"lattice", "patch"})
+    if (built_in_catalog().find(rule).unsuited(body).empty()) return rule;
+  return "standard";
 }
 
 /// By its name, as every catalog knows it; what made one's own stands in its `_made_by`.
@@ -121,6 +128,7 @@ void add_strategies(py::module_& module) {
       "loads", [] { return rows_of(built_in_loads()); }, "What Simulation.add_load takes, and scenes under loads.");
   module.def(
       "material_laws", [] { return rows_of(built_in_catalog().material_laws); }, "What Material takes as its law.");
+  module.def("_usual_rule", &usual_rule, py::arg("body"));
   module.def(
       "_strategy", [](const std::string& name) { return built_in_catalog().find(name); }, py::arg("name"));
   py::class_<Strategy>(module, "Strategy", py::dynamic_attr(),
@@ -152,6 +160,8 @@ void add_strategies(py::module_& module) {
       .def(
           "add",
           [](const py::object& self, const py::object& strategy) {
+            if (!py::isinstance<Strategy>(strategy))
+              throw InputError("strategy: is " + py::repr(strategy).cast<std::string>() + "; allowed: a Strategy");
             self.cast<Catalog&>().add(strategy.cast<const Strategy&>());
             if (!py::hasattr(self, "_own")) self.attr("_own") = py::list();
             self.attr("_own").cast<py::list>().append(strategy);

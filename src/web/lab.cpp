@@ -49,10 +49,11 @@ void add_loads(Simulation& simulation, const lab::Parcel& parcel, const elastin_
   if (settings.pressure != 0) add("pressure", {{{"pressure", settings.pressure}}});
 }
 
-ParameterValues values_of(const lab::Parcel& parcel, const std::string& label) {
+/// The scene's own of this label, or else the catalog's of this name.
+lab::Parcel::Strategy chosen(const lab::Parcel& parcel, const std::string& label) {
   for (const lab::Parcel::Strategy& strategy : parcel.strategies)
-    if (strategy.label == label) return strategy.values;
-  return {};
+    if (strategy.label == label) return strategy;
+  return {label, label, {}};
 }
 
 SimulationOptions options_of(const elastin_lab_settings& settings) {
@@ -78,19 +79,22 @@ double von_mises(const Matrix3& s) {
 
 using namespace elastin;
 
+Material elastin_lab::material(const elastin_lab_settings& settings) const {
+  return web::under(settings, parcel.material, parcel.material, true);
+}
+
 Simulation elastin_lab::simulation(const elastin_lab_settings& settings, bool alone) const {
-  const std::string label = &given(settings.strategy, "strategy");
+  const lab::Parcel::Strategy choice = web::chosen(parcel, &given(settings.strategy, "strategy"));
   if (!(settings.youngs_modulus > 0 && settings.density > 0))
     throw InputError("youngs_modulus and density must be above 0");
   Body body = parcel.body;
   body.mass *= settings.density / parcel.material.density;
   std::vector<Material> materials;
   for (const Material& own : parcel.materials) materials.push_back(web::under(settings, parcel.material, own, false));
-  const Material material = web::under(settings, parcel.material, parcel.material, true);
   SimulationOptions options = web::options_of(settings);
-  options.parameters = web::values_of(parcel, label);
-  const Strategy strategy = in_parts(c::strategy_of(label.c_str()), body, materials);
-  Simulation simulation(std::move(body), strategy, material, std::move(options));
+  options.parameters = choice.values;
+  const Strategy strategy = in_parts(c::strategy_of(choice.name.c_str()), body, materials);
+  Simulation simulation(std::move(body), strategy, material(settings), std::move(options));
   web::add_loads(simulation, parcel, settings);
   if (alone) return simulation;
   SimulationState begin = simulation.save();

@@ -57,6 +57,7 @@ typedef struct elastin_lab_reading {
   int own;                                                  /* whether this is a step of the scene's own test */
   int last;                                                 /* whether it was the last step */
   double strain, stress, effective_modulus, poissons_ratio; /* ratio: NaN where it cannot be read */
+  double target_modulus, target_ratio; /* of the law at this strain, at the scene's own last step; else NaN */
 } elastin_lab_reading;
 /* The next step. ELASTIN_STOPPED: no equilibrium, and the test is over; the message says why. */
 ELASTIN_API elastin_status elastin_lab_test_step(elastin_lab_test* test, elastin_lab_reading* reading);

@@ -6,6 +6,8 @@
 
 struct elastin_lab {
   elastin::lab::Parcel parcel;
+  /// The scene's material under these settings.
+  elastin::Material material(const elastin_lab_settings& settings) const;
   /// The simulation of these settings; `alone`: without the scene's supports, and where it is at rest.
   elastin::Simulation simulation(const elastin_lab_settings& settings, bool alone) const;
 };

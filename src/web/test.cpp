@@ -1,6 +1,7 @@
 #include <chrono>
 
 #include "elastin/core/solve/statics.h"
+#include "lab/run/uniform_block.h"
 #include "web/lab_handle.h"
 
 using elastin::c::given;
@@ -18,6 +19,8 @@ struct Drawing {
 };
 
 struct elastin_lab_test {
+  Material material;
+  std::shared_ptr<const Strategy> law;  ///< whose value is the target; null: E and ν of the material
   StaticOptions options;
   std::vector<std::unique_ptr<Drawing>> drawings;  ///< the scene's own, and on to the strain
   std::size_t now = 0;
@@ -61,6 +64,33 @@ lab::TensionSetup drawn_on(const lab::TensionSetup& scene, const Body& body, dou
   return setup;
 }
 
+/// The law that the material states, or else the strategy's own on cells; null where springs have no law.
+std::shared_ptr<const Strategy> law_of(const elastin_lab& lab, const elastin_lab_settings& settings) {
+  const lab::Parcel& parcel = lab.parcel;
+  const Material& material = parcel.material;
+  if (!parcel.body.parts.empty() || material.varies() || material.active || parcel.linear) return nullptr;
+  const int dimensions = parcel.body.tetrahedra.empty() && !parcel.body.triangles.empty() ? 2 : 3;
+  const std::string label = &given(settings.strategy, "strategy");
+  std::string name = label;
+  for (const lab::Parcel::Strategy& own : parcel.strategies)
+    if (own.label == label) name = own.name;
+  Strategy law = c::strategy_of(name.c_str());
+  if (material.law || material.curve)
+    law = c::catalog().find(StrategyName::of_law(material.law ? material.law->law : "curve", dimensions));
+  return law.kind == StrategyKind::cell_law ? std::make_shared<const Strategy>(std::move(law)) : nullptr;
+}
+
+/// E and ν to compare a reading with.
+std::pair<double, double> target_of(const elastin_lab_test& test, const Drawing& drawing,
+                                    const lab::Measures& measures) {
+  const std::pair at_rest{test.material.youngs_modulus, test.material.poissons_ratio};
+  const auto uniform = test.law ? drawing.experiment->uniform(measures) : std::nullopt;
+  if (!uniform) return at_rest;
+  const auto own = lab::measured_on_block(*uniform, drawing.simulation.body(), *test.law, test.material, {});
+  return own ? std::pair{own->get("effective_modulus"), own->get("poissons_ratio")}
+             : std::pair<double, double>(NAN, NAN);
+}
+
 double ratio_of(const lab::Measures& measures) { return measures.get("poissons_ratio"); }
 
 /// A page that waits for one step answers to nothing else [s].
@@ -87,13 +117,17 @@ elastin_status advance(elastin_lab_test& test, elastin_lab_reading* out) {
   drawing->simulation.model().commit_step(drawing->state);
   const lab::Measures measures = drawing->rig->measure(drawing->start, drawing->state, test.options, result);
   const bool last = drawing->done == drawing->steps && test.now + 1 == test.drawings.size();
+  const bool own_end = test.now == 0 && drawing->done == drawing->steps;
+  const auto [modulus, ratio] = own_end ? target_of(test, *drawing, measures) : std::pair<double, double>(NAN, NAN);
   const elastin_lab_reading reading{0,
                                     test.now == 0,
                                     last,
                                     measures.get("strain"),
                                     measures.get("stress"),
                                     measures.get("effective_modulus"),
-                                    ratio_of(measures)};
+                                    ratio_of(measures),
+                                    modulus,
+                                    ratio};
   c::put(reading, out, "elastin_lab_reading");
   return ELASTIN_OK;
 }
@@ -111,6 +145,8 @@ elastin_status elastin_lab_test_begin(const elastin_lab* lab, const elastin_lab_
       throw InputError("the strain must lie between -0.9 and 10, the steps between 1 and 9999");
     const elastin_lab_settings chosen = c::checked_copy(settings, "elastin_lab_settings");
     auto made = std::make_unique<elastin_lab_test>();
+    made->material = given(lab, "lab").material(chosen);
+    made->law = law_of(*lab, chosen);
     made->options.linear = parcel.linear;
     made->options.tolerance = parcel.tolerance;
     made->drawings.push_back(make_drawing(*lab, chosen, parcel.tension));

@@ -74,6 +74,26 @@ TEST_CASE("an interrupted command leaves whole files and goes on from its restar
   CHECK_THAT(text_of_file(said), Contains("this is the restart file of another run"));
 }
 
+TEST_CASE("what has no steps stops within a second, too", "[command][slow]") {
+  const TemporaryFolder folder;
+  const std::string material =
+      "material: {youngs_modulus: 10 kPa, poissons_ratio: 0.3, density: 1000 kg/m3}\nstiffness: patch\n";
+  folder.write("packing.yaml", "body: {packing: {size: [100 mm, 100 mm, 100 mm], distance: 0.8 mm}}\n" + material +
+                                   "experiment: {kind: tension, axis: z, strain: 0.01}\n");
+  folder.write("factorisation.yaml",
+               "body: {tetrahedra: {kind: kuhn, cubes: [40, 40, 40], size: [1 m, 1 m, 1 m]}}\n" + material +
+                   "solver: {linear_solver: direct}\nexperiment: {kind: tension, axis: z, strain: 0.01}\n");
+  for (const char* phase : {"packing", "factorisation"}) {
+    CAPTURE(phase);
+    const std::string line =
+        std::string("cd '") + folder.path("") + "' && { '" ELASTIN_COMMAND "' run " + phase +
+        ".yaml 2> said & p=$!; sleep 1.5; kill -INT $p; s=$(date +%s%N); wait $p; e=$(date +%s%N); "
+        "[ $((e - s)) -lt 3000000000 ]; }";  // a second, and what a busy machine takes
+    CHECK(shell(line) == 0);
+    CHECK_THAT(text_of_file(folder.path("said")), Contains("stopped in the middle"));
+  }
+}
+
 TEST_CASE("CalculiX works in a folder of its own, and is ended with the comparison", "[command][calculix]") {
   const TemporaryFolder folder;
   folder.write("bar.yaml",
@@ -93,6 +113,10 @@ TEST_CASE("CalculiX works in a folder of its own, and is ended with the comparis
   const std::string where = text_of_file(folder.path("where"));
   CHECK_THAT(where, Contains("/tmp/elastin-calculix-"));
   CHECK(std::filesystem::is_empty(folder.path("tmp")));
+  CHECK(shell("cd '" + folder.path("") +
+              "' && TMPDIR=/no/such PATH=$PWD/bin:$PATH '" ELASTIN_COMMAND
+              "' compare bar.yaml --against calculix --quiet 2> said") == 2);
+  CHECK_THAT(text_of_file(folder.path("said")), Contains("(TMPDIR) /no/such") && !Contains("standard output"));
 }
 
 TEST_CASE("a comparison that is stopped between two runs has not succeeded", "[command][slow]") {

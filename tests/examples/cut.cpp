@@ -46,7 +46,7 @@ int main() {
       hook = tissue.couple(corner, tissue.positions().col(corner), 50, 0.05);
     }
     if (hook) tissue.move_coupling(hook, {-1e-3, 0, 0.01 + 1e-4 * (frame - 20)});
-    tissue.move_tool(probe, {.position = {0.03, 0.01, 0.0135 - 1e-3 * std::sin(frame * 0.02)}});
+    tissue.move_tool(probe, {0.03, 0.01, 0.0135 - 1e-3 * std::sin(frame * 0.02)});
     if (const StepResult result = tissue.step(2e-3); result.outcome != Outcome::converged) {
       std::printf("frame %d: %s\n", frame, result.cause.c_str());
       return 1;

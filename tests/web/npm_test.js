@@ -63,9 +63,33 @@ function wrong_input(elastin) {
   const tissue = body.simulate('standard', {youngs_modulus: 1e3});
   says(() => tissue.add('gravitation'), /gravity/);
   says(() => tissue.fix(27), /27/);
+  says(() => tissue.fix(), /number of a molecule/);
+  tissue.fix(0);
+  says(() => tissue.move_to(0, [1, 2]), /three finite numbers/);
+  const hook = tissue.couple(1, [0.1, 0, 0], 10, 0);
+  says(() => tissue.move_coupling(hook, [0.1, 0]), /three finite numbers/);
+  tissue.decouple(hook);
+  says(() => tissue.coupling_force(hook), /taken off/);
   says(() => tissue.restore(new Uint8Array(3)), /./);
   tissue.host_forces[0] = 1e300;
   assert.throws(() => tissue.step(1), problem => problem.stopped);
+}
+
+/** ν is 0.25 where nothing is said, as in every other language: the same motion to the last bit. */
+function poissons_ratio(elastin) {
+  const body = elastin.lattice([3, 3, 3], 0.1, {density: 1000});
+  const moved = material => {
+    const tissue = body.simulate('lattice', material);
+    tissue.velocities[0] = 0.1;
+    tissue.step(1e-3);
+    return Array.from(tissue.positions);
+  };
+  assert.deepStrictEqual(moved({youngs_modulus: 1e3}), moved({youngs_modulus: 1e3, poissons_ratio: 0.25}));
+}
+
+function warnings(elastin) {
+  const body = elastin.body({positions: [0, 0, 0, 1, 0, 0, 3, 0, 0, 4, 0, 0], connections: [0, 1, 2, 3], density: 1000});
+  assert.match(body.simulate('standard', {youngs_modulus: 1e3}).warnings[0], /not connected: 2 pieces/);
 }
 
 /** What the types name is there, and what is there they name. */
@@ -77,7 +101,7 @@ function types() {
     const there = new Set();
     for (let one = type.prototype; one !== Object.prototype; one = Object.getPrototypeOf(one)) Object.getOwnPropertyNames(one).forEach(name => there.add(name));
     for (const name of named) assert(there.has(name), `${type.name} has no ${name}`);
-    const own = {Elastin: ['handle_of'], Body: ['view'], Simulation: ['check', 'view', 'vector', 'read']}[type.name];
+    const own = {Elastin: ['handle_of'], Body: ['view'], Simulation: ['check', 'view', 'vector', 'read', 'number']}[type.name];
     for (const name of there) assert(name === 'constructor' || own.includes(name) || named.includes(name), `the types lack ${type.name}.${name}`);
   }
 }
@@ -86,7 +110,7 @@ function types() {
   const elastin = await load();
   assert.match(elastin.version, /^\d+\.\d+/);
   assert(elastin.rows('steppers').some(row => row.name === 'newmark'));
-  for (const check of [weight_on_a_spring, modulus_of_a_lattice, a_cell_law_from_arrays, wrong_input, types]) check(elastin);
+  for (const check of [weight_on_a_spring, modulus_of_a_lattice, a_cell_law_from_arrays, wrong_input, poissons_ratio, warnings, types]) check(elastin);
   const same = await import('file://' + path.join(folder, 'index.mjs'));
   assert.strictEqual(same.load, load);
 })().catch(problem => {

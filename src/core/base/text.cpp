@@ -1,13 +1,12 @@
 #include "elastin/core/base/text.h"
 
-#include <cstdio>
+#include <charconv>
 
 namespace elastin {
 
 std::string number(double value, int digits) {
   char text[40];
-  std::snprintf(text, sizeof text, "%.*g", digits, value);
-  return text;
+  return {text, std::to_chars(text, text + sizeof text, value, std::chars_format::general, digits).ptr};
 }
 
 std::string counted(std::ptrdiff_t count, const std::string& singular, const std::string& plural) {

@@ -30,10 +30,14 @@ void Simulation::Impl::check_molecule(int molecule) const {
                      std::to_string(body.size() - 1));
 }
 
-Coupling* Simulation::Impl::find(CouplingId id) {
+Coupling& Simulation::Impl::find(CouplingId id) {
   const auto found =
       std::find_if(couplings.begin(), couplings.end(), [id](const Coupling& coupling) { return coupling.id == id; });
-  return found == couplings.end() ? nullptr : &*found;
+  if (found == couplings.end())
+    throw InputError("no coupling " + std::to_string(id) +
+                     (id > 0 && id < next_coupling ? ": it was taken off, or its molecule is gone"
+                                                   : ": couple() gives their numbers"));
+  return *found;
 }
 
 void Simulation::Impl::ensure_host_forces() {
@@ -92,20 +96,16 @@ CouplingId Simulation::couple(int molecule, const Vector3& position, double stif
   return impl_->next_coupling++;
 }
 
-void Simulation::move_coupling(CouplingId id, const Vector3& position, const Vector3& velocity) noexcept {
-  Coupling* coupling = impl_->find(id);
-  if (!coupling) return;
-  coupling->position = position;
-  coupling->velocity = velocity;
+void Simulation::move_coupling(CouplingId id, const Vector3& position, const Vector3& velocity) {
+  Coupling& coupling = impl_->find(id);
+  coupling.position = position;
+  coupling.velocity = velocity;
 }
 
-Vector3 Simulation::coupling_force(CouplingId id) const noexcept {
-  const Coupling* coupling = impl_->find(id);
-  return coupling ? force_of(*coupling, impl_->shown) : Vector3(Vector3::Zero());
-}
+Vector3 Simulation::coupling_force(CouplingId id) const { return force_of(impl_->find(id), impl_->shown); }
 
-void Simulation::decouple(CouplingId id) noexcept {
-  std::erase_if(impl_->couplings, [id](const Coupling& coupling) { return coupling.id == id; });
+void Simulation::decouple(CouplingId id) {
+  impl_->couplings.erase(impl_->couplings.begin() + (&impl_->find(id) - impl_->couplings.data()));
 }
 
 void Simulation::observe(int every, std::function<void(const Simulation&)> see) {

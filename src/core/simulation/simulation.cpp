@@ -44,6 +44,14 @@ void check(const Body& body, const SimulationOptions& options) {
     throw InputError("threads " + std::to_string(options.threads) + " is out of range: 0 or more");
 }
 
+void check(const Material& material) {
+  const double E = material.youngs_modulus, nu = material.poissons_ratio;
+  if (!(E > 0 && std::isfinite(E)))
+    throw InputError("the material has a youngs_modulus of " + number(E) + " Pa: above 0 is allowed");
+  if (!(nu > -1 && nu <= 0.5))
+    throw InputError("the material has a poissons_ratio of " + number(nu) + ": above -1 to 0.5 is allowed");
+}
+
 /// Throws InputError where the scheme cannot step what the model has so far.
 void check(const IntegratorOptions& options, const Model& model) {
   if (const std::string why = unsuited_for(*options.scheme, model); !why.empty())
@@ -160,7 +168,11 @@ StepResult Simulation::Impl::step(double dt) {
   const Clock::time_point begun = options.budget > 0 ? Clock::now() : Clock::time_point();
   if (options.budget > 0 && !effort_is_given) set_effort(budget.next(options.budget, effort));
   StepResult result = substeps_of(dt, static_cast<int>(substeps));
-  if (options.budget > 0) budget.took(std::chrono::duration<double>(Clock::now() - begun).count(), effort);
+  if (options.budget > 0) {
+    const double seconds = std::chrono::duration<double>(Clock::now() - begun).count();
+    budget.took(seconds, effort);
+    ++timed_steps, late_steps += effort <= 1 && seconds > options.budget;
+  }
   if (result.outcome == Outcome::converged) {
     work.time = shown.time + dt;
     shown = work;
@@ -213,6 +225,7 @@ std::string Simulation::Impl::odd_input() const {
 
 Simulation::Simulation(Body body, const Strategy& any, const Material& material, SimulationOptions options) {
   check(body, options);
+  check(material);
   for (const Part& part : body.parts)
     if (part.material != 0 && !any.by_parts)
       throw InputError("the body's part '" + part.name + "' has a material of its own: make the strategy by in_parts");
@@ -227,6 +240,7 @@ Simulation::Simulation(Body body, const Strategy& any, const Material& material,
     why += " (SimulationOptions::make_voronoi makes Voronoi cells)";
   if (!why.empty()) throw InputError("'" + strategy.name + "' cannot run on this body: " + why);
   impl_->material = material;
+  impl_->strategy = std::make_shared<const Strategy>(strategy);
   impl_->recipe.fixed = fixed_topology(strategy, material);
   if (carries_constants(strategy))
     impl_->recipe.constants = [strategy, material](const Impl& in) {

@@ -28,7 +28,7 @@ struct Simulation::Impl {
   void set_effort(int number);
   std::string odd_input() const;
   void check_molecule(int molecule) const;
-  Coupling* find(CouplingId id);
+  Coupling& find(CouplingId id);  ///< throws InputError where there is none
   void ensure_host_forces();
   void ensure_couplings();
   void restore(const SimulationState& saved);
@@ -58,16 +58,18 @@ struct Simulation::Impl {
   std::shared_ptr<const Topology> original;          // null as long as the topology is the first
   mutable std::shared_ptr<const Topology> topology;  // as original; made when it is requested
   std::optional<Material> material;                  // of the strategy, where there is one
+  std::shared_ptr<const Strategy> strategy;          // null: the host's own law
   SimulationOptions options;
   Model model{body};
   std::unique_ptr<Integrator> integrator;
   HostSupports host_supports{model};
   std::shared_ptr<Tools> tools = std::make_shared<Tools>();
   Budget budget;
-  int effort = 0;                // of a scheme that takes a number of sweeps or iterations
-  bool effort_is_given = false;  // by the host, whatever the budget says
-  State shown;                   // what the host sees: its arrays stay where they are
-  State work;                    // the same, between steps; integrators give it other arrays as they go
+  int effort = 0;                       // of a scheme that takes a number of sweeps or iterations
+  bool effort_is_given = false;         // by the host, whatever the budget says
+  int timed_steps = 0, late_steps = 0;  // with a budget: all, and those that took longer with an effort of 1
+  State shown;                          // what the host sees: its arrays stay where they are
+  State work;                           // the same, between steps; integrators give it other arrays as they go
   Positions host_forces;
   std::vector<Coupling> couplings;
   bool has_host_forces = false, has_couplings = false;

@@ -49,7 +49,10 @@ ToolId Simulation::add_tool(const Pose& pose) {
   return static_cast<ToolId>(impl_->tools->all.size());
 }
 
-void Simulation::move_tool(ToolId tool, const Pose& pose) { found(*impl_->tools, tool).next = checked(pose); }
+void Simulation::move_tool(ToolId number, const Vector3& position, const std::optional<Matrix3>& turn) {
+  Tool& tool = found(*impl_->tools, number);
+  tool.next = checked({turn ? *turn : tool.next.value_or(tool.pose).turn, position});
+}
 
 Pose Simulation::tool_pose(ToolId tool) const { return found(*impl_->tools, tool).pose; }
 

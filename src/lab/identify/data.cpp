@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <filesystem>
 #include <optional>
@@ -125,13 +126,10 @@ class DataFile {
     const std::string& name = table_->head[column.number];
     if (text.empty())
       fail_at(table_->line(row), name + ": nothing stands there; leave the row out, or give its number");
-    std::size_t used = 0;
     double number = NAN;
-    try {
-      number = std::stod(text, &used);
-    } catch (const std::exception&) {
-    }
-    if (used != text.size() || text.find_first_of("xX") != std::string::npos)
+    const char *begin = text.data() + (text.front() == '+'), *end = text.data() + text.size();
+    const auto [read, problem] = std::from_chars(begin, end, number);
+    if (read != end || (problem != std::errc() && problem != std::errc::result_out_of_range))
       fail_at(table_->line(row), name + ": '" + text + "' is no number");
     if (!std::isfinite(number))
       fail_at(table_->line(row), name + ": '" + text + "' is no measured value; leave the row out");

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "lab/report/machine.h"
 #include "lab/report/page.h"
 #include "lab/report/table.h"
 
@@ -333,9 +334,7 @@ std::string identify_page(const std::vector<Answer>& answers, const std::string&
     out += figure_html(strategy_plot(answers), "Misfit over time of the fit", "strategies") +
            card_html("All fits", strategy_table(answers).html());
   for (const Answer& answer : answers) out += answer_html(answer);
-  out += fmt::format("</main>\n<footer><p><code>{}</code></p></footer>\n<script>{}</script>\n</body></html>\n",
-                     escaped(command), page_part("page.js"));
-  return out;
+  return out + page_end(this_machine().text(), command);
 }
 
 Plot fit_plot(const Answer& answer) {

@@ -71,11 +71,12 @@ std::string scene_json(const Scene& scene, const Catalog& catalog, const Parcel&
             {"released", scene.experiment->in_time() != nullptr},
             {"held", parcel.supports.size()},
             {"axis", vector_json(parcel.tension.axis)},
+            {"no_error", make_tension(body, parcel.tension)->no_reference()},
             {"own_test", tension_setup(*scene.experiment) != nullptr},
             {"settings", settings_json(scene, parcel)}};
   json["strategies"] = Json::array();
   for (const Parcel::Strategy& strategy : parcel.strategies)
-    json["strategies"].push_back(row(strategy.label, choose_strategy(catalog, strategy.label).strategy.summary));
+    json["strategies"].push_back(row(strategy.label, choose_strategy(catalog, strategy.name).strategy.summary));
   json["schemes"] = Json::array();
   for (const auto& scheme : catalog.steppers) {
     Json one = row(scheme->name, scheme->summary);

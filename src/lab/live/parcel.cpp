@@ -16,7 +16,7 @@ void add_strategy(const Scene& scene, const StrategyChoice& choice, Parcel& parc
   Specimen specimen = scene.specimen;
   prepare(specimen, choice.strategy);
   if (!unsuited(specimen, *scene.experiment, choice).empty()) return;
-  parcel.strategies.push_back({choice.label, choice.values});
+  parcel.strategies.push_back({choice.label, choice.name.text(), choice.values});
   if (specimen.body.voronoi && !parcel.body.voronoi) parcel.body.voronoi = specimen.body.voronoi;
 }
 

@@ -18,7 +18,7 @@ struct Parcel {
   Material material;
   std::vector<Material> materials;  ///< of the body's parts
   struct Strategy {
-    std::string label;
+    std::string label, name;  ///< as the scene calls it, and as a catalog does
     ParameterValues values;
   };
   std::vector<Strategy> strategies;  ///< that suit, as the scene has them first
@@ -39,6 +39,7 @@ struct Parcel {
 template <class Archive>
 void visit(Archive& archive, Parcel::Strategy& strategy) {
   archive.word(strategy.label);
+  archive.word(strategy.name);
   visit(archive, strategy.values);
 }
 

@@ -14,10 +14,11 @@ namespace elastin::lab {
 namespace {
 
 /// Columns of one main measure: its value, its error against a reference, and against the material's own value where
-/// there is one (a ratio's shows in the value; of the second and third modulus it says enough).
+/// there is one (a ratio's shows in the value; of the second and third modulus it says enough); the target where it is
+/// a law's at a strain, and not the one at rest that stands above the table.
 struct MeasureColumns {
   const MeasureInfo& info;
-  bool value, error, reference;
+  bool value, target, error, reference;
   bool apparent;  ///< of the body's shape as well, not of the material alone
   std::string label() const { return (apparent ? "apparent " : "") + info.label(); }
 };
@@ -26,14 +27,16 @@ std::vector<MeasureColumns> columns_of(const std::vector<Record>& records) {
   const auto any = [&](const auto& has) { return std::any_of(records.begin(), records.end(), has); };
   const bool failed = !any(solved);
   std::vector<MeasureColumns> columns;
-  for (const auto& [name, prescribed] : records.front().main_measures) {
+  for (const MainMeasure& measure : records.front().main_measures) {
+    const auto& [name, prescribed, strain] = measure;
     const MeasureInfo& info = records.front().measure(name);
     const std::string to_reference = name + "_to_reference";
     if (!failed && !any([&](const Record& r) { return std::isfinite(r.run.measures.get(info.name)); })) continue;
     const bool error = std::isfinite(prescribed) && info.unit != dimension::none;
     const bool reference = any([&](const Record& r) { return std::isfinite(r.error(to_reference)); });
     const bool apparent = info.role == MeasureRole::youngs_modulus && any([](const Record& r) { return r.apparent; });
-    columns.push_back({info, columns.empty() || !error || reference, error, reference, apparent});
+    const bool target = any([&](const Record& r) { return r.law_target(name) != nullptr; });
+    columns.push_back({info, columns.empty() || !error || reference, target, error, reference, apparent});
   }
   return columns;
 }
@@ -42,6 +45,7 @@ std::vector<std::string> comparison_head(const std::vector<MeasureColumns>& colu
   std::vector<std::string> head{"strategy"};
   for (const MeasureColumns& column : columns) {
     if (column.value) head.push_back(column.label() + (column.error ? " measured" : ""));
+    if (column.target) head.push_back(column.error ? "target at strain" : "its target");
     if (column.reference) head.push_back(column.label() + " to reference");
     if (column.error)
       head.push_back(column.reference ? "to the material's " + column.label() : "error of " + column.label());
@@ -53,10 +57,17 @@ std::vector<std::string> comparison_head(const std::vector<MeasureColumns>& colu
 std::vector<TableCell> comparison_row(const Record& record, const std::vector<MeasureColumns>& columns, bool best) {
   const Run& run = record.run;
   std::vector<TableCell> row{{run.strategy, best ? Tone::bold : run.suited ? Tone::plain : Tone::faint}};
-  for (const auto& [info, value, with_error, reference, apparent] : columns) {
+  for (const auto& [info, value, with_target, with_error, reference, apparent] : columns) {
     const std::string shown = row.size() > 1 || solved(record) ? value_text(run.measures.get(info.name), info) : "—";
     if (value) row.push_back(number_cell(shown, run.measures.get(info.name)));
     const double error = record.error(info.name), off = record.error(info.name + "_to_reference");
+    if (with_target) {
+      const MainMeasure* target = record.law_target(info.name);
+      row.push_back({!target      ? ""
+                     : with_error ? value_text(target->prescribed, info) + " at " + strain_text(target->strain)
+                                  : value_text(target->prescribed, info),
+                     Tone::faint, true});
+    }
     if (reference) row.push_back(number_cell(percent(off), std::abs(off), tone_of_error(off)));
     if (with_error)
       row.push_back(number_cell(percent(error), std::abs(error), reference ? Tone::faint : tone_of_error(error)));
@@ -207,7 +218,7 @@ std::string advice_text(const Ranking& ranking, bool colours) {
   std::string found = errors_text(ranking, *best), goal;
   for (const std::string& name : ranking.measures) goal += (goal.empty() ? "" : ", ") + best->measure(name).label();
   if (ranking.by_reference) found += " to the reference";
-  for (const auto& [name, prescribed] : best->main_measures) {
+  for (const auto& [name, prescribed, strain] : best->main_measures) {
     const MeasureInfo& info = best->measure(name);
     const double value = best->run.measures.get(name);
     const bool modulus = info.unit != dimension::none;
@@ -218,14 +229,17 @@ std::string advice_text(const Ranking& ranking, bool colours) {
               : modulus             ? percent(best->error(name))
                                     : value_text(value, info));
   }
+  std::string passed_over;
+  for (const auto& [record, why] : ranking.passed_over)
+    passed_over += "\n    not " + record->run.strategy + ", which is nearer and faster: " + why;
   std::string tied;
   for (const Record* record : ranking.tied) tied += (tied.empty() ? " (tied with " : ", ") + record->run.strategy;
   if (!tied.empty()) tied += ")";
-  return fmt::format("\n  {} {}{}: {} (target: {}), {}{}{}\n",
+  return fmt::format("\n  {} {}{}: {} (target: {}), {}{}{}{}\n",
                      ranking.recommends() ? "recommended:" : "no strategy is near " + goal + "; the nearest is",
-                     painted(best->run.strategy, Tone::bold, colours), tied, found, best->prescribed,
+                     painted(best->run.strategy, Tone::bold, colours), tied, found, best->target_text(),
                      readable_seconds(best->run.build_seconds + best->run.solve_seconds), warned_text(ranking),
-                     directions_text(ranking));
+                     passed_over, directions_text(ranking));
 }
 
 namespace {
@@ -278,7 +292,7 @@ Table change_table(const std::vector<Record>& records, const std::vector<Record>
     const Record* then = same_run(baseline, record);
     if (!then) continue;
     const double before = then->least_seconds(), seconds = record.least_seconds();
-    for (const auto& [name, prescribed] : record.main_measures) {
+    for (const auto& [name, prescribed, strain] : record.main_measures) {
       const MeasureInfo& info = record.measure(name);
       const double was = then->run.measures.get(info.name), is = record.run.measures.get(info.name);
       if (!std::isfinite(was) && !std::isfinite(is) && outcome_change(*then, record).empty()) continue;

@@ -31,6 +31,8 @@ struct Ranking {
   const Record* best = nullptr;     ///< points into the records; null if each one failed or has a warning
   const Record* warned = nullptr;   ///< the nearest of those that came to their end with a warning
   std::vector<const Record*> tied;  ///< others that the measures do not distinguish from the best
+  /// Those that are both nearer and faster than the best, and why they are not the best.
+  std::vector<std::pair<const Record*, std::string>> passed_over;
 
   /// Name of a measure's error that counts.
   std::string error_name(const std::string& measure) const { return measure + (by_reference ? "_to_reference" : ""); }

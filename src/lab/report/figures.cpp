@@ -86,8 +86,9 @@ void add_target(Plot& plot, const ResponseAxes& axes, const std::vector<Record>&
     return;
   }
   if (first.main_measures.empty()) return;
-  const auto& [name, prescribed] = first.main_measures.front();
+  const auto& [name, prescribed, strain] = first.main_measures.front();
   const MeasureRole role = first.measure(name).role;
+  if (first.law_target(name)) return;  // of a law that is no line
   if (!std::isfinite(prescribed) || (role != MeasureRole::youngs_modulus && role != MeasureRole::shear_modulus)) return;
   double low = 0, high = 0;  // no further than the others go in either direction
   for (const PlotSeries& series : plot.series)

@@ -385,6 +385,7 @@ void study_fields(Io& io, AnyRecord& record) {
   io.list(!record.main_measures.empty(), "main_measures", record.main_measures, [](auto& inner, auto& measure) {
     inner.field("measure", measure.name);
     inner.field("prescribed", measure.prescribed);
+    inner.field_if(std::isfinite(measure.strain), "strain", measure.strain);
   });
   io.list(!record.references.empty(), "references", record.references, [](auto& inner, auto& reference) {
     inner.field("measure", reference.measure);

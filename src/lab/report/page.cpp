@@ -5,6 +5,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <ctime>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
 
 #include "lab/format/vtu.h"
 #include "lab/report/comparison.h"
@@ -21,6 +25,31 @@ std::string page_begin(const std::string& title, const std::string& brand) {
          "content=\"width=device-width, initial-scale=1\"><title>" +
          escaped(title) + " — Elastin</title>\n<style>" + page_part("page.css") +
          "</style></head>\n<body>\n<header><p class=\"brand\">" + escaped(brand) + "</p>";
+}
+
+std::string page_end(const std::string& machine, const std::string& command, const std::string& note,
+                     const std::string& data) {
+  const std::time_t now = std::time(nullptr);
+  std::tm time{};
+  gmtime_r(&now, &time);
+  std::string out =
+      fmt::format("</main>\n<footer><p id=\"made\">Elastin " ELASTIN_VERSION ", {:04}-{:02}-{:02} {:02}:{:02} UTC",
+                  time.tm_year + 1900, time.tm_mon + 1, time.tm_mday, time.tm_hour, time.tm_min);
+  if (!machine.empty()) out += "; " + escaped(machine);
+  out += "</p><p><code>" + escaped(command) + "</code></p>" + note + "</footer>\n" + data;
+  for (const char* script : {"body.js", "colours.js", "marks.js", "graphics_painter.js", "processor_painter.js",
+                             "viewer.js", "stage.js", "plots.js", "page.js"})
+    out += fmt::format("<script>{}</script>\n", page_part(script));
+  return out + "</body></html>\n";
+}
+
+std::string scene_text_html(const std::string& path) {
+  std::error_code ignored;
+  std::ifstream file(path);
+  if (!file || std::filesystem::is_directory(path, ignored)) return "";
+  const std::string text{std::istreambuf_iterator<char>(file), {}};
+  return "<details class=\"card\"><summary>The scene, " + escaped(path) + "</summary><pre>" + escaped(text) +
+         "</pre></details>\n";
 }
 
 std::string figure_html(const Plot& plot, const std::string& heading, const std::string& name) {
@@ -311,7 +340,7 @@ std::string scene_html(const Scenery& scene, std::size_t number, const Colours& 
     out += card_html("Stability and solver", stability.html());
   if (const Table verdicts = verdicts_table(scene.records); !verdicts.empty())
     out += card_html("Compared with expectations", verdicts.html(mark));
-  out += warnings_html(scene);
+  out += warnings_html(scene) + scene_text_html(first.path);
   const std::size_t taken = out.size() + (k_three.size() * 4 / 3 + kScriptBytes) / scenes;
   out.insert(before, stage_html(scene, matter.views, scenes, taken));
   return out + "</article>\n";
@@ -359,18 +388,14 @@ std::string page_text(const PageMatter& matter) {
   if (scenes.size() > 1) out += scene_choice(scenes) + summary_html(matter, colours);
   out += "</header>\n<main>\n";
   for (std::size_t i = 0; i < scenes.size(); ++i) out += scene_html(scenes[i], i, colours, matter, scenes.size());
-  out += fmt::format(
-      "</main>\n<footer><p>{}</p><p><code>{}</code></p><p>Times: build and solve of each strategy, its body given; the "
-      "least of all repeats. The best is near enough (0.1 %, or the least there is), with nothing to warn of, "
-      "and then the fastest; where the measures do not distinguish strategies, the simplest.</p><p>Bodies are drawn by "
-      "three.js (MIT licence).</p></footer>\n",
-      escaped(matter.machine), escaped(matter.command));
-  out += packed_html("id=\"three\"", base64(k_three.data(), k_three.size()));
-  for (const char* script : {"body.js", "colours.js", "marks.js", "graphics_painter.js", "processor_painter.js",
-                             "viewer.js", "stage.js", "plots.js", "page.js"})
-    out += fmt::format("<script>{}</script>\n", page_part(script));
-  out += "</body></html>\n";
-  return out;
+  return out +
+         page_end(
+             matter.machine, matter.command,
+             "<p>Times: build and solve of each strategy, its body given; the least of all repeats. The best is near "
+             "enough (0.1 %, or the least there is), with nothing to warn of, and then the fastest; where the "
+             "measures do not distinguish strategies, the simplest.</p><p>Bodies are drawn by three.js (MIT "
+             "licence).</p>",
+             packed_html("id=\"three\"", base64(k_three.data(), k_three.size())));
 }
 
 std::vector<std::pair<std::string, std::string>> plot_files(const std::vector<Record>& records,

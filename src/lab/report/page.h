@@ -12,6 +12,16 @@ namespace elastin::lab {
 /// A page up to its header's text: it needs no other file.
 std::string page_begin(const std::string& title, const std::string& brand);
 
+/// Its end: what it was made with, when and where, and its scripts.
+/// @param machine, command what was measured on, and the command line; may be empty
+/// @param note HTML behind them
+/// @param data elements in front of the scripts
+std::string page_end(const std::string& machine, const std::string& command, const std::string& note = "",
+                     const std::string& data = "");
+
+/// The text of a scene's file, folded; "" where there is no such file (any more).
+std::string scene_text_html(const std::string& path);
+
 /// A plot, wide and narrow, that can be saved under a name; nothing where it has no series.
 std::string figure_html(const Plot& plot, const std::string& heading, const std::string& name);
 

@@ -32,6 +32,10 @@ constexpr std::array<std::array<int, 3>, kPlotHues> kHues{{{59, 130, 246},
                                                            {150, 30, 60}}};
 /// What a shade is mixed with, and how much of it.
 constexpr std::array<std::pair<int, double>, kPlotShades> kShades{{{0, 0}, {255, 0.45}, {0, 0.35}, {150, 0.55}}};
+constexpr double kGamma = 2.2;
+/// Relative luminance of a colour that has a contrast of 3 : 1 to the paper of the light theme and of the dark one.
+/// [WCAG]
+constexpr double kDarkest = 0.14, kLightest = 0.29;
 constexpr double kFont = 12, kLetter = 7.3;  // px
 
 /// Of the target, so that it is seen on a curve that follows it.
@@ -274,11 +278,18 @@ PlotSeries& series_of(Plot& plot, const std::string& name, int colour) {
 }
 
 std::string plot_colour(int colour) {
-  if (colour < 0) return "#8a93a5";
+  if (colour < 0) return "#7e8799";
   const auto& hue = kHues[colour % kPlotHues];
   const auto& [other, share] = kShades[colour / kPlotHues % kPlotShades];
+  std::array<double, 3> light{};  // linear
+  for (std::size_t i = 0; i < 3; ++i) light[i] = std::pow((hue[i] + share * (other - hue[i])) / 255, kGamma);
+  const double own = 0.2126 * light[0] + 0.7152 * light[1] + 0.0722 * light[2],
+               wanted = std::clamp(own, kDarkest, kLightest);
   std::string out = "#";
-  for (const int part : hue) out += fmt::format("{:02x}", std::lround(part + share * (other - part)));
+  for (const double part : light) {
+    const double seen = wanted <= own ? part * wanted / own : part + (wanted - own) / (1 - own) * (1 - part);
+    out += fmt::format("{:02x}", std::lround(255 * std::pow(seen, 1 / kGamma)));
+  }
   return out;
 }
 

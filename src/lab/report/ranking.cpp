@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <tuple>
 
 #include "lab/report/table.h"
@@ -11,7 +12,7 @@ namespace {
 
 std::vector<std::string> measures_with(const std::vector<Record>& records, const std::string& end) {
   std::vector<std::string> names;
-  for (const auto& [name, prescribed] : records.front().main_measures)
+  for (const auto& [name, prescribed, strain] : records.front().main_measures)
     if (std::any_of(records.begin(), records.end(),
                     [&, error = std::string(name) + end](const Record& r) { return std::isfinite(r.error(error)); }))
       names.emplace_back(name);
@@ -44,7 +45,7 @@ std::string uncertain_text(const Record& record) {
 /// Poisson's ratio and its like, in thousandths.
 double second_error(const Record& record, const Ranking& ranking) {
   double sum = 0;
-  for (const auto& [name, prescribed] : record.main_measures) {
+  for (const auto& [name, prescribed, strain] : record.main_measures) {
     const bool counted = std::find(ranking.measures.begin(), ranking.measures.end(), name) != ranking.measures.end();
     if (counted || !std::isfinite(prescribed)) continue;
     const double error = record.error(name);
@@ -77,6 +78,25 @@ void find_ties(const std::vector<const Record*>& candidates, Ranking& ranking) {
                    [](const Record* a, const Record* b) { return a->run.order < b->run.order; });
   ranking.best = tied.front();
   ranking.tied.assign(tied.begin() + 1, tied.end());
+}
+
+/// Those that a plot of error against time has to the left of the best and below it.
+void find_passed_over(const std::vector<Record>& records, const std::function<bool(const Record&)>& true_elsewhere,
+                      Ranking& ranking) {
+  const Record& best = *ranking.best;
+  for (const Record& record : records) {
+    const bool tied = std::find(ranking.tied.begin(), ranking.tied.end(), &record) != ranking.tied.end();
+    if (&record == &best || tied || !solved(record) || !(ranking.error(record) < ranking.error(best)) ||
+        !(record.least_seconds() < best.least_seconds()))
+      continue;
+    const std::string why = !has_own_error(record)         ? "it was calibrated to the reference itself"
+                            : !record.run.warnings.empty() ? "it has a warning"
+                            : !true_elsewhere(record)      ? "it is not near in other directions"
+                            : second_error(record, ranking) > second_error(best, ranking)
+                                ? "it is further off in Poisson's ratio"
+                                : "";
+    if (!why.empty()) ranking.passed_over.emplace_back(&record, why);
+  }
 }
 
 }  // namespace
@@ -153,6 +173,7 @@ Ranking rank_strategies(const std::vector<Record>& records) {
         (!ranking.warned || ranking.error(record) < ranking.error(*ranking.warned)))
       ranking.warned = &record;
   if (ranking.best) find_ties(candidates, ranking);
+  if (ranking.best) find_passed_over(records, true_elsewhere, ranking);
   return ranking;
 }
 

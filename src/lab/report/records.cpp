@@ -126,6 +126,25 @@ const MeasureInfo& Record::measure(const std::string& name) const {
 
 std::string Record::measure(MeasureRole role) const { return (measures ? *measures : built_in_measures()).named(role); }
 
+std::string strain_text(double strain) { return fmt::format("{:.4g} %", 100 * strain); }
+
+const MainMeasure* Record::law_target(std::string_view measure) const {
+  constexpr double shows = 1e-4;
+  for (const MainMeasure& main : main_measures)
+    if (main.name == measure && std::abs(main.strain) >= shows) return &main;
+  return nullptr;
+}
+
+std::string Record::target_text() const {
+  std::string text = prescribed, at;
+  for (const MainMeasure& main : main_measures)
+    if (law_target(main.name)) {
+      at += fmt::format("{}{} {}", at.empty() ? "; at a strain of " + strain_text(main.strain) + ": " : ", ",
+                        this->measure(main.name).label(), value_text(main.prescribed, this->measure(main.name)));
+    }
+  return text + at;
+}
+
 double Record::error(std::string_view name) const {
   for (const auto& [known, value] : errors)
     if (known == name) return value;
@@ -163,11 +182,16 @@ Record make_record(const Scene& scene, Run run) {
   };
   record.measures = scene.measures;
   record.main_measures = scene.experiment->main_measures(scene.specimen.material, run.measures);
-  // Moduli of the matrix alone are not the body's, nor is that of one material where there are several, or fields.
-  if ((scene.specimen.material.fibre && !scene.experiment->axis()) || scene.specimen.materials.size() > 1 ||
-      differs_from_place_to_place(body))
+  // Moduli of the matrix alone are not the body's, nor is that of one material where there are several, or fields, nor
+  // any material's where something disturbs what is measured and no reference is next to it.
+  const bool disturbed = !scene.experiment->no_reference().empty() && references_of(scene).empty();
+  if (disturbed || (scene.specimen.material.fibre && !scene.experiment->axis()) ||
+      scene.specimen.materials.size() > 1 || differs_from_place_to_place(body))
     for (MainMeasure& measure : record.main_measures) measure.prescribed = std::nan("");
-  for (const auto& [name, prescribed] : record.main_measures) {
+  for (MainMeasure& measure : record.main_measures)
+    if (const double own = run.law.get(measure.name); std::isfinite(own) && std::isfinite(measure.prescribed))
+      measure.prescribed = own, measure.strain = run.law_strain;
+  for (const auto& [name, prescribed, strain] : record.main_measures) {
     const bool ratio = record.measure(name).unit == dimension::none;
     const double measured = run.measures.get(name);
     add_error(name, ratio ? measured - prescribed : measured / prescribed - 1);

@@ -63,6 +63,10 @@ struct Record {
   std::string prescribed;                       ///< "E = 5000 Pa, nu = 0.25"
   std::shared_ptr<const MeasureList> measures;  ///< of the experiment's runs; null: of an experiment unknown here
   std::vector<MainMeasure> main_measures;       ///< of the experiment, with the targets of the material
+  /// The target of a measure where it is a law's at a strain that shows; else null.
+  const MainMeasure* law_target(std::string_view measure) const;
+  /// `prescribed`, and the targets at a strain: "E = 5000 Pa, nu = 0.25; at a strain of 20.00 %: E 4404.2 Pa".
+  std::string target_text() const;
   /// The description of a measure here; of another experiment's measure, the one there. Throws InputError if there is
   /// no such measure.
   const MeasureInfo& measure(const std::string& name) const;
@@ -97,6 +101,9 @@ struct Record {
   /// expectation holds.
   bool good() const;
 };
+
+/// "20 %"
+std::string strain_text(double strain);
 
 Record make_record(const Scene& scene, Run run);
 

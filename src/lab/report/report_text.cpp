@@ -198,7 +198,10 @@ std::string run_text(const Record& record, bool colours, bool whole_curve) {
       row.push_back({percent(to_reference), tone_of_error(to_reference), true});
     }
     const bool apparent = record.apparent && info.role == MeasureRole::youngs_modulus;
-    row.push_back({(apparent ? "apparent: " : "") + info.text, Tone::faint});
+    std::string text = (apparent ? "apparent: " : "") + info.text;
+    if (const MainMeasure* target = record.law_target(name))
+      text += "; target " + value_text(target->prescribed, info) + " at a strain of " + strain_text(target->strain);
+    row.push_back({std::move(text), Tone::faint});
     table.add(std::move(row));
   }
   if (!table.empty()) out += "\n" + table.text(colours);

@@ -177,14 +177,12 @@ std::string stepper_page(const std::vector<StepperComparison>& comparisons, cons
     out += "<div class=\"pair\">";
     for (const bool at_rest : {false, true})
       if (const Plot plot = plot_of(comparison, at_rest); !plot.series.empty())
-        out += fmt::format("<section class=\"card\"><h2>{}</h2><figure>{}</figure></section>",
-                           at_rest ? "Error at rest against time" : "Error of the motion against time",
-                           svg_text(plot, 600, false));
+        out += figure_html(plot, at_rest ? "Error at rest against time" : "Error of the motion against time",
+                           comparison.scene + (at_rest ? "-rest" : "-motion"));
     out += "</div>\n" + card_html("All rows", table_of(comparison).html() + "<p class=\"note\">" + kMeaning + "</p>") +
            "</article>\n";
   }
-  return out + fmt::format("</main>\n<footer><p>{}</p><p><code>{}</code></p></footer>\n</body></html>\n",
-                           escaped(comparisons.empty() ? "" : comparisons.front().machine), escaped(command));
+  return out + page_end(comparisons.empty() ? "" : comparisons.front().machine, command);
 }
 
 }  // namespace elastin::lab

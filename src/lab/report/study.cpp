@@ -196,6 +196,17 @@ Table study_table(const std::vector<Record>& records, const Ranking& ranking) {
     head.push_back(label);
     head.push_back(ranking.measures.size() > 1 ? "error of " + label : "error");
   }
+  // A ratio has no error that ranks, but a target, which may be what the study changes.
+  std::vector<std::string> ratios;
+  for (const MainMeasure& main : records.front().main_measures) {
+    const auto shown = [&](const Record& record) {
+      return std::isfinite(record.error(main.name)) && record.measure(main.name).unit == dimension::none;
+    };
+    const bool ranks = std::find(ranking.measures.begin(), ranking.measures.end(), main.name) != ranking.measures.end();
+    if (ranks || std::none_of(records.begin(), records.end(), shown)) continue;
+    ratios.push_back(main.name);
+    head.insert(head.end(), {records.front().measure(main.name).label(), "its target"});
+  }
   head.insert(head.end(), {"iterations", "build", "solve", "least", "median", "solver", ""});
   Table table(head);
   for (const Record& record : records) {
@@ -212,6 +223,11 @@ Table study_table(const std::vector<Record>& records, const Ranking& ranking) {
       const double error = signed_error(record, ranking, name);
       row.push_back(number_cell(readable(run.measures.get(name), record.measure(name)), run.measures.get(name)));
       row.push_back(number_cell(percent(error), std::abs(error), tone_of_error(error)));
+    }
+    for (const std::string& name : ratios) {
+      const double value = run.measures.get(name), target = value - record.error(name);
+      row.push_back(number_cell(value_text(value, record.measure(name)), value));
+      row.push_back(number_cell(value_text(target, record.measure(name)), target, Tone::faint));
     }
     row.push_back(number_cell(run.suited ? fmt::format("{} / {}", run.newton_iterations, run.linear_iterations) : "",
                               run.linear_iterations));

@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
+#include "contact/distance.h"
+#include "elastin/core/base/text.h"
 #include "elastin/core/model/share.h"
 #include "elastin/core/solve/engine.h"
 
@@ -18,6 +21,23 @@ contact::Contact* contact_of(const Model& model) {
   for (const auto& load : model.loads())
     if (auto* contact = dynamic_cast<contact::Contact*>(load.get())) return contact;
   return nullptr;
+}
+
+std::string gap_text(const contact::Contact& contact, const Body& body, const State& state) {
+  const std::vector<contact::Obstacle>& obstacles = contact.obstacles();
+  const std::vector<contact::Pose> poses = contact.poses(state.time);
+  double least = std::numeric_limits<double>::infinity();
+  std::string nearest;
+  for (std::size_t i = 0; i < obstacles.size(); ++i) {
+    const contact::SignedDistance shape(obstacles[i].shape);
+    double gap = std::numeric_limits<double>::infinity();
+    for (int molecule = 0; molecule < body.size(); ++molecule)
+      gap = std::min(gap,
+                     shape.at(poses[i].turn.transpose() * (state.positions.col(molecule) - poses[i].position)).value);
+    gap = least_over(body, gap);
+    if (gap < least) least = gap, nearest = obstacles[i].name;
+  }
+  return nearest.empty() ? "" : "the obstacle '" + nearest + "' is " + number(1e3 * least, 3) + " mm away";
 }
 
 int find_obstacle(const std::vector<contact::Obstacle>& obstacles, const std::string& name) {

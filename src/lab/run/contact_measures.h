@@ -7,6 +7,9 @@
 namespace elastin::lab {
 
 /// The model's contact, or null.
+/// "the obstacle 'tool' is 3 mm away": how far the nearest one is from the body's molecules; "" without obstacles.
+std::string gap_text(const contact::Contact& contact, const Body& body, const State& state);
+
 contact::Contact* contact_of(const Model& model);
 
 /// Number of the obstacle of that name, or −1.

@@ -5,10 +5,13 @@
 #include <limits>
 
 #include "contact/thickness.h"
+#include "core/simulation/warnings.h"
 #include "core/solve/trial.h"
+#include "elastin/core/base/error.h"
 #include "elastin/core/base/text.h"
 #include "elastin/core/model/share.h"
 #include "lab/run/contact_measures.h"
+#include "lab/run/uniform_block.h"
 
 namespace elastin::lab {
 namespace {
@@ -20,31 +23,6 @@ namespace shape = contact::shape;
 constexpr double kOverlap = 1e-3;
 /// Of a rebound's speed to that of the impact: what explicit steps near the longest stable one may do.
 constexpr double kRebound = 1.02;
-
-int count_doubles(std::vector<std::vector<int>> cells) {
-  for (std::vector<int>& cell : cells) std::sort(cell.begin(), cell.end());
-  std::sort(cells.begin(), cells.end());
-  int count = 0;
-  for (std::size_t cell = 1; cell < cells.size(); ++cell) count += cells[cell] == cells[cell - 1];
-  return count;
-}
-
-/// Cells whose nodes are another's.
-int cells_given_twice(const Body& body) {
-  std::vector<std::vector<int>> cells;
-  const auto add = [&](const auto& all) {
-    for (const auto& cell : all)
-      if (lowest_in_whole(body, cell) < owned_molecules(body)) cells.emplace_back(cell.begin(), cell.end());
-  };
-  if (body.blocks.empty()) add(body.tetrahedra), add(body.triangles);
-
-  for (const CellBlock& block : body.blocks)
-    for (int cell = 0; cell < block.size(); ++cell) {
-      const auto nodes = block.cell(cell);
-      cells.emplace_back(nodes.begin(), nodes.end());
-    }
-  return count_doubles(std::move(cells));
-}
 
 /// The second of an obstacle's extents [m], by size: what must fit between samples for it to pass.
 double width_of(const Obstacle& obstacle) {
@@ -77,9 +55,7 @@ double passing_depth(const Specimen& specimen, const Obstacle& obstacle) {
 std::vector<std::string> findings_at_start(const Specimen& specimen, const Model& model, bool uses_cells) {
   std::vector<std::string> found;
   const Body& body = specimen.body;
-  if (const int doubles = static_cast<int>(sum_over(body, cells_given_twice(body))); doubles > 0)
-    found.push_back(counted(doubles, "cell") + (doubles == 1 ? " is" : " are") + " given twice" +
-                    (uses_cells ? ": there the body is twice as stiff" : ""));
+  if (std::string doubles = warning_of_doubles(body, uses_cells); !doubles.empty()) found.push_back(std::move(doubles));
   const contact::Contact* contact = contact_of(model);
   if (!contact) return found;
   const contact::ContactReport report = contact->report(state_at_rest(body));
@@ -96,41 +72,29 @@ std::vector<std::string> findings_at_start(const Specimen& specimen, const Model
   return found;
 }
 
-double largest_poissons_ratio(const Material& material, const Body& body) {
-  double most = material.poissons_ratio;
-  for (int molecule = 0; material.field && molecule < body.size(); ++molecule)
-    most = std::max(most, local_material(material, body.rest.col(molecule)).poissons_ratio);
-  return most;
+std::shared_ptr<const StrategyChoice> stated_law(const Catalog& catalog, const Material& material, const Body& body) {
+  if (!material.law && !material.curve) return nullptr;
+  const int dimensions = body.tetrahedra.empty() && !body.triangles.empty() ? 2 : 3;
+  try {
+    return std::make_shared<StrategyChoice>(
+        choose_strategy(catalog, StrategyName::of_law(material.law ? material.law->law : "curve", dimensions)));
+  } catch (const InputError&) {
+    return nullptr;  // of membranes alone, or of another catalog
+  }
 }
 
-namespace {
-
-double largest_in(const Specimen& specimen) {
-  double most = largest_poissons_ratio(specimen.material, specimen.body);
-  for (const Material& material : specimen.materials)
-    most = std::max(most, largest_poissons_ratio(material, specimen.body));
-  return most;
-}
-
-}  // namespace
-
-bool may_lock(const Specimen& specimen, const Strategy& strategy) {
-  return strategy.kind == StrategyKind::cell_law && strategy.dimensions == 3 && !strategy.volume_modulus &&
-         largest_in(specimen) > kLocking;
-}
-
-std::string locking_finding(const Specimen& specimen, const Strategy& strategy) {
-  const bool can = strategy.make_without_volume || strategy.make_mixed, blocks = has_blocks(specimen.body, 3);
-  if (!may_lock(specimen, strategy) || (!can && blocks)) return "";
-  StrategyName with_volume(strategy.name);
-  with_volume.volume = true;
-  const std::string with = "stiffness: " + with_volume.text(),
-                    found = "nu = " + number(largest_in(specimen), 4) +
-                            ": cells without a volume term may lock, and are then too stiff; ";
-  if (strategy.make_without_volume || (strategy.make_mixed && blocks)) return found + "write " + with;
-  if (strategy.make_mixed) return found + "write `order: 2` in the body and " + with;
-  return found + (strategy.has_history ? "give the law behind the colon one: neo_hookean+volume"
-                                       : "neo_hookean+volume has one");
+void measure_law(const Specimen& specimen, const Experiment& experiment, const StrategyChoice& choice,
+                 const RunOptions& options, Run& run) {
+  constexpr double no_strain = 1e-6;  // below it a secant is the slope at rest
+  const StrategyChoice& law = specimen.law ? *specimen.law : choice;
+  const bool one = specimen.body.parts.empty() && !specimen.material.varies() && !specimen.material.active;
+  if (!experiment.at_rest() || run.outcome != Outcome::converged || options.statics.linear || !one ||
+      law.strategy.kind != StrategyKind::cell_law)
+    return;
+  const std::optional<UniformTest> test = experiment.at_rest()->uniform(run.measures);
+  if (!test || !(std::abs(test->strain) > no_strain)) return;
+  if (const auto found = measured_on_block(*test, specimen.body, law.strategy, specimen.material, law.values))
+    run.law = *found, run.law_strain = test->strain;
 }
 
 std::vector<std::string> findings_at_end(const Specimen& specimen, const Run& run) {

@@ -387,6 +387,9 @@ void solve_load_curve(Model& model, const StaticExperiment& experiment, StaticRi
   }
   run.measures = run.curve.back().measures;
   run.remark = experiment.remark(run.measures);
+  if (const contact::Contact* contact = contact_of(model); contact && run.contact && run.contact->pairs == 0)
+    if (const std::string gap = gap_text(*contact, model.body(), path.state()); !gap.empty())
+      run.remark = (run.remark.empty() ? "nothing touches" : run.remark) + ": " + gap;
   // What resists bending may bear compression.
   if (!model.body().share && !model.body().triangles.empty() && !options.statics.linear &&
       !(material.bending_rigidity > 0))

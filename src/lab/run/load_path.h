@@ -88,6 +88,7 @@ void run_in_time(Model& model, const TimedExperiment& experiment, TimedRig& rig,
                  const RunOptions& options, Run& run);
 
 /// The scheme that a run takes, and why if the scene leaves it open.
-std::pair<Scheme, std::string> chosen_scheme(const TimeOptions& options, bool uses_cells);
+std::pair<Scheme, std::string> chosen_scheme(const TimeOptions& options, const TimedExperiment& experiment,
+                                             bool uses_cells);
 
 }  // namespace elastin::lab

@@ -62,6 +62,7 @@ struct Specimen {
   std::function<void(State&)> start = {};               ///< changes the state in which a run begins; may be empty
   std::vector<Material> materials = {};                 ///< of the body's parts, by Part::material; empty without parts
   std::optional<contact::ContactOptions> contact = {};  ///< none: no contact object is built
+  std::shared_ptr<const StrategyChoice> law = {};  ///< that the material states by constants or a curve; null: none
   /// In which spring rules are calibrated; null: in the scene's own experiment.
   std::shared_ptr<const StaticExperiment> calibration = {};
   std::vector<Reference> references = {};  ///< computed ones: what the solid itself measures on this body
@@ -109,6 +110,8 @@ struct Run {
   bool uses_cells = false;           ///< the strategy could not run without the body's triangles or tetrahedra
   bool suited = true;                ///< false: the strategy cannot run on this body; cause says why
   std::optional<TimeReport> time;    ///< of a run in time
+  Measures law;                      ///< what the law itself shows in this test, see measure_law; may be empty
+  double law_strain = 0;             ///< at which it does
   std::optional<contact::ContactReport> contact;  ///< of the last state, where there is contact
 };
 

@@ -336,8 +336,11 @@ class TimedRun {
 
 }  // namespace
 
-std::pair<Scheme, std::string> chosen_scheme(const TimeOptions& options, bool uses_cells) {
+std::pair<Scheme, std::string> chosen_scheme(const TimeOptions& options, const TimedExperiment& experiment,
+                                             bool uses_cells) {
   if (options.scheme) return {*options.scheme, ""};
+  if (experiment.slow())
+    return {"backward_euler", "a " + experiment.name() + " is slow: its steps damp vibrations and grow with them"};
   if (uses_cells) return {"newmark", "cells make short stable steps: implicit steps may be as long as they are right"};
   return {"velocity_verlet", "springs without cells: an explicit step costs one pass over them"};
 }
@@ -345,7 +348,7 @@ std::pair<Scheme, std::string> chosen_scheme(const TimeOptions& options, bool us
 void run_in_time(Model& model, const TimedExperiment& experiment, TimedRig& rig, const Specimen& specimen,
                  const RunOptions& options, Run& run) {
   if (!options.time) throw InputError("a " + experiment.name() + " experiment needs to know for how long: TimeOptions");
-  const auto [scheme, reason] = chosen_scheme(*options.time, run.uses_cells);
+  const auto [scheme, reason] = chosen_scheme(*options.time, experiment, run.uses_cells);
   if (const std::string why = unsuited_for(*scheme, model); !why.empty()) {
     run.suited = false;
     run.cause = why;

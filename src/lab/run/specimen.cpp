@@ -6,6 +6,7 @@
 #include <string>
 #include <utility>
 
+#include "core/simulation/warnings.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/base/text.h"
 #include "elastin/core/forces/volume.h"
@@ -132,9 +133,7 @@ void count_modes(const Model& model, Run& run) {
   const ModeReport report = find_modes_in_parts(model.body(), model.supports, stiff);
   run.zero_energy_modes = report.zero_energy_modes;
   if (report.zero_energy_modes > 0)
-    run.warnings.push_back("mechanism: " + std::string(report.counted ? "" : "at least ") +
-                           counted(report.zero_energy_modes, "zero-energy mode", "zero-energy modes") +
-                           "; the load is solved in the range of the stiffness");
+    run.warnings.push_back(warning_of_modes(report) + "; the load is solved in the range of the stiffness");
 }
 
 /// The choice as it works on the specimen's body.
@@ -191,7 +190,7 @@ std::vector<StrategyChoice> all_strategies(const Catalog& catalog, const Specime
 }
 
 StrategyChoice without_locking(const Catalog& catalog, StrategyChoice choice, const Specimen& specimen) {
-  if (!may_lock(specimen, choice.strategy) || choice.strategy.has_history) return choice;
+  if (!may_lock(specimen.body, materials_of(specimen), choice.strategy) || choice.strategy.has_history) return choice;
   return applicable_with_volume(catalog, choice, specimen.body, materials_of(specimen)).value_or(choice);
 }
 
@@ -280,7 +279,7 @@ Run run_strategy(const Specimen& specimen, const Experiment& experiment, const S
     return run;
   }
   note_lost_faces(specimen.body, choice.strategy, run);
-  if (std::string found = locking_finding(specimen, any.strategy); !found.empty())
+  if (std::string found = warning_of_locking(specimen.body, materials_of(specimen), any.strategy); !found.empty())
     run.warnings.push_back(std::move(found));
   run.uses_cells = any_over(specimen.body, needs_cells(choice.strategy, specimen.body));
   if (run.uses_cells) {
@@ -323,9 +322,10 @@ Run run_strategy(const Specimen& specimen, const Experiment& experiment, const S
   else
     solve_load_curve(model, *experiment.at_rest(), *held->rig->at_rest(), at_work.material, options, run,
                      specimen.start);
+  run.solve_seconds = solve.seconds();
+  measure_law(at_work, experiment, choice, options, run);
   for (std::string& finding : findings_at_end(specimen, run)) run.warnings.push_back(std::move(finding));
   if (run.identified) note_identified(*run.identified, run);
-  run.solve_seconds = solve.seconds();
   return run;
 }
 

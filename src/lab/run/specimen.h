@@ -87,6 +87,15 @@ std::optional<HeldModel> make_model(const Specimen& specimen, const Experiment& 
 Run run_strategy(const Specimen& specimen, const Experiment& experiment, const StrategyChoice& choice,
                  const RunOptions& options);
 
+/// Sets what the law itself measures where the run has come to, on a small block in which every point is alike: of the
+/// law that the material states, or else of the run's own where that works on cells. Nothing where no uniform strain
+/// shows it, or all is linear.
+void measure_law(const Specimen& specimen, const Experiment& experiment, const StrategyChoice& choice,
+                 const RunOptions& options, Run& run);
+
+/// The law that a material states, on such a body; null where it states E and ν alone.
+std::shared_ptr<const StrategyChoice> stated_law(const Catalog& catalog, const Material& material, const Body& body);
+
 /// The experiment in which rules are calibrated: the specimen's, or the one that it is used in. Null where there is
 /// none.
 const StaticExperiment* calibration_of(const Experiment& experiment, const Specimen& specimen);
@@ -128,19 +137,6 @@ CurveFit fit_curve(const StressStrain& given, const MeasureCurve& measure);
 /// What a user should know of a specimen before it is loaded, in sentences: cells that are given twice, overlap with
 /// obstacles or between bodies, obstacles that fit between what they meet.
 std::vector<std::string> findings_at_start(const Specimen& specimen, const Model& model, bool uses_cells);
-
-/// From this Poisson's ratio on cells need pressures of their own, or they lock: they are too stiff.
-inline constexpr double kLocking = 0.4;
-
-/// The largest ν of a material on a body: its own, or where it has fields that at some molecule.
-double largest_poissons_ratio(const Material& material, const Body& body);
-
-/// Whether this is a law of solids without a volume term, and one of the specimen's materials has ν > kLocking.
-bool may_lock(const Specimen& specimen, const Strategy& strategy);
-
-/// What to write instead of a law of solids without a volume term where the material is nearly incompressible, in a
-/// sentence; "" where there is nothing to say.
-std::string locking_finding(const Specimen& specimen, const Strategy& strategy);
 
 /// What a user should know of a run that ended: a rebound faster than the impact, obstacles that something has passed
 /// or may have passed through.

@@ -21,7 +21,7 @@ enum class StepChoice {
 /// Time-stepping options.
 struct TimeOptions {
   double duration = 1;              ///< [s], > 0
-  std::optional<Scheme> scheme;     ///< none: velocity_verlet on springs without cells, newmark otherwise
+  std::optional<Scheme> scheme;     ///< none: see chosen_scheme
   ParameterValues parameters = {};  ///< of the scheme
   StepChoice choice = StepChoice::automatic;
   double step = 0;                      ///< [s], of fixed ones; frames shorten it evenly

@@ -6,6 +6,7 @@
 #include <new>
 #include <stdexcept>
 
+#include "core/simulation/warnings.h"
 #include "elastin/core/base/text.h"
 #include "elastin/core/model/parts.h"
 #include "elastin/core/model/share.h"
@@ -49,6 +50,11 @@ std::vector<StrategyChoice> read_strategies(std::optional<Reader> reader, const 
 /// The scene's own strategy. A law of solids that says nothing of its volume keeps it where it would lock otherwise.
 StrategyChoice read_stiffness(Reader reader, const Catalog& catalog, Scene& scene) {
   StrategyChoice written = read_strategy(reader, catalog);
+  const auto& stated = scene.specimen.material.law;
+  if (stated && !catalog.material_laws.find(stated->law)->from_moduli &&
+      written.strategy.kind == StrategyKind::cell_law && written.strategy.law != stated->law)
+    scene.warnings.push_back("stiffness: '" + written.label + "' takes of the material's law " + stated->law +
+                             " only its E and nu at rest; write stiffness: " + stated->law);
   if (reader.is_map() && reader.has("volume")) return written;
   StrategyChoice choice = without_locking(catalog, written, scene.specimen);
   if (choice.strategy.name == written.strategy.name) return choice;
@@ -82,14 +88,8 @@ void check_volume_range(Reader material, const Specimen& specimen, const std::ve
 }
 
 void warn_of_pieces(const Body& body, const std::string& name, std::vector<std::string>& warnings) {
-  const BodyFindings findings = inspect(body);
-  if (findings.pieces <= 1) return;
-  const auto isolated = findings.isolated_molecules.size();
-  warnings.push_back(name + " is not connected: " + std::to_string(findings.pieces) + " pieces" +
-                     (isolated == 0   ? ""
-                      : isolated == 1 ? ", one of them an isolated molecule"
-                                      : ", " + std::to_string(isolated) + " of them isolated molecules") +
-                     "; `elastin check` names them");
+  if (const std::string found = warning_of_pieces(body, name); !found.empty())
+    warnings.push_back(found + "; `elastin check` names them");
 }
 
 using BodyChange = std::function<void(Body&, const Material&)>;
@@ -300,6 +300,7 @@ std::unique_ptr<Scene> read_scene(const SceneSource& source, const Catalog& cata
   if (reader.has("rotate")) rotate(scene->specimen.body, rotation);
   scene->rotation = rotation;
   turn_fibres(scene->specimen, rotation);
+  scene->specimen.law = stated_law(catalog, scene->specimen.material, scene->specimen.body);
   scene->stiffness = read_stiffness(reader.at("stiffness"), catalog, *scene);
   scene->strategies = read_strategies(reader.find("strategies"), scene->stiffness, catalog, scene->specimen);
   const Reader experiment = reader.at("experiment");

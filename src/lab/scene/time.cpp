@@ -125,7 +125,7 @@ Keys<TimeOptions> time_options_keys(const elastin::Table<Stepper>& steppers) {
                       "word, or map",
                       "",
                       "",
-                      "`velocity_verlet` for springs, `newmark` for cells",
+                      "`velocity_verlet` for springs, `newmark` for cells; of creep and relaxation `backward_euler`",
                       words_text(steppers.names())};
   return {
       key::quantity("duration", &T::duration, dimension::time, "time that the run covers", kPositive).needed(),

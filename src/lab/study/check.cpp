@@ -171,7 +171,8 @@ void add_steps_in_time(std::string& out, Scene& scene) {
     if (!unsuited(scene.specimen, *scene.experiment, choice).empty()) continue;
     const std::optional<HeldModel> held = make_model(scene.specimen, *scene.experiment, choice, {}, run);
     if (!held) continue;
-    const auto [scheme, reason] = chosen_scheme(*scene.time, needs_cells(choice.strategy, scene.specimen.body));
+    const auto [scheme, reason] =
+        chosen_scheme(*scene.time, *scene.experiment->in_time(), needs_cells(choice.strategy, scene.specimen.body));
     std::string text = scheme->name;
     if (!reason.empty()) text += " by default (" + reason + ")";
     const StableStep found = find_stable_step(*held->model, state_at_rest(scene.specimen.body));

@@ -121,6 +121,9 @@ void Comparison::add_references(const ScenePlan& plan,
                                 const std::vector<std::pair<std::string, std::string>>& combination,
                                 const std::vector<StrategyChoice>& choices, Scene& scene) {
   if (!wants_computed_references(scene, request_.reference) || !plan.own_reference.empty()) return;
+  const bool calibration = calibration_of(*scene.experiment, scene.specimen) != nullptr;
+  if (!calibration && std::all_of(choices.begin(), choices.end(), [](const auto& c) { return c.name.calibrated; }))
+    return;  // none of them runs, whatever the reference is
   const bool calibrates = scene.experiment->apparent() &&
                           std::any_of(choices.begin(), choices.end(), [](const auto& c) { return c.name.calibrated; });
   const bool requested =
@@ -190,7 +193,9 @@ Record Comparison::run_elsewhere(const Scene& scene, const PlannedRow& row) {
   progress_.set(scene.name + ", " + row.strategy);
   OtherRun other =
       run_calculix(scene, catalog_, overrides_of(request_.overrides, *row.combination), request_.interrupted);
-  Record record = make_record(other.scene ? *other.scene : scene, std::move(other.run));
+  const Scene& solved = other.scene ? *other.scene : scene;
+  measure_law(solved.specimen, *solved.experiment, solved.stiffness, {.statics = solved.statics}, other.run);
+  Record record = make_record(solved, std::move(other.run));
   record.variant = *row.combination;
   record.verdicts.clear();  // they are about Elastin
   if (row.plan->repeats > 1) record.repeats = {{record.run.build_seconds, record.run.solve_seconds}};

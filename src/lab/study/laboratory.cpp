@@ -208,11 +208,10 @@ Material material_of(Reader reader) {
   return read_material(reader, built_in_catalog().material_laws);
 }
 
-Body body_of(const Reader& reader, const Material& material, std::vector<std::string>& warnings) {
-  std::vector<std::string> notes;
+Body body_of(const Reader& reader, const Material& material, std::vector<std::string>& warnings,
+             std::vector<std::string>& notes) {
   Body body = read_body(reader, material, {warnings, notes});
   check_material(reader, material, body);
-  warnings.insert(warnings.end(), notes.begin(), notes.end());
   return body;
 }
 
@@ -224,12 +223,14 @@ Material make_material(const std::string& yaml) {
 
 Material make_material(const HeldScene& held) { return material_of(open_scene(held, {}, kMostMolecules)); }
 
-Body make_body(const std::string& yaml, const Material& material, std::vector<std::string>& warnings) {
-  return body_of(open_scene(SceneSource::of_text("body", yaml), {}, kMostMolecules), material, warnings);
+Body make_body(const std::string& yaml, const Material& material, std::vector<std::string>& warnings,
+               std::vector<std::string>& notes) {
+  return body_of(open_scene(SceneSource::of_text("body", yaml), {}, kMostMolecules), material, warnings, notes);
 }
 
-Body make_body(const HeldScene& held, const Material& material, std::vector<std::string>& warnings) {
-  return body_of(open_scene(held, {}, kMostMolecules), material, warnings);
+Body make_body(const HeldScene& held, const Material& material, std::vector<std::string>& warnings,
+               std::vector<std::string>& notes) {
+  return body_of(open_scene(held, {}, kMostMolecules), material, warnings, notes);
 }
 
 }  // namespace elastin::lab

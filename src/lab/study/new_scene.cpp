@@ -9,6 +9,7 @@
 #include <filesystem>
 
 #include "elastin/core/base/error.h"
+#include "core/simulation/warnings.h"
 #include "elastin/core/base/text.h"
 #include "elastin/core/base/units.h"
 #include "elastin/mesh/mesh_file.h"

@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "core/geometry/boundary.h"
+#include "core/simulation/warnings.h"
 #include "core/solve/newton.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/shapes/arrays.h"

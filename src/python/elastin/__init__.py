@@ -27,7 +27,7 @@ import os as _os
 if "OMP_WAIT_POLICY" not in _os.environ:
     _os.environ.setdefault("GOMP_SPINCOUNT", "3000")
 
-from ._elastin import (Body, Catalog, InputError, Material, Parameter, Result, Row, Simulation, SimulationState,
+from ._elastin import (Body, Catalog, InputError, Material, MissingFileError, Parameter, Result, Row, Simulation, SimulationState,
                        StaticResult, StepError, StepResult, Strategy, TopologyReport, __version__, linear_solvers, loads,
                        material_laws, measures, numbered_in_space, of_parts, order_in_space, set_threads, steppers, threads)
 from . import _bodies, _simulation  # the methods that Python adds to classes of C++
@@ -39,7 +39,7 @@ from ._sweep import Sweep, sweep
 
 globals().update(_experiments)
 
-__all__ = ["Body", "Catalog", "Comparison", "Experiment", "InputError", "Laboratory", "Material", "Parameter", "Result",
+__all__ = ["Body", "Catalog", "Comparison", "Experiment", "InputError", "Laboratory", "Material", "MissingFileError", "Parameter", "Result",
            "Row", "Simulation", "SimulationState", "StaticResult", "StepError", "StepResult", "Strategy", "Sweep",
            "TopologyReport", "Verdicts", "body", "compare", "experiments", "identify", "lattice", "law", "linear_solvers",
            "loads", "material", "material_laws", "measures", "numbered_in_space", "of_parts", "order_in_space", "read_mesh", "run",

@@ -1,25 +1,31 @@
 """Bodies as scenes describe them."""
 
+import logging
 import os
 import warnings
 
 from . import _elastin, _exchange, _pictures, _scenes, _tables
 from ._elastin import Body
 
+_log = logging.getLogger("elastin")
+
 
 def body(description, material=None):
     """A body as a scene has it under `body:`: elastin.body({"lattice": {"kind": "cubic", "molecules": [5, 5, 5],
     "spacing": 1e-3}}), a dict or its YAML. Every shape of the scenes is there, with the same keys and messages; files are
-    named from the working directory. The material, by default one of 1000 kg/m^3, gives it its mass."""
+    named from the working directory. The material, by default one of 1000 kg/m^3, gives it its mass. What makes results doubtful is
+    a warning; how a file was read goes to the logger "elastin"."""
     given = material or _elastin.Material(1.0)
     if isinstance(description, str):
-        made, remarks = _elastin._body_of_scene(description, given)
+        made, remarks, notes = _elastin._body_of_scene(description, given)
     else:
         held = _scenes.Held(description, "body")
         with held.messages():
-            made, remarks = _elastin._body_of_scene(held.source, given)
+            made, remarks, notes = _elastin._body_of_scene(held.source, given)
     for remark in remarks:
         warnings.warn(remark, stacklevel=2)
+    for note in notes:
+        _log.info(note)
     return made
 
 

@@ -34,16 +34,24 @@ def _laboratory_again(kind, scene, options):
     return kind(scene, **options)
 
 
+def _same(one, other):
+    """Whether two strategies are one: the same object, a copy of it, or one of Elastin's own."""
+    if one is other or getattr(one, "_made_by", one) == getattr(other, "_made_by", other):
+        return True
+    return (one.summary, one.source) == (other.summary, other.source) != ("", "")
+
+
 def _named(choices, catalog):
-    """Names of the strategies, and a catalog that has those which were handed over as objects."""
+    """Names of the strategies, and a catalog that has those which were handed over as objects. A name that is taken by
+    another strategy raises InputError."""
     own = [choice for choice in choices if isinstance(choice, Strategy)]
     if own:
         chosen, catalog = catalog, Catalog()
-        known = _elastin.Catalog().names
         for strategy in list(getattr(chosen, "_own", [])) + own:
-            if strategy.name not in known:
-                catalog.add(strategy)
-                known.append(strategy.name)
+            known = {one.name: one for one in [*catalog, *getattr(catalog, "_own", [])]}
+            if strategy.name in known and _same(known[strategy.name], strategy):
+                continue
+            catalog.add(strategy)
     return [getattr(choice, "name", choice) for choice in choices], catalog
 
 

@@ -47,7 +47,8 @@ class Held:
                 self._write(item, f"{place}[{number}]", "", "," if number < len(value) - 1 else "")
             self._line(place, "]" + after)
         elif isinstance(value, str):
-            self._line(place, before + json.dumps(value, ensure_ascii=False) + after)
+            formula = "!formula " if value.startswith("=") else ""  # a text in quotes alone is none
+            self._line(place, before + formula + json.dumps(value, ensure_ascii=False) + after)
         else:
             self._line(place, before + _yaml.text(value) + after)
 
@@ -97,7 +98,7 @@ class Held:
         try:
             yield
         except InputError as error:
-            raise InputError(self.placed(str(error))) from None
+            raise type(error)(self.placed(str(error))) from None
 
     def placed(self, message):
         def place(found):
@@ -147,5 +148,5 @@ def usual_strategies(body, strategies):
         return {"stiffness": strategies[0]}
     cells = set(body.cells)
     solid = any(not name.startswith(("triangle", "quadrilateral")) for name in cells)
-    return {"stiffness": "neo_hookean" if solid else "neo_hookean_membrane" if cells else "standard",
-            "strategies": "all"}
+    rule = _elastin._usual_rule(body)
+    return {"stiffness": "neo_hookean" if solid else "neo_hookean_membrane" if cells else rule, "strategies": "all"}

@@ -33,7 +33,7 @@ export interface Arrays {
 export interface Material {
   /** E [Pa] > 0; 0 where it follows from a law. */
   youngs_modulus?: number;
-  /** ν from −0.99 to 0.5. */
+  /** ν from −0.99 to 0.5; default 0.25, and where it follows from a law none. */
   poissons_ratio?: number;
   /** Of a membrane [m]. */
   thickness?: number;
@@ -85,6 +85,8 @@ export class Body {
 /** A body that moves. The arrays are views of the module's memory: read them at once, or copy them. */
 export class Simulation {
   readonly time: number;
+  /** What makes its results doubtful, a sentence each: pieces, cells given twice, mechanisms. Looks at the whole body. */
+  readonly warnings: string[];
   /** [m] */
   readonly positions: Float64Array;
   /** [m/s] */

@@ -121,7 +121,7 @@ class Body {
   simulate(strategy, material, options = {}) {
     checked(material, ['youngs_modulus', 'poissons_ratio', 'thickness', 'bending_rigidity', 'law'], 'a material');
     checked(options, ['scheme', 'safety', 'max_substeps', 'parameters', 'scheme_parameters'], 'options');
-    const {youngs_modulus = 0, poissons_ratio = 0, thickness = 0, bending_rigidity = 0, law} = material;
+    const {law, youngs_modulus = 0, poissons_ratio = law ? 0 : 0.25, thickness = 0, bending_rigidity = 0} = material;
     const {scheme, safety = 0, max_substeps = 0, parameters = {}, scheme_parameters = {}} = options;
     return new Simulation(this, this.elastin.handle_of('elastin_simulate', memory => [this.handle, memory.text(strategy),
       memory.structure([['number', youngs_modulus], ['number', poissons_ratio], ['number', thickness], ['number', bending_rigidity],
@@ -151,10 +151,10 @@ class Simulation extends ElastinSimulation {
   }
 
   fix(molecule, free = []) { super.fix(molecule, bits(free, axes, 'free')); }
-  move_to(molecule, position) { this.check(this.module._elastin_move_to(this.handle, molecule, this.vector(position))); }
+  move_to(molecule, position) { this.check(this.module._elastin_move_to(this.handle, this.number(molecule), this.vector(position))); }
 
   reaction(molecule) {
-    this.check(this.module._elastin_reaction(this.handle, molecule, this.scratch));
+    this.check(this.module._elastin_reaction(this.handle, this.number(molecule), this.scratch));
     return this.read(3);
   }
 

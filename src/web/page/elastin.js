@@ -105,32 +105,46 @@ class ElastinSimulation {
   }
 
   vector(numbers, at = this.scratch) {
+    if (numbers?.length !== 3 || !Array.prototype.every.call(numbers, Number.isFinite))
+      throw new ElastinError(`a position or vector must be three finite numbers, not ${JSON.stringify(numbers)}`);
     this.module.HEAPF64.set(numbers, at / 8);
     return at;
   }
 
+  /** A molecule's or coupling's number: what is missing must not become 0. */
+  number(given) {
+    if (!Number.isInteger(given)) throw new ElastinError(`a number of a molecule or coupling is needed, not ${given}`);
+    return given;
+  }
+
+  /** What makes its results doubtful, a sentence each; looks at the whole body. */
+  get warnings() {
+    this.check(this.module._elastin_warnings(this.handle, this.scratch));
+    return this.module.UTF8ToString(this.module.HEAPU32[this.scratch / 4]).split('\n').filter(Boolean);
+  }
+
   read(count, at = this.scratch) { return Array.from(this.module.HEAPF64.subarray(at / 8, at / 8 + count)); }
 
-  fix(molecule, free_axes = 0) { this.check(this.module._elastin_fix(this.handle, molecule, free_axes)); }
+  fix(molecule, free_axes = 0) { this.check(this.module._elastin_fix(this.handle, this.number(molecule), free_axes)); }
 
-  release(molecule) { this.check(this.module._elastin_release(this.handle, molecule)); }
+  release(molecule) { this.check(this.module._elastin_release(this.handle, this.number(molecule))); }
 
   couple(molecule, position, stiffness, damping) {
     const at = this.vector(position);
-    this.check(this.module._elastin_couple(this.handle, molecule, at, stiffness, damping, at + 24));
+    this.check(this.module._elastin_couple(this.handle, this.number(molecule), at, stiffness, damping, at + 24));
     return this.module.HEAP32[(at + 24) / 4];
   }
 
   move_coupling(coupling, position) {
-    this.check(this.module._elastin_move_coupling(this.handle, coupling, this.vector(position), 0));
+    this.check(this.module._elastin_move_coupling(this.handle, this.number(coupling), this.vector(position), 0));
   }
 
   coupling_force(coupling) {
-    this.check(this.module._elastin_coupling_force(this.handle, coupling, this.scratch));
+    this.check(this.module._elastin_coupling_force(this.handle, this.number(coupling), this.scratch));
     return this.read(3);
   }
 
-  decouple(coupling) { this.check(this.module._elastin_decouple(this.handle, coupling)); }
+  decouple(coupling) { this.check(this.module._elastin_decouple(this.handle, this.number(coupling))); }
 
   free() {
     this.module._elastin_simulation_free(this.handle);
@@ -208,7 +222,8 @@ class ElastinLab {
     }
   }
 
-  /** The tension test: an object with step(), which gives {own, last, strain, stress, modulus, ratio}, and free(). */
+  /** The tension test: an object with step(), which gives {own, last, strain, stress, modulus, ratio, target,
+   *  target_ratio}, the targets those of the law at the strain, and free(). */
   test(settings, strain, steps) {
     const {module} = this, at = module._malloc(64);
     const handle = this.handle_of('elastin_lab_test_begin', memory => [this.handle, this.settings(memory, settings), strain, steps]);
@@ -222,10 +237,11 @@ class ElastinLab {
     };
     return {
       step() {
-        module.HEAPU32[at / 4] = 48;  // sizeof(elastin_lab_reading)
+        module.HEAPU32[at / 4] = 64;  // sizeof(elastin_lab_reading)
         checked(module._elastin_lab_test_step(handle, at));
-        const [strain, stress, modulus, ratio] = module.HEAPF64.subarray(at / 8 + 2, at / 8 + 6);
-        return {own: module.HEAP32[at / 4 + 1] !== 0, last: module.HEAP32[at / 4 + 2] !== 0, strain, stress, modulus, ratio};
+        const [strain, stress, modulus, ratio, target, target_ratio] = module.HEAPF64.subarray(at / 8 + 2, at / 8 + 8);
+        return {own: module.HEAP32[at / 4 + 1] !== 0, last: module.HEAP32[at / 4 + 2] !== 0, strain, stress, modulus, ratio,
+          target, target_ratio};
       },
       positions: () => view('positions'),
       tensions: () => view('tensions'),

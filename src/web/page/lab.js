@@ -22,6 +22,9 @@ function complain(text) {
 /** A number with two digits and without a power of ten. */
 const short = value => String(+value.toPrecision(2));
 
+/** "+0.12 %"; "—" where there is no target. */
+const error_text = error => Number.isFinite(error) ? `${error > 0 ? '+' : ''}${(100 * error).toFixed(2)} %`.replace('-', '−') : '—';
+
 const said = text => { part('said').textContent = text; };
 
 class Lab {
@@ -690,7 +693,8 @@ class Lab {
   results() {
     return (this.readings ?? []).map((readings, i) => {
       const own = readings.filter(reading => reading.own).at(-1), {E, nu} = this.test_settings;
-      return own && {strategy: this.test_settings.strategies[i], modulus: own.modulus, error: own.modulus / E - 1, ratio: own.ratio, E, nu, strain: own.strain};
+      const error = scene.no_error ? NaN : own?.modulus / own?.target - 1;
+      return own && {strategy: this.test_settings.strategies[i], modulus: own.modulus, target: own.target, error, ratio: own.ratio, E, nu, strain: own.strain};
     });
   }
 
@@ -699,7 +703,7 @@ class Lab {
     part('results').replaceChildren(...results.map((result, i) => {
       const problem = bodies[i]?.problem;
       if (!result) return this.row(i, [problem ? 'no equilibrium' : '…', '', ''], this.test_settings.strategies[i]);
-      const row = this.row(i, [with_prefix(result.modulus, 'Pa', 4), `${result.error > 0 ? '+' : ''}${(100 * result.error).toFixed(2)} %`.replace('-', '−'),
+      const row = this.row(i, [with_prefix(result.modulus, 'Pa', 4), error_text(result.error),
         Number.isFinite(result.ratio) ? result.ratio.toFixed(4) : '—'], result.strategy);
       row.dataset.modulus = result.modulus;
       row.dataset.ratio = result.ratio;
@@ -707,7 +711,9 @@ class Lab {
     }));
     part('tested').hidden = false;
     const {E, nu} = this.test_settings;
-    part('target').textContent = `Dashed: the material's E = ${with_prefix(E, 'Pa', 4)}${scene.own_constants ? '' : `; its ν = ${+nu.toPrecision(4)}`}.`;
+    const targets = results.filter(result => Number.isFinite(result?.error)).map(result => `${result.strategy} ${with_prefix(result.target, 'Pa', 4)}`);
+    part('target').textContent = `Dashed: the material's E = ${with_prefix(E, 'Pa', 4)} at rest${scene.own_constants ? '' : `; its ν = ${+nu.toPrecision(4)}`}. ` +
+      (scene.no_error ? `No error: ${scene.no_error}.` : targets.length ? `Errors are to the law's own E at a strain of ${+(100 * results.find(Boolean).strain).toPrecision(3)} %: ${targets.join(', ')}.` : '');
     const problem = bodies.find(body => body.problem)?.problem;
     if (problem) complain(`The test of a body stops here: ${problem}.`);
     this.curves.test.set([...this.readings.map((readings, i) => ({name: this.test_settings.strategies[i], colour: series_colours[i],
@@ -721,7 +727,7 @@ class Lab {
 
   say_results() {
     root.dataset.tested = 'yes';
-    said(this.results().filter(Boolean).map(result => `${result.strategy}: E is ${with_prefix(result.modulus, 'Pa', 4)}, ${(100 * result.error).toFixed(2)} per cent off the target`).join('; '));
+    said(this.results().filter(Boolean).map(result => `${result.strategy}: E is ${with_prefix(result.modulus, 'Pa', 4)}, ${Number.isFinite(result.error) ? `${(100 * result.error).toFixed(2)} per cent off the target` : 'without a target'}`).join('; '));
   }
 
   save_curve() {

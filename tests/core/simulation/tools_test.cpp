@@ -46,7 +46,7 @@ TEST_CASE("a tool goes from pose to pose at constant speed and spin", "[tools]")
 
   seen.clear();
   const Pose next{.turn = about_z(0.5), .position = {1e-3, 2e-3, 0}};
-  tissue.move_tool(tool, next);
+  tissue.move_tool(tool, next.position, next.turn);
   const StepResult result = tissue.step(kStep);
   REQUIRE(result.outcome == Outcome::converged);
   REQUIRE(result.substeps > 2);
@@ -65,13 +65,16 @@ TEST_CASE("a tool goes from pose to pose at constant speed and spin", "[tools]")
   CHECK(tissue.tool_pose(tool).velocity.norm() == 0);
 
   const SimulationState saved = tissue.save();
-  tissue.move_tool(tool, {.position = {0, 0, 1}});
+  tissue.move_tool(tool, {0, 0, 1});
   tissue.host_forces()(0, 3) = std::numeric_limits<double>::quiet_NaN();
   CHECK(tissue.step(kStep).outcome != Outcome::converged);
   CHECK(tissue.tool_pose(tool).position == next.position);  // the step was not taken
   tissue.restore(saved);
   REQUIRE(tissue.step(kStep).outcome == Outcome::converged);
   CHECK(tissue.tool_pose(tool).position == next.position);  // nor is it remembered where it was to go
+  tissue.move_tool(tool, {0, 0, 1e-3});
+  REQUIRE(tissue.step(kStep).outcome == Outcome::converged);
+  CHECK(tissue.tool_pose(tool).turn == next.turn);  // who says no turn turns nothing back
 }
 
 TEST_CASE("a pose that is none, and a tool that is none, are refused", "[tools]") {
@@ -79,6 +82,6 @@ TEST_CASE("a pose that is none, and a tool that is none, are refused", "[tools]"
   CHECK_THROWS_WITH(tissue.add_tool({.turn = 2 * Matrix3::Identity()}), Contains("no rotation"));
   CHECK_THROWS_WITH(tissue.add_tool({.turn = -Matrix3::Identity()}), Contains("no rotation"));
   CHECK_THROWS_WITH(tissue.add_tool({.position = {0, INFINITY, 0}}), Contains("finite"));
-  CHECK_THROWS_WITH(tissue.move_tool(1, {}), Contains("no tool 1: there are 0"));
+  CHECK_THROWS_WITH(tissue.move_tool(1, Vector3::Zero()), Contains("no tool 1: there are 0"));
   CHECK_THROWS_WITH(tissue.tool_motion(-1), Contains("no tool -1"));
 }

@@ -47,6 +47,20 @@ TEST_CASE("a page takes the load of a scene's experiment where it is the same wh
   CHECK(parcel_of("{kind: tension, axis: z, force: 1 mN}").own_load.cols() == 0);
 }
 
+TEST_CASE("a strategy with a label of its own goes into the page by its name") {
+  const TemporaryFolder folder;
+  const auto scene = load_scene(
+      folder.write("scene.yaml",
+                   "body: {lattice: {kind: cubic, molecules: [3, 3, 3], spacing: 1 mm, connections: [axis, face]}}\n"
+                   "material: {youngs_modulus: 10 kPa}\nstiffness: {strategy: lattice, label: mine}\n"
+                   "experiment: {kind: tension, axis: z, force: 1 mN}\n"),
+      built_in_catalog());
+  const Parcel parcel = make_parcel(*scene, built_in_catalog());
+  CHECK(parcel.strategies.front().label == "mine");
+  CHECK(parcel.strategies.front().name == "lattice");
+  CHECK(live_page(*scene, built_in_catalog(), {"script", "module"}).find("\"mine\"") != std::string::npos);
+}
+
 TEST_CASE("a page takes no material that is a function, and says so", "[refusal]") {
   const auto with = [](const std::string& material) {
     const TemporaryFolder folder;

@@ -33,7 +33,7 @@ class Page:
             preexec_fn=at_three_and_four, close_fds=False, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         for end in (down, up, *ends):
             os.close(end)
-        self.text, self.number, self.session = b"", 0, None
+        self.text, self.number, self.session, self.said = b"", 0, None, []
         target = self.send("Target.createTarget", url="about:blank")["targetId"]
         self.session = self.send("Target.attachToTarget", targetId=target, flatten=True)["sessionId"]
         self.resize(width, height)
@@ -52,6 +52,27 @@ class Page:
             self.browser.wait()
             os.close(self.to)
             os.close(self.of)
+
+    def listen(self):
+        """From now on errors and warnings of the console; what it returns gives them."""
+        for domain in ("Runtime", "Log", "Page"):
+            self.send(domain + ".enable")
+        self.said = []
+
+        def heard():
+            self.run("0")
+            return self.said
+        return heard
+
+    def hear(self, event):
+        parameters = event.get("params", {})
+        if event["method"] == "Runtime.exceptionThrown":
+            details = parameters["exceptionDetails"]
+            self.said.append(details.get("exception", {}).get("description", details["text"]))
+        if event["method"] == "Runtime.consoleAPICalled" and parameters["type"] in ("error", "assert"):
+            self.said.append(str(parameters["args"]))
+        if event["method"] == "Log.entryAdded" and parameters["entry"]["level"] == "error":
+            self.said.append(parameters["entry"]["text"])
 
     def receive(self, deadline):
         while b"\0" not in self.text:
@@ -73,6 +94,8 @@ class Page:
         deadline = time.time() + 120
         while True:
             answer = self.receive(deadline)
+            if "method" in answer:
+                self.hear(answer)
             if answer.get("id") == self.number:
                 if "error" in answer:
                     raise RuntimeError(f"{method}: {answer['error']['message']}")

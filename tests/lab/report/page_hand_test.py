@@ -259,6 +259,71 @@ class Run(unittest.TestCase):
                 self.assertAlmostEqual(stress / wanted, 1, delta=1e-3)  # stresses are told in steps of 2^-12
 
 
+class Kinds(unittest.TestCase):
+    """Every kind of page opens without a word on the console, shows its plots, sorts its tables and says what it is of."""
+
+    STEPPERS = SCENE + "steppers: {schemes: [symplectic_euler, backward_euler]}\n"
+    STUDY = SCENE + "study: {vary: [{body.lattice.spacing: [1 mm, 2 mm]}]}\n"
+    IDENTIFY = """title: Rubber
+material: {law: mooney_rivlin, c1: 100 kPa, c2: 10 kPa}
+identify:
+  tests: [{name: pull, kind: uniaxial, file: pull.csv, columns: {strain: "strain", nominal_stress: "stress [kPa]"}}]
+"""
+
+    def check(self, folder, page, command, name):
+        subprocess.run([ELASTIN, *command, "--quiet", "--out", folder + "/out"], check=True, cwd=folder,
+                       stdout=subprocess.DEVNULL)
+        said = page.listen()
+        for width in (1400, 390):
+            page.resize(width, 1000)
+            page.open(folder + "/out/" + name)
+            for head in range(page.run("document.querySelectorAll('thead button').length")):
+                page.run(f"document.querySelectorAll('thead button')[{head}].click()")
+            self.assertGreater(page.run("document.querySelectorAll('.plot').length"), 0)
+            self.assertEqual(page.run("[...document.querySelectorAll('[data-save=svg]')].filter(b => !b.closest('[hidden]')).every("
+                                      "b => b.closest('.card').querySelector('svg') || b.closest('.card').querySelector('.view'))"), True)
+            self.assertEqual(page.run("document.documentElement.dataset.errors ?? ''"), "")
+            self.assertRegex(page.run("document.getElementById('made').textContent"),
+                             r"^Elastin \d+\.\d+\.\d+, \d{4}-\d\d-\d\d \d\d:\d\d UTC; .*cores")
+        self.assertEqual(said(), [])
+
+    def test_every_kind(self):
+        with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:
+            for name, text in (("block", SCENE), ("second", SCENE), ("bar", BAR), ("steps", self.STEPPERS), ("study", self.STUDY),
+                               ("rubber", self.IDENTIFY)):
+                with open(f"{folder}/{name}.yaml", "w", encoding="utf8") as file:
+                    file.write(text)
+            with open(folder + "/pull.csv", "w", encoding="utf8") as file:
+                file.write("strain,stress [kPa]\n")
+                for step in range(1, 13):  # incompressible Mooney-Rivlin, c1 = 100 kPa, c2 = 10 kPa
+                    stretch = 1 + 0.05 * step
+                    file.write(f"{stretch - 1},{2 * (stretch - stretch ** -2) * (100 + 10 / stretch)}\n")
+            with Page(CHROMIUM, folder + "/profile") as page:
+                for command, name in ((["compare", "block.yaml", "second.yaml"], "report.html"),
+                                      (["run", "bar.yaml"], "report.html"), (["compare", "study.yaml"], "report.html"),
+                                      (["compare", "steps.yaml"], "steppers.html"), (["identify", "rubber.yaml"], "report.html")):
+                    with self.subTest(command=command):
+                        self.check(folder, page, command, name)
+                page.open(folder + "/out/report.html")
+
+    def test_a_page_is_a_record_of_its_scene_and_is_printed_whole(self):
+        with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:
+            for name in ("block", "second"):
+                with open(f"{folder}/{name}.yaml", "w", encoding="utf8") as file:
+                    file.write(SCENE)
+            subprocess.run([ELASTIN, "compare", "block.yaml", "second.yaml", "--quiet", "--out", "out"], check=True, cwd=folder)
+            with Page(CHROMIUM, folder + "/profile") as page:
+                page.open(folder + "/out/report.html")
+                self.assertIn("molecules: [4, 4, 4]", page.run("[...document.querySelectorAll('details pre')].at(-1).textContent"))
+                page.send("Emulation.setEmulatedMedia", media="print")
+                page.run("dispatchEvent(new Event('beforeprint'))")
+                self.assertTrue(page.run("[...document.querySelectorAll('.scene, details')].every(e => e.getClientRects().length && "
+                                         "e.open !== false)"))
+                page.resize(760, 1000)  # of A4
+                self.assertEqual(page.run("[...document.querySelectorAll('table')].filter(t => t.getBoundingClientRect().right > "
+                                          "innerWidth + 1).length"), 0)
+
+
 class Size(unittest.TestCase):
     def test_a_thousand_molecules_with_all_strategies_fit_into_a_megabyte(self):
         with tempfile.TemporaryDirectory() as folder:

@@ -80,7 +80,7 @@ TEST_CASE("experiments turn with their scene", "[scene]") {
                  turned = run_of(scene_with(experiment, "rotate: {axis: [1, -2, 0.5], angle: 50 deg}\n"));
     REQUIRE(straight.run.outcome == Outcome::converged);
     REQUIRE_FALSE(straight.main_measures.empty());
-    for (const auto& [name, prescribed] : straight.main_measures) {
+    for (const auto& [name, prescribed, strain] : straight.main_measures) {
       const double value = straight.run.measures.get(name);
       INFO(name);
       CHECK(turned.run.measures.get(name) == Approx(value).epsilon(1e-6).margin(1e-9));

@@ -3,6 +3,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "core/simulation/warnings.h"
 #include "lab/report/records.h"
 #include "lab/run/specimen.h"
 #include "support/temporary_folder.h"
@@ -257,7 +258,7 @@ TEST_CASE("a Poisson's ratio that differs from place to place reaches the volume
   CHECK(measured(folder, bar_of(kBodies[0], plain + "0.4" + field + "0.4}}", "neo_hookean+volume"), "elongation") ==
         measured(folder, bar_of(kBodies[0], plain + "0.4", "neo_hookean+volume"), "elongation"));
   const auto scene = scene_of(folder, bar_of(kBodies[0], plain + "0.1" + field + "0.1 + 0.35 * floor(z / 1.2 cm)}}"));
-  CHECK(may_lock(scene->specimen, kCatalog.find("neo_hookean")));
+  CHECK(may_lock(scene->specimen.body, {scene->specimen.material}, kCatalog.find("neo_hookean")));
 }
 
 TEST_CASE("directions that differ from place to place", "[scene][fields]") {

@@ -215,17 +215,18 @@ TEST_CASE("What cannot be simulated is said", "[laboratory]") {
 TEST_CASE("A body is made as scenes describe one", "[laboratory]") {
   std::vector<std::string> warnings;
   const Material material{5000};
-  const Body body = make_body(
-      "lattice: {kind: cubic, molecules: [3, 3, 3], spacing: 7.5 mm, connections: [axis, face]}", material, warnings);
+  const Body body =
+      make_body("lattice: {kind: cubic, molecules: [3, 3, 3], spacing: 7.5 mm, connections: [axis, face]}", material,
+                warnings, warnings);
   const Body scenes = Laboratory(kCube).body();
   CHECK(body.rest == scenes.rest);
   CHECK(body.mass == scenes.mass);
   CHECK(body.radius == scenes.radius);
   CHECK(body.connections.ends == scenes.connections.ends);
   CHECK(warnings.empty());
-  CHECK_THROWS_WITH(make_body("lattice: {kind: cubik, molecules: [3, 3, 3], spacing: 1}", material, warnings),
+  CHECK_THROWS_WITH(make_body("lattice: {kind: cubik, molecules: [3, 3, 3], spacing: 1}", material, warnings, warnings),
                     StartsWith("body:1:17: ") && Contains("did you mean 'cubic'"));
-  CHECK_THROWS_WITH(make_body("disc: {radius: 1, rings: 2}", material, warnings), Contains("thickness"));
+  CHECK_THROWS_WITH(make_body("disc: {radius: 1, rings: 2}", material, warnings, warnings), Contains("thickness"));
 }
 
 TEST_CASE("laboratory: a simulation without a scene calibrates as the experiment `material` does", "[slow]") {

@@ -2,6 +2,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "elastin/core/forces/model.h"
@@ -111,8 +112,8 @@ struct SimulationState {
 class Simulation {
  public:
   /// The strategy at work on the body, once it is prepared for it (see prepare), with what the material and the body
-  /// bring besides: fibres, bending, cables, ties, bone. Throws InputError where it cannot run there or a parameter is
-  /// out of range. A body of several materials wants a strategy made by in_parts.
+  /// bring besides: fibres, bending, cables, ties, bone. Throws InputError where it cannot run there, or a parameter or
+  /// the material is out of range. A body of several materials wants a strategy made by in_parts.
   Simulation(Body body, const Strategy& strategy, const Material& material, SimulationOptions options = {});
   /// An elastic law that the host makes itself from the body, which stays where it is.
   using MakeElasticity = std::function<ElasticTerms(const Body&)>;
@@ -167,19 +168,18 @@ class Simulation {
   /// A spring of length 0 and a damper between a molecule and a position [m]: a tool, a mouse. stiffness > 0 [N/m],
   /// damping ≥ 0 [N s/m]. Throws InputError.
   CouplingId couple(int molecule, const Vector3& position, double stiffness, double damping = 0);
-  /// From the next step on; nothing happens where there is no such coupling.
-  void move_coupling(CouplingId coupling, const Vector3& position, const Vector3& velocity = Vector3::Zero()) noexcept;
-  /// Force of the coupling on its molecule [N] in the state reached; a haptic device gets its opposite. Zero where
-  /// there is no such coupling.
-  Vector3 coupling_force(CouplingId coupling) const noexcept;
-  void decouple(CouplingId coupling) noexcept;
+  /// From the next step on. Throws InputError where there is no such coupling (any more), as the two below.
+  void move_coupling(CouplingId coupling, const Vector3& position, const Vector3& velocity = Vector3::Zero());
+  /// Force of the coupling on its molecule [N] in the state reached; a haptic device gets its opposite.
+  Vector3 coupling_force(CouplingId coupling) const;
+  void decouple(CouplingId coupling);
 
   /// A rigid thing that the host moves, an instrument: contact takes tool_motion as the motion of an obstacle. Throws
   /// InputError on a pose that is not finite or a turn that is no rotation.
   ToolId add_tool(const Pose& pose);
-  /// Where the tool is to be at the end of the next step: it goes there at constant speed and spin, and stays. Of the
-  /// pose its position and turn count. Throws InputError as add_tool, and where there is no such tool.
-  void move_tool(ToolId tool, const Pose& pose);
+  /// Where the tool is to be at the end of the next step [m]: it goes there at constant speed and spin, and stays.
+  /// Without a turn it keeps its own. Throws InputError as add_tool, and where there is no such tool.
+  void move_tool(ToolId tool, const Vector3& position, const std::optional<Matrix3>& turn = {});
   /// Where it is now; throws InputError where there is no such tool.
   Pose tool_pose(ToolId tool) const;
   /// Its pose by time [s], to be asked within steps; outlives the simulation. Throws InputError as tool_pose.
@@ -212,6 +212,11 @@ class Simulation {
   /// that it goes there [m]. NaN where one of the two fails. Throws InputError where the scheme takes no number of
   /// them.
   std::pair<double, double> iteration_error(double dt);
+
+  /// What makes its results doubtful, a sentence each: pieces, cells given twice, mechanisms, cells that lock, a
+  /// missing thickness, a budget that is not kept. Looks at the whole body: not for every step.
+  /// @param mechanisms whether zero-energy modes are counted, which takes longest
+  std::vector<std::string> warnings(bool mechanisms = true) const;
 
   /// Calls `see` after every `every` (≥ 1) steps that converged. It must not step; what it throws ends in
   /// std::terminate.

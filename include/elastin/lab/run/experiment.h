@@ -1,4 +1,5 @@
 #pragma once
+#include <functional>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -24,6 +25,8 @@ struct MainMeasure {
   std::string name;
   /// The material's target, SI; NaN = the material has none, the measure is only shown.
   double prescribed = std::numeric_limits<double>::quiet_NaN();
+  /// Strain at which the target is a law's secant; NaN: at rest.
+  double strain = std::numeric_limits<double>::quiet_NaN();
 };
 
 /// Measures that describe the time history; "" where the experiment has no such measure.
@@ -51,9 +54,17 @@ struct Identification {
   std::vector<StressStrain::SecantPoint> guess;  ///< initial guesses of E at some strains, at least one
 };
 
+class StaticExperiment;
+
+/// An experiment as a small block with sides along a frame undergoes it, every point of it alike.
+struct UniformTest {
+  double strain;  ///< that was measured
+  Matrix3 frame;  ///< orthonormal columns; a sheet lies along the first one
+  std::function<std::unique_ptr<StaticExperiment>(const Body& block)> make;
+};
+
 class StaticRig;
 class TimedRig;
-class StaticExperiment;
 class TimedExperiment;
 
 /// What an experiment knows of the one model that it holds and loads. Experiment and model must outlive it; the model
@@ -140,9 +151,8 @@ class Experiment {
   virtual double copies() const { return 1; }
   /// Whether only the load gives the body stiffness in directions in which it has none at rest (a flat membrane).
   virtual bool stiffened_by_load() const { return false; }
-  /// The most telling measure first, with the material's target where this was measured (a curve has another secant
-  /// modulus at every strain); nothing measured = at no strain. `calibrated` scales a rule to the first that has a
-  /// target.
+  /// The most telling measure first, with the material's target at rest; nothing measured = before any run.
+  /// `calibrated` scales a rule to the first that has a target.
   virtual std::vector<MainMeasure> main_measures(const Material& material, const Measures& measured) const = 0;
   /// What limits the meaning of these measures, in words; "" if nothing does. No fault of the strategy.
   virtual std::string remark(const Measures& /*measures*/) const { return ""; }
@@ -174,6 +184,9 @@ class StaticExperiment : public Experiment {
   /// The part of the load (0 … 1) at step 1 … load_steps(); a body may be unloaded in between.
   virtual double load_factor(int step) const { return static_cast<double>(step) / load_steps(); }
   virtual ResponseMeasures response_measures() const { return {}; }
+  /// The test that shows a law's own value of what was measured (a curve has another secant modulus at every strain);
+  /// none where no uniform strain does.
+  virtual std::optional<UniformTest> uniform(const Measures& /*measured*/) const { return std::nullopt; }
   /// The material to be found from measured values, if the experiment is there for that.
   virtual std::optional<Identification> identification() const { return std::nullopt; }
 
@@ -192,6 +205,8 @@ class TimedExperiment : public Experiment {
   std::unique_ptr<Rig> rig(Model& model) const final { return timed_rig(model); }
 
   virtual std::unique_ptr<TimedRig> timed_rig(Model& model) const = 0;
+  /// Whether what it shows happens far more slowly than the body swings: steps need not follow its vibrations.
+  virtual bool slow() const { return false; }
   /// Adds what the whole time history says, from its rows at equal times, the first at time 0.
   virtual void read_history(const std::vector<CurvePoint>& history, Measures& measures) const = 0;
 };

@@ -114,11 +114,13 @@ class Laboratory {
 };
 
 /// A body as scenes describe one under `body:`, in YAML: "lattice: {kind: cubic, molecules: [5, 5, 5], spacing: 1 mm}".
-/// Files are named from the working directory. What there is to report is added to `warnings`. Throws InputError:
-/// body:line:column.
-Body make_body(const std::string& yaml, const Material& material, std::vector<std::string>& warnings);
+/// Files are named from the working directory. What makes its results doubtful is added to `warnings`, and how it
+/// was read to `notes`. Throws InputError: body:line:column.
+Body make_body(const std::string& yaml, const Material& material, std::vector<std::string>& warnings,
+               std::vector<std::string>& notes);
 /// The same with bodies and materials of the program. Throws InputError: scene:line:column.
-Body make_body(const HeldScene& held, const Material& material, std::vector<std::string>& warnings);
+Body make_body(const HeldScene& held, const Material& material, std::vector<std::string>& warnings,
+               std::vector<std::string>& notes);
 
 /// A material as scenes describe one under `material:`, in YAML: "{law: yeoh, terms: [1 kPa], bulk_modulus: 1 MPa}".
 /// Files are named from the working directory. Throws InputError: material:line:column.

@@ -53,7 +53,7 @@ struct Direction {
 class Biaxial final : public Driven {
  public:
   Biaxial(const Body& body, const BiaxialSetup& setup, std::string name)
-      : Driven(body, setup.load_steps), name_(std::move(name)) {
+      : Driven(body, setup.load_steps), name_(std::move(name)), thickness_(setup.thickness) {
     directions_ = {Direction{setup.first.normalized(), setup.first_strain, 0, 0, 0, {}},
                    Direction{setup.second.normalized(), setup.second_strain, 0, 0, 0, {}}};
     std::map<int, Matrix3> free;
@@ -119,6 +119,16 @@ class Biaxial final : public Driven {
     return measures;
   }
 
+  std::optional<UniformTest> uniform(const Measures& measured) const override {
+    const auto& [first, second] = directions_;
+    BiaxialSetup own{first.along, second.along, measured.get("strain"), 0, thickness_};
+    own.second_strain = own.first_strain * second.strain / first.strain;
+    Matrix3 frame;
+    frame << first.along, second.along, third_;
+    return UniformTest{own.first_strain, frame,
+                       [own](const Body& block) { return std::make_unique<Biaxial>(block, own, "biaxial"); }};
+  }
+
   std::vector<MainMeasure> main_measures(const Material& material, const Measures& /*measured*/) const override {
     return {{"effective_modulus", material.youngs_modulus},
             {"poissons_ratio", material.poissons_ratio},
@@ -151,6 +161,7 @@ class Biaxial final : public Driven {
   }
 
   std::string name_;
+  double thickness_;  ///< [m] of the body's triangles
   std::array<Direction, 2> directions_;
   Vector3 third_, middle_;
   bool sheet_ = false;  ///< no extent along the third direction

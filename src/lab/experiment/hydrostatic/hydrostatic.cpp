@@ -64,6 +64,12 @@ class Hydrostatic final : public Driven {
     return measures;
   }
 
+  std::optional<UniformTest> uniform(const Measures& measured) const override {
+    const HydrostaticSetup own{.strain = std::cbrt(1 + measured.get("volume_strain")) - 1, .walls = Walls::affine};
+    const auto make = [own](const Body& block) { return make_hydrostatic(block, own, Matrix3::Identity()); };
+    return UniformTest{own.strain, Matrix3::Identity(), make};
+  }
+
   std::vector<MainMeasure> main_measures(const Material& material, const Measures& /*measured*/) const override {
     return {{"bulk_modulus", lab::bulk_modulus(material)}, {"pressure"}};
   }

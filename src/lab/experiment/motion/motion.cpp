@@ -119,6 +119,7 @@ class Motion final : public TimedExperiment {
     return list;
   }
   std::unique_ptr<TimedRig> timed_rig(Model& model) const override;
+  bool slow() const override { return setup_.kind == MotionKind::creep || setup_.kind == MotionKind::relaxation; }
   std::optional<Vector3> axis() const override { return setup_.fixture ? setup_.fixture->axis() : std::nullopt; }
   const StaticExperiment* calibration() const override { return setup_.fixture.get(); }
 

@@ -68,6 +68,15 @@ class Shear final : public Driven {
     return measures;
   }
 
+  std::optional<UniformTest> uniform(const Measures& measured) const override {
+    ShearSetup own;
+    own.axis = setup_.axis, own.direction = setup_.direction, own.strain = measured.get("strain");
+    own.sides = Sides::affine;
+    Matrix3 frame;
+    frame << own.direction, own.axis, own.direction.cross(own.axis);
+    return UniformTest{own.strain, frame, [own, frame](const Body& block) { return make_shear(block, own, frame); }};
+  }
+
   std::vector<MainMeasure> main_measures(const Material& material, const Measures& /*measured*/) const override {
     return {{"shear_modulus", lab::shear_modulus(material)}, {"force"}, {"axial_force"}};
   }

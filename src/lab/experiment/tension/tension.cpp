@@ -88,12 +88,17 @@ class Tension final : public StaticExperiment {
     return notes;
   }
 
+  std::optional<UniformTest> uniform(const Measures& measured) const override {
+    TensionSetup own;
+    own.axis = setup_.axis, own.strain = measured.get("strain"), own.thickness = setup_.thickness;
+    if (!setup_.cycle.empty() || clamps_reach_gauge()) return std::nullopt;
+    return UniformTest{*own.strain, rotation_between(Vector3::UnitX(), own.axis),
+                       [own](const Body& block) { return make_tension(block, own); }};
+  }
+
   std::vector<MainMeasure> main_measures(const Material& material, const Measures& measured) const override {
     UniaxialResponse target = uniaxial_response(material, setup_.axis);
-    const double strain = measured.get("strain");
-    if (std::isfinite(strain) && strain != 0)  // the secant of a curve
-      if (const auto stress = uniaxial_stress(material, setup_.axis, strain)) target.youngs_modulus = *stress / strain;
-    if (!setup_.cycle.empty() && std::isfinite(strain)) {
+    if (!setup_.cycle.empty() && std::isfinite(measured.get("strain"))) {
       constexpr double none = std::numeric_limits<double>::quiet_NaN();
       return {{"effective_modulus", none}, {"poissons_ratio", none}, {"elongation"}};
     }

@@ -20,7 +20,7 @@ function sort_by(head, column) {
   head.setAttribute('aria-sort', falling ? 'descending' : 'ascending');
 }
 all('thead tr').forEach(row => [...row.cells].forEach((head, column) =>
-  head.firstElementChild.addEventListener('click', () => sort_by(head, column))));
+  head.firstElementChild?.addEventListener('click', () => sort_by(head, column))));
 
 /** Lets long names be folded where their words meet. */
 function make_foldable(cell) {
@@ -136,7 +136,7 @@ async function stage(section) {
 }
 
 // --- scenes -----------------------------------------------------------------------------------------------------------
-const scenes = all('.scene'), choice = document.getElementById('scene');
+const scenes = all('.scene[id]'), choice = document.getElementById('scene');
 async function go() {
   const wanted = scenes.find(section => '#' + section.id === location.hash) ?? scenes[0];
   scenes.forEach(section => {
@@ -150,4 +150,5 @@ async function go() {
 }
 choice?.addEventListener('change', () => { location.hash = choice.value; });
 addEventListener('hashchange', () => { go(); document.getElementById('scene')?.scrollIntoView({block: 'start'}); });
+addEventListener('beforeprint', () => all('details').forEach(one => { one.open = true; }));
 go().then(() => { root.dataset.ready = 'yes'; });

@@ -1,0 +1,80 @@
+// What a simulation says that its results are doubtful for, and what it refuses.
+
+#include <catch2/catch.hpp>
+
+#include "core/simulation/tissues.h"
+#include "elastin/core/base/error.h"
+#include "elastin/core/shapes/arrays.h"
+
+using namespace elastin;
+using namespace elastin::testing;
+using Catch::Contains;
+
+namespace {
+
+BodyArrays two_tetrahedra(double apart) {
+  BodyArrays arrays;
+  arrays.positions.resize(3, 8);
+  for (int corner = 0; corner < 4; ++corner) {
+    const Vector3 at(corner == 1, corner == 2, corner == 3);
+    arrays.positions.col(corner) = 1e-2 * at;
+    arrays.positions.col(corner + 4) = 1e-2 * at + Vector3(apart, 0, 0);
+  }
+  arrays.tetrahedra = {{0, 1, 2, 3}, {4, 5, 6, 7}};
+  return arrays;
+}
+
+std::vector<std::string> warnings_of(const BodyArrays& arrays, const std::string& strategy,
+                                     Material material = kTissue) {
+  return Simulation(make_body(arrays), built_in_catalog().find(strategy), material).warnings();
+}
+
+}  // namespace
+
+TEST_CASE("a simulation warns as the laboratory does", "[simulation]") {
+  BodyArrays one = two_tetrahedra(0.1);
+  one.positions.conservativeResize(3, 4);
+  one.tetrahedra.pop_back();
+  CHECK(warnings_of(one, "neo_hookean").empty());
+  CHECK_THAT(warnings_of(two_tetrahedra(0.1), "neo_hookean").at(0), Contains("the body is not connected: 2 pieces"));
+  BodyArrays twice = one;
+  twice.tetrahedra.push_back({1, 0, 2, 3});
+  CHECK_THAT(warnings_of(twice, "neo_hookean").at(0),
+             Contains("1 cell is given twice: there the body is twice as stiff"));
+  Material soft = kTissue;
+  soft.poissons_ratio = 0.49;
+  CHECK_THAT(warnings_of(one, "neo_hookean", soft).at(0), Contains("nu = 0.49") && Contains("neo_hookean+volume"));
+
+  BodyArrays chain;  // 3 × 3 − 6 directions, 2 rods: it bends
+  chain.positions.resize(3, 3);
+  chain.positions << 0, 1e-2, 2e-2, 0, 0, 0, 0, 0, 1e-3;
+  chain.connections = {{0, 1}, {1, 2}};
+  CHECK(warnings_of(chain, "standard") == std::vector<std::string>{"mechanism: 1 zero-energy mode"});
+
+  BodyArrays sheet;
+  sheet.positions = chain.positions;
+  sheet.triangles = {{0, 1, 2}};
+  sheet.masses = VectorX::Ones(3), sheet.radii = VectorX::Ones(3);
+  Material thin = kTissue;
+  thin.thickness = 0;
+  CHECK_THAT(warnings_of(sheet, "neo_hookean_membrane", thin).at(0), Contains("no thickness"));
+}
+
+TEST_CASE("a budget that no number of sweeps keeps is reported", "[simulation]") {
+  SimulationOptions options;
+  options.integrator.scheme = "block_descent";
+  options.budget = 1e-9;
+  Simulation tissue(tissue_block(), built_in_catalog().find("neo_hookean"), kTissue, options);
+  CHECK(tissue.warnings().empty());
+  for (int step = 0; step < 12; ++step) REQUIRE(tissue.step(1e-3).outcome == Outcome::converged);
+  CHECK_THAT(tissue.warnings().at(0), Contains("the budget of 1e-09 s is not kept"));
+}
+
+TEST_CASE("a material that is none is refused", "[simulation]") {
+  for (const double modulus : {0., -1e3, std::numeric_limits<double>::quiet_NaN()}) {
+    Material material = kTissue;
+    material.youngs_modulus = modulus;
+    CHECK_THROWS_WITH(Simulation(tissue_cube(3), built_in_catalog().find("lattice"), material),
+                      Contains("youngs_modulus") && Contains("above 0 is allowed"));
+  }
+}
