@@ -268,7 +268,7 @@ TEST_CASE("touches of every kind are those of a search that looks at everything 
 }
 
 TEST_CASE("touches are the same bits on any number of threads", "[contact]") {
-  const Setting setting{together(lattice(12), lattice(12), {0.003, 0.002, 0.1097}), false, false, some_obstacles()};
+  const Setting setting{together(lattice(14), lattice(14), {0.003, 0.002, 0.1297}), false, false, some_obstacles()};
   const Positions positions = setting.body.rest + 5e-4 * random_motion(setting.body, 9);
   std::vector<std::vector<ContactPoint>> all;
   for (const int threads : {1, 2, 4}) {

@@ -81,7 +81,7 @@ void add_state(const Model& model, const State& state, const StaticResult& solve
                double copies) {
   const Body& body = model.body();
   if (model.has_energy() && !solved.linear)
-    measures.set("energy", copies * sum_over(body, model.elastic_energy(state.positions)));
+    measures.set("energy", copies * sum_over(body, model.stored_energy(state.positions)));
   const Vector3 left =
       vector_sum_over(body, Vector3(model.load_forces(state).leftCols(owned_molecules(body)).rowwise().sum() +
                                     solved.reactions.rowwise().sum()));

@@ -324,7 +324,7 @@ void note_preload(const Model& model, const MeasureList& list, const StaticRig& 
   if (!any_over(model.body(), start.positions != rest || !start.reactions.isZero(0))) return;
   if (std::isfinite(measures.get("energy")))
     measures.set("energy_increase",
-                 measures.get("energy") - sum_over(model.body(), model.elastic_energy(start.positions)));
+                 measures.get("energy") - sum_over(model.body(), model.stored_energy(start.positions)));
   const Measures whole =
       rig.measure({rest, Positions::Zero(3, start.reactions.cols())}, state, options.statics, solved);
   for (const MeasureRole role : {MeasureRole::force, MeasureRole::torque, MeasureRole::displacement})

@@ -14,7 +14,7 @@ namespace {
 double golden_section(const std::function<double(double)>& f, double low, double high) {
   const double ratio = (std::sqrt(5.) - 1) / 2;
   double a = high - ratio * (high - low), b = low + ratio * (high - low), fa = f(a), fb = f(b);
-  for (int i = 0; i < 80; ++i) {
+  for (int i = 0; i < 80 && high - low > 1e-10 * (std::abs(low) + std::abs(high)); ++i) {
     if (fa < fb) {
       high = b, b = a, fb = fa;
       a = high - ratio * (high - low), fa = f(a);
@@ -82,9 +82,9 @@ std::optional<VibrationFit> vibration_about(const Series& series, double level) 
   const auto misfit = [&](double w, double d) {
     return linear_fit(vibration_columns(times, w, d), series.values).second;
   };
-  // One after the other, each the more narrowly: they hardly depend on each other.
+  // One after the other, each the more narrowly: they depend little on each other.
   const double narrow = 1 / std::max(1., static_cast<double>(more.size()));
-  for (double reach = 0.5 * narrow; reach > 1e-9; reach /= 4) {
+  for (double reach = 0.5 * narrow; reach > 1e-9; reach /= 2) {
     frequency =
         least_of([&](double w) { return misfit(w, decay); }, frequency * (1 - reach), frequency * (1 + reach), 8);
     const double slack = 4 * reach * frequency;

@@ -58,7 +58,7 @@ const MeasureList& motion_measures() {
       {"loss_modulus", pressure, "stress a quarter period ahead of the strain / strain", Role::modulus},
       {"loss_tangent", none, "loss modulus / storage modulus"},
       {"fit_misfit", none,
-       "residual of the curve fitted to the time history / its variation, as root mean squares: above 0.1 it gives no "
+       "residual of the fitted curve / variation of the time history, root mean squares: above 0.1 it gives no "
        "time constant, above 0.2 no damping, above 0.5 no frequency",
        Role::detail},
       {"cycle_change", none,
