@@ -8,6 +8,7 @@
 
 #include "core/geometry/boundary.h"
 #include "core/model/block_geometry.h"
+#include "core/model/ends.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/model/share.h"
 
@@ -105,10 +106,22 @@ Points2 hull_of_whole(const Body& body, const Eigen::Matrix<double, 3, 2>& plane
 Face end_face(const Body& body, const Vector3& direction, double depth) {
   const VectorX height = body.rest.transpose() * direction;
   const double low = least_over(body, height.minCoeff()), high = largest_over(body, height.maxCoeff());
-  depth = std::max(depth, 1e-6 * (high - low));
-  if (!(high - low > 2 * depth)) throw InputError("the body has no length along the axis beyond its grips");
+  const double reach = std::max(depth, 1e-6 * (high - low));
+  if (!(high - low > 2 * reach)) throw InputError("the body has no length along the axis beyond its grips");
+  std::vector<int> molecules = molecules_above(body, height, high - reach);
+  const bool cells = any_over(body, !body.tetrahedra.empty() || !body.triangles.empty());
+  if (depth > 0 || !cells || is_plane_end(body, molecules, direction))
+    return face_of(body, std::move(molecules), direction);
+  EndSides sides = end_sides(body, direction);
+  if (sides.normal.isZero(0)) return face_of(body, std::move(molecules), direction);
+  Face face = face_of(body, std::move(sides.molecules), direction);
+  face.tilted = sides.normal;
+  return face;
+}
+
+Face face_of(const Body& body, std::vector<int> molecules, const Vector3& direction) {
   Face face;
-  face.molecules = molecules_above(body, height, high - depth);
+  face.molecules = std::move(molecules);
   const std::size_t owned = owned_in(body, face.molecules);
   const auto [layer, first] = seen_together(body, face.molecules, owned, direction);
   const Points2 outline = convex_hull(layer);

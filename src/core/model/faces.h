@@ -23,12 +23,19 @@ struct Face {
   /// consistent load of linear cells), else the part of the hull nearest to it; equal parts where there is no area.
   /// On a process's share of a body 0 for ghosts: the sum over all processes is 1.
   VectorX share;
+  /// Mean outward normal, where the end is no plane across the direction and was found by its sides; else zero.
+  Vector3 tilted = Vector3::Zero();
 };
 
-/// The molecules furthest along `direction` (unit), and those less than `depth` [m] behind them; 0 = the end plane
-/// alone, to 1e-6 of the body's length. Of a refined body (Body::between) those of the body that it came from, and what
-/// lies between two of them. Throws InputError if that is the whole body.
+/// The molecules furthest along `direction` (unit), and those less than `depth` [m] behind them. Of a refined body
+/// (Body::between) those of the body that it came from, and what lies between two of them. Without a depth those in the
+/// end plane, to 1e-6 of the body's length; of a body of cells whose end is no plane across the direction (it is rough,
+/// tilted, rounded) the corners of the sides that are its end, see end_sides. Throws InputError if that is the whole
+/// body.
 Face end_face(const Body& body, const Vector3& direction, double depth);
+
+/// These molecules, ascending, as a face that is seen along `direction` (unit).
+Face face_of(const Body& body, std::vector<int> molecules, const Vector3& direction);
 
 /// Middle of a face: mean position of its molecules by share [m].
 Vector3 middle_of(const Body& body, const Face& face, const Positions& positions);

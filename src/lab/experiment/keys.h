@@ -1,15 +1,19 @@
 #pragma once
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "config/keys.h"
 #include "elastin/lab/experiment/experiment_catalog.h"
+#include "lab/experiment/pick.h"
 #include "lab/experiment/tension/tension.h"
 #include "lab/run/config_names.h"
+#include "lab/run/ends.h"
 
 namespace elastin::lab {
 
@@ -22,16 +26,86 @@ ExperimentInfo with_keys(ExperimentInfo info, Keys<Setup> keys, Make make) {
     Setup own;
     if constexpr (requires { own.context; }) own.context = &context;
     Setup setup = keys.read(reader, {context.rotation, &context.body}, std::move(own));
-    return reader.located([&]() -> std::unique_ptr<Experiment> { return make(context, std::move(setup)); });
+    return reader.located([&]() -> std::unique_ptr<Experiment> {
+      std::unique_ptr<Experiment> made = make(context, std::move(setup));
+      if (Findings* all = context.findings) {
+        const Findings& found = made->findings();
+        all->notes.insert(all->notes.end(), found.notes.begin(), found.notes.end());
+        all->warnings.insert(all->warnings.end(), found.warnings.begin(), found.warnings.end());
+      }
+      return made;
+    });
   };
   return info;
 }
 
 template <class Setup>
 Key<Setup> grip_depth_key(double Setup::*member) {
-  return key::quantity("grip_depth", member, dimension::length, "molecules that are so near to an end belong to it",
-                       kPositive)
-      .otherwise("the end plane");
+  return key::quantity("grip_depth", member, dimension::length,
+                       "molecules that are so near to the furthest one of an end belong to it", kPositive)
+      .otherwise("the whole end: its plane, or, where it is rough or tilted, the sides of the cells that look outward");
+}
+
+/// Molecules that are held in place of those of an end.
+template <class Setup>
+Key<Setup> end_key(const std::string& name, std::optional<std::vector<int>> Setup::*member, const std::string& end) {
+  return {{name, "list of molecules, or [pick](#picked-molecules)", "", "0 … last molecule", "the end",
+           "molecules that are held in place of " + end},
+          [member](const Reader& value, Setup& setup, const Frame& frame) {
+            std::vector<int> molecules = read_molecules(value, *frame.body, frame.rotation);
+            std::sort(molecules.begin(), molecules.end());
+            molecules.erase(std::unique(molecules.begin(), molecules.end()), molecules.end());
+            setup.*member = std::move(molecules);
+          }};
+}
+
+/// `fixed`, `loaded` and `grip_depth` of an experiment whose setup is a GripSetup.
+template <class Setup>
+std::vector<Key<Setup>> grip_keys() {
+  std::vector<Key<Setup>> keys;
+  const std::vector<Key<GripSetup>> own{end_key("fixed", &GripSetup::fixed, "the fixed end"),
+                                        end_key("loaded", &GripSetup::loaded, "the loaded end"),
+                                        grip_depth_key(&GripSetup::grip_depth)};
+  for (const Key<GripSetup>& key : own) keys.emplace_back(key);
+  return keys;
+}
+
+/// The axis of a body with two ends: a direction, or `longest`.
+template <class Setup>
+Key<Setup> axis_key(Vector3 Setup::*member, const std::string& text) {
+  const Key<Setup> direction = key::direction("axis", member, text);
+  SceneKey row = direction.rows().front();
+  row.type += ", or `longest`";
+  row.text += "; `longest`: the principal axis of inertia along which the body extends furthest";
+  return {std::move(row),
+          [=](const Reader& value, Setup& setup, const Frame& frame) {
+            setup.longest = value.is_text() && value.text() == "longest";
+            if (setup.longest)
+              setup.*member = value.located([&] { return longest_axis(*frame.body); });
+            else
+              direction.read(value, setup, frame);
+          },
+          [=](Setup& setup, const Frame& frame) { direction.read(std::nullopt, setup, frame); }};
+}
+
+/// Whether two directions are perpendicular, as far as a scene can write them.
+inline bool perpendicular(const Vector3& a, const Vector3& b) { return std::abs(a.dot(b)) <= 1e-6; }
+
+/// A direction across the axis of an experiment; of `axis: longest` its part across that axis.
+template <class Setup>
+Key<Setup> direction_across_key(Vector3 Setup::*member, Vector3 Setup::*axis, const std::string& text) {
+  return key::direction("direction", member,
+                        text + ", perpendicular to `axis`; of `axis: longest` the part that is counts")
+      .needed()
+      .then([=](const Reader& value, Setup& setup) {
+        if (!setup.longest) return;
+        const Vector3 across = setup.*member - (setup.*axis).dot(setup.*member) * (setup.*axis);
+        if (!(across.norm() > 0.1)) value.fail("lies along the body's longest axis; give one across it");
+        setup.*member = across.normalized();
+      })
+      .refused_for([=](const Setup& setup) {
+        return perpendicular(setup.*axis, setup.*member) ? "" : "must be perpendicular to the axis";
+      });
 }
 
 template <class Setup>
@@ -104,9 +178,6 @@ inline contact::ContactOptions& contact_of_scene(const ExperimentContext& contex
     throw InputError("needs contact: key 'contact' of the scene is missing, for example contact: {friction: 0.3}");
   return *context.contact;
 }
-
-/// Whether two directions are perpendicular, as far as a scene can write them.
-inline bool perpendicular(const Vector3& a, const Vector3& b) { return std::abs(a.dot(b)) <= 1e-6; }
 
 /// The experiment at rest that says how another one fixes and loads its body. Throws InputError with place and key.
 std::unique_ptr<const StaticExperiment> read_fixture(const Reader& reader, const ExperimentContext& context);

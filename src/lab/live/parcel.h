@@ -71,6 +71,8 @@ void visit(Archive& archive, TensionSetup& setup) {
   for (double* value : {&setup.cross_section, &setup.thickness, &setup.gauge_length, &setup.grip_depth})
     visit(archive, *value);
   visit(archive, setup.gauge);
+  visit(archive, setup.fixed);
+  visit(archive, setup.loaded);
   archive.whole(setup.load_steps);
 }
 

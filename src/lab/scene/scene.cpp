@@ -305,12 +305,17 @@ std::unique_ptr<Scene> read_scene(const SceneSource& source, const Catalog& cata
   scene->strategies = read_strategies(reader.find("strategies"), scene->stiffness, catalog, scene->specimen);
   const Reader experiment = reader.at("experiment");
   ExperimentContext context{scene->specimen.body, scene->specimen.material, rotation, scene->statics, experiments};
+  Findings found;
+  context.findings = &found;
   std::optional<SceneContact> contact;
   if (auto value = reader.find("contact")) {
     contact = read_contact(*value, scene->specimen.body, scene->specimen.material, rotation);
     context.contact = &*contact;
   }
   std::unique_ptr<Experiment> made = read_experiment(experiment, context);
+  scene->notes.insert(scene->notes.end(), found.notes.begin(), found.notes.end());
+  scene->warnings.insert(scene->warnings.end(), found.warnings.begin(), found.warnings.end());
+  context.findings = nullptr;  // calibration holds the same body
   if (const auto calibrate = reader.find("calibrate"))
     scene->specimen.calibration = read_calibration(*calibrate, context);
   const bool timed = made->in_time() != nullptr;

@@ -13,6 +13,7 @@
 #include "elastin/core/base/text.h"
 #include "elastin/core/base/units.h"
 #include "elastin/mesh/mesh_file.h"
+#include "lab/run/ends.h"
 #include "lab/run/specimen.h"
 
 namespace elastin::lab {
@@ -61,7 +62,7 @@ body:
 experiment:
   kind: tension
   axis: {axis}                   # along which the mesh is longest: {length}
-  displacement: {displacement}   # of the loaded end; 5 % of the length
+{grips}  displacement: {displacement}   # of the loaded end; 5 % of the length
   fixed_grip: clamped
   loaded_grip: clamped
   gauge: [{gauge}]   # planes of the extensometer from the fixed end: the middle quarter. Set them to yours
@@ -171,26 +172,51 @@ void add_block(Words& words, const Vector3& sides, int least) {
   add(words, "sides", lengths);
 }
 
-/// Sides of the box around a file's points [m], and their volume's usual number of molecules.
-Vector3 box_of(const NewScene& wanted) {
+/// Points [m] and cells of a file.
+Body body_of(const NewScene& wanted) {
   const mesh::Mesh mesh = mesh::load_mesh(wanted.mesh);
-  const double unit = parse_quantity("1 " + wanted.length_unit, dimension::length).value;
-  return unit * (mesh.points.rowwise().maxCoeff() - mesh.points.rowwise().minCoeff());
+  Body body;
+  body.rest = parse_quantity("1 " + wanted.length_unit, dimension::length).value * mesh.points;
+  body.tetrahedra = mesh.tetrahedra;
+  return body;
+}
+
+/// The axis of a specimen of a mesh, its length, and what its grips need.
+void add_bar(Words& words, const Body& body, const Vector3& sides) {
+  Eigen::Index longest = 0;
+  sides.maxCoeff(&longest);
+  Vector3 axis = Vector3::Unit(longest);
+  std::string name(1, "xyz"[longest]);
+  try {
+    constexpr double askew = 0.01;  // [rad], some half of a degree
+    if (const Vector3 own = longest_axis(body); own.cross(axis).norm() > askew) axis = own, name = "longest";
+  } catch (const InputError&) {  // no axis is the longest: that of the box
+  }
+  const VectorX heights = body.rest.transpose() * axis;
+  const double length = heights.maxCoeff() - heights.minCoeff();
+  const double depth = body.tetrahedra.empty() ? 0 : needed_grip_depth(body, axis);
+  add(words, "axis", name);
+  add(words, "length", length_text(length));
+  add(words, "grips",
+      depth > 0 ? "  grip_depth: " + length_text(depth) +
+                      "   # its ends are no planes: what lies so near to the furthest point is held\n"
+                : "");
+  add(words, "displacement", length_text(0.05 * length));
+  add(words, "gauge", length_text(0.375 * length) + ", " + length_text(0.625 * length));
 }
 
 void add_specimen(Words& words, const NewScene& wanted, bool from_file) {
-  const Vector3 sides = from_file ? box_of(wanted) : sides_of(wanted.size);
+  Body body;
+  if (from_file) body = body_of(wanted);
+  const Vector3 sides =
+      from_file ? Vector3(body.rest.rowwise().maxCoeff() - body.rest.rowwise().minCoeff()) : sides_of(wanted.size);
   const std::string name = wanted.specimen;
-  Eigen::Index longest = 0;
-  const double length = sides.maxCoeff(&longest), least = sides.minCoeff();
+  const double least = sides.minCoeff();
   if (name == "strip") {
     add_block(words, sides, 2);
     add(words, "displacement", length_text(0.15 * sides[0]));
   } else if (name == "dogbone") {
-    add(words, "axis", std::string(1, "xyz"[longest]));
-    add(words, "length", length_text(length));
-    add(words, "displacement", length_text(0.05 * length));
-    add(words, "gauge", length_text(0.375 * length) + ", " + length_text(0.625 * length));
+    add_bar(words, body, sides);
   } else if (name == "indentation") {
     add_block(words, sides, 6);
     add(words, "radius", length_text(0.3 * least));

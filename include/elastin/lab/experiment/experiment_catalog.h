@@ -26,6 +26,7 @@ struct ExperimentContext {
   const ExperimentCatalog& experiments;  ///< where a fixture is looked up
   /// Of the scene; null if it has none. Experiments add obstacles of their own.
   contact::ContactOptions* contact = nullptr;
+  Findings* findings = nullptr;  ///< gets those of the experiment and of its fixture; null: nobody wants them
 };
 
 /// One kind of experiment. A host's own has parameters and `make`; one whose keys are more than numbers has `keys` and

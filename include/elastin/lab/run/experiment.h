@@ -128,6 +128,12 @@ class TimedRig : public Rig {
   virtual Measures read(const State& state) const = 0;
 };
 
+/// What an experiment found of its body as it was made, a sentence each: what anyone may want to know, and what must
+/// not be passed over.
+struct Findings {
+  std::vector<std::string> notes, warnings;
+};
+
 /// An experiment: how a body is held and loaded, and what is read off it. Immutable: made once for a body, it serves
 /// every strategy on it, from several threads at a time. What it must know of a model stands in the rig that it makes
 /// for each. It is either static or timed.
@@ -162,6 +168,11 @@ class Experiment {
   virtual std::string no_reference() const { return ""; }
   /// How it measures, where that is not what everyone expects, a sentence each.
   virtual std::vector<std::string> notes() const { return {}; }
+  /// Of the ends that it holds. A scene takes them over, those of fixtures too.
+  const Findings& findings() const { return findings_; }
+
+ protected:
+  Findings findings_;
 };
 
 /// An experiment at rest: one equilibrium a load step.

@@ -5,7 +5,6 @@
 #include <cstdio>
 #include <limits>
 
-#include "core/model/faces.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/model/share.h"
 #include "lab/experiment/keys.h"
@@ -35,16 +34,18 @@ constexpr double kSameSection = 0.05;
 
 class Bending final : public StaticExperiment {
  public:
-  Bending(const Body& body, const BendingSetup& setup, const Material& material)
-      : body_(body), setup_(setup), root_(end_face(body, -setup.axis, setup.grip_depth)) {
-    const Face tip = end_face(body, setup.axis, setup.grip_depth);
+  Bending(const Body& body, const BendingSetup& setup, const Material& material) : body_(body), setup_(setup) {
+    Ends ends(body, setup.axis, setup);
+    findings_ = std::move(ends.findings);
+    root_ = std::move(ends.fixed);
+    const Face& tip = ends.loaded;
     choose_tip(tip);
     full_forces_ = setup.gravity * setup.direction * body.mass.transpose();
     for (std::size_t i = 0; i < tip.molecules.size(); ++i)
       full_forces_.col(tip.molecules[i]) += setup.force * tip.share[static_cast<Eigen::Index>(i)] * setup.direction;
     const double root_height = setup.axis.dot(middle_of(body, root_, body.rest));
     length_ = setup.axis.dot(middle_of(body, tip, body.rest)) - root_height;
-    find_beam_deflection(root_height, material.poissons_ratio);
+    find_beam_deflection(root_height, ends.low, ends.high, material.poissons_ratio);
   }
 
   std::string name() const override { return "bending"; }
@@ -100,15 +101,13 @@ class Bending final : public StaticExperiment {
 
   /// E times the deflection of the beam's tip: Σ F (x² (3L − x) / (6 I) + x (12 + 11ν) / (5 A)) over the forces F at
   /// distance x from the root.                                                     [Timoshenko 1921, Cowper 1966]
-  void find_beam_deflection(double root_height, double poissons_ratio) {
+  void find_beam_deflection(double root_height, double low, double high, double poissons_ratio) {
     Eigen::Matrix<double, 3, 2> plane;
     plane << setup_.direction, setup_.axis.cross(setup_.direction);
-    const Points2 section = hull_of_whole(body_, plane);
+    const Points2 section = hull_of_section(body_, root_, plane);
     const double area = polygon_area(section), moment = polygon_second_moment(section);
     if (!(area > 0 && moment > 0)) throw InputError("the body's molecules span no cross-section that could bend");
-    const VectorX height = body_.rest.transpose() * setup_.axis;
-    const Section solid = find_section(body_, setup_.axis, least_over(body_, height.minCoeff()),
-                                       largest_over(body_, height.maxCoeff()), 0);
+    const Section solid = find_section(body_, setup_.axis, low, high, 0);
     apparent_ = !solid.prism() || std::abs(solid.area / area - 1) > kSameSection;
     for (int molecule = 0; molecule < owned_molecules(body_); ++molecule) {
       const double x = std::max(0., setup_.axis.dot(body_.rest.col(molecule)) - root_height);
@@ -193,19 +192,15 @@ ExperimentInfo bending_row() {
        .source = "Timoshenko 1921, Cowper 1966",
        .of_shares = true,
        .measures = bending_measures()},
-      Keys<S>{key::direction("axis", &S::axis, "from the clamped root to the tip"),
-              key::direction("direction", &S::direction, "direction of the load, perpendicular to `axis`")
-                  .needed()
-                  .refused_for([](const S& setup) {
-                    return perpendicular(setup.axis, setup.direction) ? "" : "must be perpendicular to the axis";
-                  }),
+      Keys<S>{axis_key(&S::axis, "from the clamped root to the tip"),
+              direction_across_key(&S::direction, &S::axis, "direction of the load"),
               any_of<S>("give gravity, a force on the tip, or both",
                         {not_zero(key::quantity("gravity", &S::gravity, dimension::acceleration,
                                                 "acceleration that gives the weight; not 0"),
                                   &S::gravity),
                          not_zero(key::quantity("force", &S::force, dimension::force, "force on the tip; not 0"),
                                   &S::force)}),
-              grip_depth_key(&S::grip_depth), load_steps_key(&S::load_steps)},
+              grip_keys<S>(), load_steps_key(&S::load_steps)},
       [](const ExperimentContext& context, const S& setup) {
         return make_bending(context.body, setup, context.material);
       });

@@ -1,15 +1,14 @@
 #pragma once
-#include "elastin/lab/run/experiment.h"
+#include "lab/run/ends.h"
 
 namespace elastin::lab {
 
 /// A cantilever: clamped at its root, bent by its own weight, by a force on its tip, or both.
-struct BendingSetup {
+struct BendingSetup : GripSetup {
   Vector3 axis = Vector3::UnitX();        ///< from the root to the tip
   Vector3 direction = -Vector3::UnitZ();  ///< of the load, perpendicular to the axis
   double gravity = 0;                     ///< [m/s²]
   double force = 0;                       ///< [N] on the tip, shared by area
-  double grip_depth = 0;                  ///< [m]: molecules this close to an end belong to it
   int load_steps = 1;
 };
 

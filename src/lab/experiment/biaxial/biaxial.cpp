@@ -4,7 +4,6 @@
 #include <map>
 #include <utility>
 
-#include "core/model/faces.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/model/share.h"
 #include "lab/experiment/driven.h"
@@ -58,11 +57,12 @@ class Biaxial final : public Driven {
                    Direction{setup.second.normalized(), setup.second_strain, 0, 0, 0, {}}};
     std::map<int, Matrix3> free;
     std::array<Face, 2> ends;
+    EndFinder finder(body, setup.grip_depth);
     for (std::size_t k = 0; k < 2; ++k) {
       Direction& direction = directions_[k];
       const VectorX height = body.rest.transpose() * direction.along;
-      const Face near = end_face(body, -direction.along, setup.grip_depth);
-      ends[k] = end_face(body, direction.along, setup.grip_depth);
+      const Face near = finder.find("fixed", -direction.along);
+      ends[k] = finder.find("loaded", direction.along);
       const double high = largest_over(body, height.maxCoeff());
       direction.low = least_over(body, height.minCoeff()), direction.length = high - direction.low;
       if (!(direction.length > 0)) throw InputError("the body has no length along one of the axes");
@@ -81,6 +81,7 @@ class Biaxial final : public Driven {
         if (std::find(ends[k].molecules.begin(), ends[k].molecules.end(), fixed_[index].molecule) !=
             ends[k].molecules.end())
           directions_[k].loaded.push_back(index);
+    findings_ = std::move(finder.findings);
     third_ = directions_[0].along.cross(directions_[1].along);
     middle_ = middle_of_whole(body);
     const Positions arms = body.rest.leftCols(owned_molecules(body)).colwise() - middle_;

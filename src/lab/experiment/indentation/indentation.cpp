@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "contact/search.h"
-#include "core/model/faces.h"
 #include "elastin/contact/contact.h"
 #include "elastin/core/base/dense.h"
 #include "elastin/core/base/error.h"
@@ -26,7 +25,7 @@ enum class IndenterShape {
 };
 
 /// A rigid indenter is pressed into a body that stands on the far end.
-struct IndentationSetup {
+struct IndentationSetup : GripSetup {
   Vector3 axis = -Vector3::UnitZ();  ///< the indenter's way, unit
   IndenterShape shape = IndenterShape::sphere;
   double radius = 0;            ///< [m]
@@ -35,7 +34,6 @@ struct IndentationSetup {
   std::optional<double> depth;  ///< [m] from first touch, > 0
   std::optional<double> force;  ///< or until this resists [N], > 0, of the whole body
   Grip bottom = Grip::clamped;
-  double grip_depth = 0;
   std::vector<Vector3> symmetry;  ///< unit normals of planes through the origin, across each other and the axis
   int load_steps = 1;
 };
@@ -133,7 +131,10 @@ class Indentation final : public StaticExperiment {
   friend class IndentationRig;
   void fix_bottom(const Body& body) {
     const Matrix3 along = setup_.axis * setup_.axis.transpose();
-    for (const int molecule : end_face(body, setup_.axis, setup_.grip_depth).molecules) {
+    EndFinder finder(body, setup_.grip_depth);
+    const Face bottom = finder.find("fixed", setup_.axis, setup_.fixed);
+    findings_ = std::move(finder.findings);
+    for (const int molecule : bottom.molecules) {
       Matrix3& free = fixed_.try_emplace(molecule, Matrix3::Identity()).first->second;
       free = setup_.bottom == Grip::clamped ? Matrix3(Matrix3::Zero()) : Matrix3(free - along);
     }
@@ -322,7 +323,7 @@ ExperimentInfo indentation_row() {
                                                                           : "";
               }),
           grip_key("bottom", &IndentationSetup::bottom, "how the far end is fixed"),
-          grip_depth_key(&IndentationSetup::grip_depth),
+          end_key("fixed", &IndentationSetup::fixed, "the far end"), grip_depth_key(&IndentationSetup::grip_depth),
           symmetry_key(&IndentationSetup::symmetry).then([](const Reader& value, IndentationSetup& setup) {
             for (const Vector3& normal : setup.symmetry)
               if (std::abs(normal.dot(setup.axis)) > 1e-9) value.fail("must be perpendicular to the indenter's axis");

@@ -3,7 +3,6 @@
 #include <optional>
 #include <vector>
 
-#include "core/model/faces.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/model/parts.h"
 #include "lab/experiment/keys.h"
@@ -15,15 +14,12 @@ namespace elastin::lab {
 namespace {
 
 /// A part of the body, or its near end, moved without a turn onto what lies before it; the far one stays.
-struct PressSetup {
-  Vector3 axis = -Vector3::UnitZ();  ///< the way, unit
-  /// Molecules, ascending; none given: those of the near, of the far end.
-  std::optional<std::vector<int>> moved, fixed;
+struct PressSetup : GripSetup {
+  Vector3 axis = -Vector3::UnitZ();    ///< the way, unit
   std::string moved_name, fixed_name;  ///< of bodies that have them
   std::optional<double> displacement;  ///< [m], > 0
   std::optional<double> force;         ///< or until this resists [N], > 0
   Grip grip = Grip::clamped;           ///< of both, across the axis
-  double grip_depth = 0;
   int load_steps = 1;
 };
 
@@ -43,8 +39,10 @@ const MeasureList& press_measures() {
 class Press final : public StaticExperiment {
  public:
   Press(const Body& body, const PressSetup& setup) : setup_(setup) {
-    moved_ = setup.moved ? *setup.moved : end_face(body, -setup.axis, setup.grip_depth).molecules;
-    fixed_ = setup.fixed ? *setup.fixed : end_face(body, setup.axis, setup.grip_depth).molecules;
+    EndFinder finder(body, setup.grip_depth);
+    moved_ = setup.loaded ? *setup.loaded : finder.find("loaded", -setup.axis).molecules;
+    fixed_ = setup.fixed ? *setup.fixed : finder.find("fixed", setup.axis).molecules;
+    findings_ = std::move(finder.findings);
     std::vector<int> both;
     std::set_intersection(moved_.begin(), moved_.end(), fixed_.begin(), fixed_.end(), std::back_inserter(both));
     if (!both.empty()) throw InputError("what is moved is held, too: molecule " + std::to_string(both.front()));
@@ -226,9 +224,12 @@ std::unique_ptr<StaticRig> Press::make_rig(Model& model) const { return std::mak
 
 ExperimentInfo press_row() {
   using S = PressSetup;
-  const auto body_name = [](const char* name, std::string S::*member, const char* fallback, const char* text) {
-    return Key<S>({name, "a body's name", "", "", fallback, text},
-                  [member](const Reader& value, S& setup, const Frame& frame) {
+  const auto body_name = [](const char* name, std::string S::*member,
+                            std::optional<std::vector<int>> GripSetup::*picked, const char* fallback,
+                            const char* text) {
+    return Key<S>({name, "a body's name, or [pick](#picked-molecules)", "", "", fallback, text},
+                  [=](const Reader& value, S& setup, const Frame& frame) {
+                    if (!value.is_text()) return end_key("", picked, "").read(value, setup, frame);
                     setup.*member = value.text();
                     value.located([&] { return find_part(*frame.body, setup.*member); });
                   });
@@ -242,17 +243,17 @@ ExperimentInfo press_row() {
        .measures = press_measures()},
       Keys<S>{key::direction("axis", &S::axis, "direction of the motion"),
               one_of<S>("give one of displacement, strain and force", loads),
-              body_name("move", &S::moved_name, "the near end", "what is moved"),
-              body_name("fix", &S::fixed_name, "the far end, or rigid bodies", "what is fixed"),
+              body_name("move", &S::moved_name, &S::loaded, "the near end", "what is moved"),
+              body_name("fix", &S::fixed_name, &S::fixed, "the far end, or rigid bodies", "what is fixed"),
               grip_key("grip", &S::grip, "how both are fixed across the axis"), grip_depth_key(&S::grip_depth),
               load_steps_key(&S::load_steps)},
       [](const ExperimentContext& context, S setup) {
         const Body& body = context.body;
-        if (!setup.moved_name.empty()) setup.moved = molecules_of(find_part(body, setup.moved_name));
+        if (!setup.moved_name.empty()) setup.loaded = molecules_of(find_part(body, setup.moved_name));
         if (!setup.fixed_name.empty()) setup.fixed = molecules_of(find_part(body, setup.fixed_name));
         // What is rigid and is not moved stays where it is.
         const auto stays = [&](const Part& part) { return part.rigid && part.name != setup.moved_name; };
-        if (setup.moved && !setup.fixed && std::any_of(body.parts.begin(), body.parts.end(), stays))
+        if (setup.loaded && !setup.fixed && std::any_of(body.parts.begin(), body.parts.end(), stays))
           setup.fixed.emplace();
         contact_of_scene(context);
         return std::make_unique<Press>(body, setup);

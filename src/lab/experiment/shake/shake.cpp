@@ -1,7 +1,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/model/faces.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/forces/time_function.h"
 #include "elastin/core/model/share.h"
@@ -12,13 +11,12 @@ namespace elastin::lab {
 namespace {
 
 /// A body clamped at one end, which is moved to and fro.
-struct ShakeSetup {
+struct ShakeSetup : GripSetup {
   Vector3 axis = Vector3::UnitX();       ///< from the clamped end to the far one
   std::optional<Vector3> oscillates;     ///< direction of the oscillation; none: along the axis
   Vector3 direction = Vector3::UnitX();  ///< that which it is
   double amplitude = 0;                  ///< [m]
   double frequency = 0;                  ///< [Hz]
-  double grip_depth = 0;
 };
 
 const MeasureList& shake_measures() {
@@ -39,11 +37,11 @@ const MeasureList& shake_measures() {
 
 class Shake final : public TimedExperiment {
  public:
-  Shake(const Body& body, const ShakeSetup& setup)
-      : body_(body),
-        setup_(setup),
-        base_(end_face(body, -setup.axis, setup.grip_depth)),
-        far_(end_face(body, setup.axis, setup.grip_depth)) {}
+  Shake(const Body& body, const ShakeSetup& setup) : body_(body), setup_(setup) {
+    Ends ends(body, setup.axis, setup);
+    findings_ = std::move(ends.findings);
+    base_ = std::move(ends.fixed), far_ = std::move(ends.loaded);
+  }
 
   std::string name() const override { return "shake"; }
   MeasureList measures() const override { return shake_measures(); }
@@ -142,11 +140,11 @@ ExperimentInfo shake_row() {
        .in_time = true,
        .of_shares = true,
        .measures = shake_measures()},
-      Keys<S>{key::direction("axis", &S::axis, "from the clamped end to the far one"),
+      Keys<S>{axis_key(&S::axis, "from the clamped end to the far one"),
               key::direction("direction", &S::oscillates, "direction of the oscillation").otherwise("`axis`"),
               one_of<S>("key 'amplitude' is missing", amplitude).naming_the_second(),
               key::quantity("frequency", &S::frequency, {0, 0, -1}, "frequency of the oscillation", kPositive).needed(),
-              grip_depth_key(&S::grip_depth)},
+              grip_keys<S>()},
       [](const ExperimentContext& context, S setup) {
         setup.direction = setup.oscillates.value_or(setup.axis);
         return std::make_unique<Shake>(context.body, setup);

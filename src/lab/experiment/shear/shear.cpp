@@ -3,7 +3,6 @@
 #include <array>
 #include <cmath>
 
-#include "core/model/faces.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/model/share.h"
 #include "lab/experiment/driven.h"
@@ -32,13 +31,20 @@ class Shear final : public Driven {
       : Driven(body, setup.load_steps), setup_(setup), rise_(body.rest.transpose() * setup.axis) {
     const double low = least_over(body, rise_.minCoeff()), high = largest_over(body, rise_.maxCoeff());
     rise_.array() -= low;
-    area_ = setup.cross_section;
-    if (area_ == 0) area_ = find_section(body, setup.axis, low, high, 0).area;
-    if (!(area_ > 0)) throw InputError("the body's molecules span no cross-section: give cross_section");
-    if (setup.sides == Sides::affine)
+    const auto choose_section = [&](double from, double to) {
+      area_ = setup.cross_section;
+      if (area_ == 0) area_ = find_section(body, setup.axis, from, to, 0).area;
+      if (!(area_ > 0)) throw InputError("the body's molecules span no cross-section: give cross_section");
+    };
+    if (setup.sides == Sides::affine) {
+      choose_section(low, high);
       follow_shear(axes, high - low);
-    else
-      clamp_ends();
+    } else {
+      Ends ends(body, setup.axis, setup);
+      findings_ = std::move(ends.findings);
+      choose_section(ends.low, ends.high);
+      clamp_ends(ends.fixed, ends.loaded);
+    }
   }
 
   std::string name() const override { return "shear"; }
@@ -82,9 +88,7 @@ class Shear final : public Driven {
   }
 
  private:
-  void clamp_ends() {
-    const Face fixed = end_face(body_, -setup_.axis, setup_.grip_depth),
-               loaded = end_face(body_, setup_.axis, setup_.grip_depth);
+  void clamp_ends(const Face& fixed, const Face& loaded) {
     fix_fully(fixed.molecules);
     fix_fully(loaded.molecules);
     loaded_ = static_cast<Eigen::Index>(loaded.molecules.size());
@@ -145,12 +149,8 @@ ExperimentInfo shear_row() {
        .of_shares = true,
        .measures = shear_measures()},
       Keys<S>{
-          key::direction("axis", &S::axis, "axis of the body, from the fixed end to the loaded one"),
-          key::direction("direction", &S::direction, "direction of the displacement, perpendicular to `axis`")
-              .needed()
-              .refused_for([](const S& setup) {
-                return perpendicular(setup.axis, setup.direction) ? "" : "must be perpendicular to the axis";
-              }),
+          axis_key(&S::axis, "axis of the body, from the fixed end to the loaded one"),
+          direction_across_key(&S::direction, &S::axis, "direction of the displacement"),
           one_of<S>("give one of displacement, strain (displacement over height) and angle",
                     {not_zero(key::quantity("displacement", &S::displacement, dimension::length,
                                             "displacement of the loaded end; not 0"),
@@ -162,7 +162,7 @@ ExperimentInfo shear_row() {
                               &S::angle)}),
           key::choice("sides", &S::sides, {{"free", Sides::free}, {"affine", Sides::affine}},
                       "whether two rigid plates carry the shear, or the whole surface follows it"),
-          cross_section_key(&S::cross_section), grip_depth_key(&S::grip_depth), load_steps_key(&S::load_steps)},
+          cross_section_key(&S::cross_section), grip_keys<S>(), load_steps_key(&S::load_steps)},
       [](const ExperimentContext& context, S setup) {
         if (setup.angle != 0) setup.strain = std::tan(setup.angle);
         return make_shear(context.body, setup, context.rotation);

@@ -1,19 +1,18 @@
 #pragma once
-#include "elastin/lab/run/experiment.h"
+#include "lab/run/ends.h"
 
 namespace elastin::lab {
 
 enum class Sides { free, affine };  ///< what bounds the body between its ends: nothing, or the affine motion itself
 
 /// Simple shear: planes across `axis` slide along `direction`, at constant height.
-struct ShearSetup {
+struct ShearSetup : GripSetup {
   Vector3 axis = Vector3::UnitZ(), direction = Vector3::UnitX();  ///< unit, perpendicular
   double displacement = 0;                                        ///< [m] of the loaded end; 0 = by strain
   double strain = 0;  ///< displacement over height, tan of the angle; used where there is no displacement
   double angle = 0;   ///< [rad] whose tan is the strain, where that is given so
   Sides sides = Sides::free;
   double cross_section = 0;  ///< [m²]; 0 = that of the cells, see find_section
-  double grip_depth = 0;     ///< [m]: molecules this close to an end (free sides) or a side (affine) belong to it
   int load_steps = 1;
 };
 

@@ -22,7 +22,7 @@ Keys<TensionSetup> bar_keys(bool compression) {
   using S = TensionSetup;
   const std::string grip = "whether the end is also fixed sideways";
   return {
-      key::direction("axis", &S::axis, "axis of the bar, from the fixed end to the loaded one"),
+      axis_key(&S::axis, "axis of the bar, from the fixed end to the loaded one"),
       one_of<S>("give a force or a displacement, or a strain, for example strain: 10 %",
                 {load(key::quantity("force", &S::force, dimension::force, "force on the loaded end; not 0"), &S::force),
                  load(key::quantity("displacement", &S::displacement, dimension::length,
@@ -55,7 +55,7 @@ Keys<TensionSetup> bar_keys(bool compression) {
                setup.gauge = {planes[0].quantity(dimension::length, kNotNegative),
                               planes[1].quantity(dimension::length, kPositive)};
              }),
-      grip_depth_key(&S::grip_depth),
+      grip_keys<S>(),
       load_steps_key(&S::load_steps),
       Key<S>({"cycle", "list of numbers", "", "0 … 1", "`[1]`",
               "parts of the load that are reached one after the other, each in `load_steps`: [1, 0, 1]"},

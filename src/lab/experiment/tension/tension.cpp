@@ -7,7 +7,6 @@
 #include <limits>
 #include <numeric>
 
-#include "core/model/faces.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/model/parts.h"
 #include "elastin/core/model/share.h"
@@ -23,10 +22,11 @@ class Tension final : public StaticExperiment {
     setup_.axis.normalize();
     height_ = body.rest.transpose() * setup_.axis;
     low_ = least_over(body, height_.minCoeff()), high_ = largest_over(body, height_.maxCoeff());
-    Face loaded = end_face(body, setup_.axis, setup.grip_depth);
-    loaded_ = std::move(loaded.molecules);
-    fixed_ = end_face(body, -setup_.axis, setup.grip_depth).molecules;
-    share_ = setup.sharing == LoadSharing::area ? std::move(loaded.share) : equal_shares(loaded_);
+    Ends ends(body, setup_.axis, setup);
+    findings_ = std::move(ends.findings);
+    loaded_ = std::move(ends.loaded.molecules);
+    fixed_ = std::move(ends.fixed.molecules);
+    share_ = setup.sharing == LoadSharing::area ? std::move(ends.loaded.share) : equal_shares(loaded_);
     fixed_share_ = equal_shares(fixed_);
     const Points2 seen = plane_.transpose() * body.rest;
     choose_corner(seen);
@@ -35,7 +35,7 @@ class Tension final : public StaticExperiment {
       setup_.displacement = *setup.strain * (mean_height(loaded_, share_) - mean_height(fixed_, fixed_share_));
       setup_.strain.reset();
     }
-    choose_section();
+    choose_section(ends.low, ends.high);
     choose_force();
     choose_middle((low_ + high_) / 2);
     for (const Part& part : body.parts)
@@ -178,10 +178,10 @@ class Tension final : public StaticExperiment {
 
   /// The scene's own area, or that of the body, between the gauge planes if there are any. An area that is stated makes
   /// no prism of a body whose cells say that it is none.
-  void choose_section() {
+  void choose_section(double low, double high) {
     section_ = setup_.gauge ? find_section(body_, setup_.axis, low_ + (*setup_.gauge)[0],
                                            std::min(high_, low_ + (*setup_.gauge)[1]), setup_.thickness)
-                            : find_section(body_, setup_.axis, low_, high_, setup_.thickness);
+                            : find_section(body_, setup_.axis, low, high, setup_.thickness);
     area_ = setup_.cross_section > 0 ? setup_.cross_section : section_->area;
     if (setup_.cross_section > 0 && section_->of_hull) section_.reset();
     if (!(area_ > 0)) throw InputError("the body's molecules span no cross-section: give cross_section");

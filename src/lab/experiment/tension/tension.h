@@ -2,7 +2,7 @@
 #include <array>
 #include <optional>
 
-#include "elastin/lab/run/experiment.h"
+#include "lab/run/ends.h"
 
 namespace elastin::lab {
 
@@ -11,7 +11,7 @@ enum class LoadSharing { molecules, area };  ///< equal parts, or by the area ne
 enum class Reading { mean, corner };  ///< elongation: mean of the loaded end by load share, or one corner molecule
 
 /// A bar pulled or pressed along an axis: one end's molecules are held along it, the other end's are loaded.
-struct TensionSetup {
+struct TensionSetup : GripSetup {
   Vector3 axis = Vector3::UnitZ();
   std::optional<double> force;         ///< [N] on the loaded end, as dead forces; negative = compression
   std::optional<double> displacement;  ///< [m] of the loaded end, the other way to load; negative = compression
@@ -28,8 +28,7 @@ struct TensionSetup {
   double thickness = 0;                        ///< [m] of the body's triangles; 0 = they have no volume
   double gauge_length = 0;                     ///< l₀ [m]; 0 = distance between the ends' molecules
   std::optional<std::array<double, 2>> gauge;  ///< planes [m] from the fixed end between which elongation is read
-  double grip_depth = 0;      ///< [m]: molecules this close to an end belong to it; 0 = those in the end plane
-  int load_steps = 1;         ///< up to the load, or from each of these parts to the next
+  int load_steps = 1;                          ///< up to the load, or from each of these parts to the next
   std::vector<double> cycle;  ///< parts of the load (0 … 1) that are reached one after the other; empty: all of it
 };
 

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/model/faces.h"
 #include "elastin/core/model/share.h"
 #include "lab/experiment/driven.h"
 #include "lab/experiment/keys.h"
@@ -38,14 +37,15 @@ double section_constant(const Points2& hull) {
 class Torsion final : public Driven {
  public:
   Torsion(const Body& body, const TorsionSetup& setup) : Driven(body, setup.load_steps), setup_(setup) {
-    const Face fixed = end_face(body, -setup.axis, setup.grip_depth),
-               loaded = end_face(body, setup.axis, setup.grip_depth);
+    Ends ends(body, setup.axis, setup);
+    findings_ = std::move(ends.findings);
+    const Face &fixed = ends.fixed, &loaded = ends.loaded;
     fix_fully(fixed.molecules);
     first_loaded_ = fixed_.size();
     fix_fully(loaded.molecules);
     middle_ = middle_of(body, loaded, body.rest);
     length_ = setup.axis.dot(middle_ - middle_of(body, fixed, body.rest));
-    section_ = section_constant(hull_of_whole(body, across(setup.axis)));
+    section_ = section_constant(hull_of_section(body, fixed, across(setup.axis)));
   }
 
   std::string name() const override { return "torsion"; }
@@ -141,9 +141,9 @@ ExperimentInfo torsion_row() {
        .source = "Timoshenko & Goodier 1970, section 109",
        .of_shares = true,
        .measures = torsion_measures()},
-      Keys<S>{key::direction("axis", &S::axis, "axis of the body, from the fixed end to the loaded one"),
+      Keys<S>{axis_key(&S::axis, "axis of the body, from the fixed end to the loaded one"),
               not_zero(key::angle("angle", &S::angle, "rotation of the turned end; not 0"), &S::angle).needed(),
-              grip_depth_key(&S::grip_depth), load_steps_key(&S::load_steps)},
+              grip_keys<S>(), load_steps_key(&S::load_steps)},
       [](const ExperimentContext& context, S setup) {
         setup.straight = context.statics.linear;
         return make_torsion(context.body, setup);

@@ -1,14 +1,13 @@
 #pragma once
-#include "elastin/lab/run/experiment.h"
+#include "lab/run/ends.h"
 
 namespace elastin::lab {
 
 /// A bar clamped at both ends, one of which is turned rigidly about the axis through its middle, at constant height.
-struct TorsionSetup {
+struct TorsionSetup : GripSetup {
   Vector3 axis = Vector3::UnitZ();
   double angle = 0;       ///< [rad], of the whole load
   bool straight = false;  ///< small displacements: the end's ways are those of an infinitesimal turn
-  double grip_depth = 0;  ///< [m]: molecules this close to an end belong to it; 0 = those in the end plane
   int load_steps = 1;
 };
 

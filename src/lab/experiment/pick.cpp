@@ -1,4 +1,4 @@
-#include "lab/scene/parts.h"
+#include "lab/experiment/pick.h"
 
 #include <fmt/format.h>
 
@@ -6,11 +6,11 @@
 #include <limits>
 
 #include "core/geometry/rim.h"
+#include "core/model/faces.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/base/text.h"
 #include "elastin/core/model/parts.h"
 #include "elastin/core/model/share.h"
-#include "lab/experiment/keys.h"
 
 namespace elastin::lab {
 namespace {
@@ -19,7 +19,10 @@ namespace {
 class Picked {
  public:
   Picked(const Body& body, const Matrix3& rotation)
-      : body_(body), places_(rotation.transpose() * body.rest), in_(static_cast<std::size_t>(body.size()), true) {
+      : body_(body),
+        rotation_(rotation),
+        places_(rotation.transpose() * body.rest),
+        in_(static_cast<std::size_t>(body.size()), true) {
     for (int k = 0; k < 3; ++k) {
       low_[k] = least_over(body, places_.row(k).minCoeff());
       high_[k] = largest_over(body, places_.row(k).maxCoeff());
@@ -30,6 +33,8 @@ class Picked {
   Vector3 place(int molecule) const { return places_.col(molecule); }
   const Positions& places() const { return places_; }
   const Body& body() const { return body_; }
+  /// A direction of the scene as the body has it now.
+  Vector3 turned(const Vector3& direction) const { return rotation_ * direction; }
   /// Corners of the outline of the whole body.
   const Vector3& low() const { return low_; }
   const Vector3& high() const { return high_; }
@@ -48,6 +53,7 @@ class Picked {
 
  private:
   const Body& body_;
+  Matrix3 rotation_;
   Positions places_;
   std::vector<bool> in_;
   Vector3 low_, high_;
@@ -87,7 +93,9 @@ Keys<PickSetup> keys_of_places() {
       key::map("sphere", &S::sphere,
                {key::vector("centre", &PickedSphere::centre, dimension::length, "middle of the sphere").needed(),
                 key::quantity("radius", &PickedSphere::radius, dimension::length, "its radius", kPositive).needed()}),
-      key::direction("side", &S::side, "the molecules furthest along this direction, of `body` if one is named"),
+      key::direction("side", &S::side,
+                     "the molecules furthest along this direction, of `body` if one is named; of a solid that does not "
+                     "end in a plane its whole end"),
       key::vector("nearest", &S::nearest, dimension::length, "the molecule nearest to this point"),
       key::flag("rim", &S::rim, "the free edge of a body of triangles").place(&S::rim_place),
       Key<S>({"set", "text", "", "", "none",
@@ -110,7 +118,12 @@ void keep_where(const PickSetup& setup, Picked& picked) {
     picked.keep([&](int molecule) { return std::binary_search(members->begin(), members->end(), molecule); });
   };
   keep_members(setup.body);
-  if (setup.side) {  // the furthest of what is picked so far: of a body that is named, its own
+  const bool whole_solid = setup.side && !setup.body && any_over(body, !body.tetrahedra.empty());
+  Face whole_end;
+  if (whole_solid) whole_end = end_face(body, picked.turned(*setup.side), 0);
+  if (!whole_end.tilted.isZero(0)) {  // rough, tilted or rounded
+    keep_members(whole_end.molecules);
+  } else if (setup.side) {  // the furthest of what is picked so far: of a body that is named, its own
     const VectorX height = picked.places().transpose() * *setup.side;
     double end = -std::numeric_limits<double>::infinity();
     for (const int molecule : picked.molecules()) end = std::max(end, height[molecule]);
@@ -200,73 +213,6 @@ std::vector<KeySection> pick_keys() {
        "Where molecules are named there is a list of their numbers, from 0, or a map of these places. Of several, a "
        "molecule must lie in all; `nearest` then picks one of those. Positions are those before `rotate`:",
        keys_of_places().rows()}};
-}
-
-namespace {
-
-/// Takes a direction from those in which a molecule is free.
-void fix_along(const Vector3& direction, Matrix3& free) {
-  const Vector3 left = free * direction;
-  if (left.norm() > 1e-9) free -= left * left.transpose() / left.squaredNorm();
-}
-
-struct SupportSetup {
-  std::optional<std::vector<int>> molecules;
-  std::vector<Vector3> directions;
-  std::optional<Vector3> symmetry;
-  std::optional<Reader> fix, symmetry_place;
-};
-
-Keys<SupportSetup> keys_of_support() {
-  using S = SupportSetup;
-  return {
-      molecules_key("molecules", &S::molecules, "which molecules are fixed: `{rim: true}` is a clamped rim")
-          .otherwise("needed without `symmetry`")
-          .refused_for(
-              [](const S& setup) { return setup.molecules || setup.symmetry ? "" : "key 'molecules' is missing"; }),
-      Key<S>({"fix", "list of directions, or `all`", "", "", "`all`", "the directions in which they are fixed"},
-             [](const Reader& value, S& setup, const Frame& frame) {
-               if (value.is_text() && value.text() == "all") return;
-               for (const Reader& item : value.items()) setup.directions.push_back(frame.rotation * item.direction());
-               if (setup.directions.empty()) value.fail("names no direction; write all, or a list such as [x, y]");
-             })
-          .place(&S::fix),
-      key::direction("symmetry", &S::symmetry,
-                     "normal of a plane of symmetry through the origin; the body lies on one side of it, and what lies "
-                     "in it stays in it")
-          .place(&S::symmetry_place)
-          .refused_for([](const S& setup) {
-            return setup.symmetry && (setup.molecules || setup.fix)
-                       ? "says itself which molecules are fixed and along what; leave out `molecules` and `fix`"
-                       : "";
-          })};
-}
-
-}  // namespace
-
-std::vector<Support> read_supports(const Reader& reader, const Body& body, const Matrix3& rotation) {
-  FixedMolecules fixed;
-  for (const Reader& item : reader.items()) {
-    const SupportSetup setup = keys_of_support().read(item, {rotation, &body});
-    if (setup.symmetry) {
-      setup.symmetry_place->located([&] { fix_in_planes(body, {*setup.symmetry}, fixed); });
-      continue;
-    }
-    const std::vector<Vector3> all{rotation.col(0), rotation.col(1), rotation.col(2)};
-    for (const int molecule : *setup.molecules)
-      for (const Vector3& direction : setup.directions.empty() ? all : setup.directions)
-        fix_along(direction, fixed.try_emplace(molecule, Matrix3::Identity()).first->second);
-  }
-  std::vector<Support> supports;
-  for (const auto& [molecule, free] : fixed) supports.push_back({molecule, free});
-  return supports;
-}
-
-std::vector<KeySection> support_keys() {
-  return {{"supports", "Supports",
-           "What stays where it is, in addition to the experiment's own grips. Each item of `supports` is a plane of "
-           "symmetry, or some molecules with the directions in which they cannot move:",
-           keys_of_support().rows()}};
 }
 
 }  // namespace elastin::lab

@@ -1,0 +1,201 @@
+#include "lab/run/ends.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "core/model/ends.h"
+#include "elastin/core/base/dense.h"
+#include "elastin/core/base/error.h"
+#include "elastin/core/base/text.h"
+#include "elastin/core/model/share.h"
+#include "lab/run/section.h"
+
+namespace elastin::lab {
+namespace {
+
+constexpr double kLeastShare = 0.5;      ///< of the section that a grip must have
+constexpr double kBehind = 0.05;         ///< of the length: the slab behind a grip whose section it is compared with
+constexpr double kLargestTilt = 1;       ///< [°] of an end that goes without a warning
+constexpr double kLargestHeight = 0.02;  ///< of the length, by which an end may leave its plane without a warning
+constexpr double kSameArea = 0.01;  ///< relative difference of a plane end from its section that is not worth a note
+
+std::string in_mm(double metres) { return number(1e3 * metres, 3) + " mm"; }
+std::string in_mm2(double area) { return number(1e6 * area, 4) + " mm2"; }
+
+/// Lowest and highest of some molecules along a direction, of all processes.
+std::pair<double, double> heights_of(const Body& body, const std::vector<int>& molecules, const Vector3& direction) {
+  double low = std::numeric_limits<double>::infinity(), high = -low;
+  for (const int molecule : molecules) {
+    const double height = direction.dot(body.rest.col(molecule));
+    low = std::min(low, height), high = std::max(high, height);
+  }
+  return {least_over(body, low), largest_over(body, high)};
+}
+
+std::pair<double, double> heights_of(const Body& body, const Vector3& direction) {
+  const VectorX heights = body.rest.transpose() * direction;
+  return {least_over(body, heights.minCoeff()), largest_over(body, heights.maxCoeff())};
+}
+
+double count_of(const Body& body, const std::vector<int>& molecules) {
+  return sum_over(body, static_cast<double>(std::count_if(molecules.begin(), molecules.end(), [&](int molecule) {
+                    return molecule < owned_molecules(body);
+                  })));
+}
+
+/// The section of the slab behind what is held, whose lowest molecule has the height `bottom`.
+double section_behind(const Body& body, const Vector3& direction, double low, double high, double bottom) {
+  const double from = std::max(low, bottom - kBehind * (high - low));
+  return from < bottom ? find_section(body, direction, from, bottom, 0).area
+                       : find_section(body, direction, low, high, 0).area;
+}
+
+/// The least grip depth [m], to two digits, whose sides have half of the section behind them; infinite where that takes
+/// half of the body.
+double sufficient_depth(const Body& body, const Vector3& direction) {
+  const auto [low, high] = heights_of(body, direction);
+  double area = kLeastShare * find_section(body, direction, low, high, 0).area, depth = 0;
+  for (int round = 0; round < 10; ++round) {
+    depth = depth_with_area(body, direction, area) * (1 + 1e-6);
+    if (!(depth > 0 && depth < (high - low) / 2)) return std::numeric_limits<double>::infinity();
+    const double needed = kLeastShare * section_behind(body, direction, low, high, high - depth);
+    if (area >= needed) break;
+    area = needed * (1 + 1e-6);
+  }
+  const double digit = std::pow(10, std::floor(std::log10(depth)) - 1);
+  return std::ceil(depth / digit) * digit;
+}
+
+}  // namespace
+
+Vector3 longest_axis(const Body& body) {
+  const Vector3 middle = middle_of_whole(body);
+  Matrix3 moments = Matrix3::Zero();
+  const auto add = [&](const Vector3& arm, double weight) { moments += weight * arm * arm.transpose(); };
+  if (any_over(body, !body.tetrahedra.empty())) {
+    Vector3 first = Vector3::Zero();
+    double volume = 0;
+    for (const auto& cell : body.tetrahedra) {  // ∫ x xᵀ = V/20 (Σ x_a x_aᵀ + Σ x_a Σ x_aᵀ)
+      if (lowest_in_whole(body, cell) >= owned_molecules(body)) continue;
+      const double own = signed_volume(body.rest, cell);
+      Vector3 sum = Vector3::Zero();
+      for (const int corner : cell) {
+        const Vector3 arm = body.rest.col(corner) - middle;
+        sum += arm;
+        add(arm, own / 20);
+      }
+      add(sum, own / 20);
+      first += own / 4 * sum;
+      volume += own;
+    }
+    first = vector_sum_over(body, first);
+    volume = sum_over(body, volume);
+    sum_over(body, {moments.data(), 9});
+    add(first, -1 / volume);
+  } else {
+    for (int molecule = 0; molecule < owned_molecules(body); ++molecule) add(body.rest.col(molecule) - middle, 1);
+    sum_over(body, {moments.data(), 9});
+  }
+  const SymmetricEigen3 principal = symmetric_eigen3(moments);
+  if (!(std::sqrt(principal.values[1]) < 0.99 * std::sqrt(principal.values[2])))
+    throw InputError("the body extends as far along another axis: give a direction, such as x or [1, 0.2, 0]");
+  Vector3 axis = principal.vectors.col(2);
+  Eigen::Index largest = 0;
+  axis.cwiseAbs().maxCoeff(&largest);
+  return axis[largest] < 0 ? Vector3(-axis) : axis;
+}
+
+Face EndFinder::find(const std::string& name, const Vector3& direction, const std::optional<std::vector<int>>& picked) {
+  if (!picked) {
+    Face face = end_face(body_, direction, grip_depth_);
+    any_over(body_, !body_.tetrahedra.empty()) ? judge_solid(name, direction, false, face)
+                                               : judge_molecules(name, direction, face);
+    return face;
+  }
+  Face face = face_of(body_, *picked, direction);
+  if (any_over(body_, !body_.tetrahedra.empty())) judge_solid(name, direction, true, face);
+  return face;
+}
+
+void EndFinder::judge_solid(const std::string& name, const Vector3& direction, bool picked, const Face& face) {
+  const auto [low, high] = heights_of(body_, direction);
+  const auto [bottom, top] = heights_of(body_, face.molecules, direction);
+  const double section = section_behind(body_, direction, low, high, bottom), count = count_of(body_, face.molecules);
+  const std::string held = "the " + name + " end holds " + counted(static_cast<int>(count), "molecule") + " on " +
+                           in_mm2(face.area) + " of a section of " + in_mm2(section);
+  if (count < 3 || !(face.area >= kLeastShare * section)) {
+    const double depth = sufficient_depth(body_, direction);
+    const std::string better = (std::isfinite(depth) ? "write grip_depth: " + in_mm(depth) + ", or " : "") +
+                               "pick it with `" + name + ": {set: NAME}`, a plane, a sphere or a box";
+    if (picked || (grip_depth_ > 0 && count >= 3))
+      findings.warnings.push_back(held + (picked ? "" : ": " + better));
+    else
+      throw InputError(held + ": " + better);
+    return;
+  }
+  if (picked || grip_depth_ > 0 || !face.tilted.isZero(0) || std::abs(face.area / section - 1) > kSameArea)
+    findings.notes.push_back(held + (top - bottom > 1e-6 * (high - low)
+                                         ? ", up to " + in_mm(top - bottom) + " behind the furthest one"
+                                         : ""));
+  if (face.tilted.isZero(0)) return;
+  const double tilt = std::acos(std::clamp(face.tilted.dot(direction), -1., 1.)) * 180 / std::numbers::pi;
+  const auto [inner, outer] = heights_of(body_, face.molecules, face.tilted);
+  if (outer - inner > kLargestHeight * (high - low))
+    findings.warnings.push_back("the " + name + " end is not plane: its molecules lie up to " + in_mm(outer - inner) +
+                                " behind one another, so results depend on what of it is held; write a grip_depth, or "
+                                "pick it with `" +
+                                name + ": {…}`");
+  else if (tilt > kLargestTilt)
+    findings.warnings.push_back(
+        "the " + name + " end is tilted by " + number(tilt, 2) + "° from the axis" +
+        (longest_ ? "" : "; where the body is to be loaded along its own, write axis: longest"));
+}
+
+void EndFinder::judge_molecules(const std::string& name, const Vector3& direction, const Face& face) {
+  if (any_over(body_, !body_.triangles.empty())) return;
+  const double whole = polygon_area(hull_of_whole(body_, across(direction)));
+  if (face.area >= kLeastShare * whole) return;
+  findings.warnings.push_back(
+      "the " + name + " end holds " + counted(static_cast<int>(count_of(body_, face.molecules)), "molecule") + " on " +
+      in_mm2(face.area) + " of the hull's " + in_mm2(whole) + (grip_depth_ > 0 ? "" : ": give a grip_depth"));
+}
+
+Points2 hull_of_section(const Body& body, const Face& fixed, const Eigen::Matrix<double, 3, 2>& plane) {
+  if (fixed.tilted.isZero(0)) return hull_of_whole(body, plane);
+  Points2 seen(2, static_cast<Eigen::Index>(fixed.molecules.size()));
+  Eigen::Index count = 0;
+  for (const int molecule : fixed.molecules)
+    if (molecule < owned_molecules(body)) seen.col(count++) = plane.transpose() * body.rest.col(molecule);
+  return hull_over(body, seen.leftCols(count));
+}
+
+double needed_grip_depth(const Body& body, const Vector3& axis) {
+  try {
+    if (Ends(body, axis, {}).findings.warnings.empty()) return 0;
+  } catch (const InputError&) {
+  }
+  const double depth = std::max(sufficient_depth(body, axis), sufficient_depth(body, -axis));
+  return std::isfinite(depth) ? depth : 0;
+}
+
+Ends::Ends(const Body& body, const Vector3& axis, const GripSetup& setup) {
+  EndFinder finder(body, setup.grip_depth, setup.longest);
+  loaded = finder.find("loaded", axis, setup.loaded);
+  fixed = finder.find("fixed", -axis, setup.fixed);
+  findings = std::move(finder.findings);
+  std::vector<int> both;
+  std::set_intersection(fixed.molecules.begin(), fixed.molecules.end(), loaded.molecules.begin(),
+                        loaded.molecules.end(), std::back_inserter(both));
+  if (any_over(body, !both.empty()))
+    throw InputError("the fixed end and the loaded one have " +
+                     counted(static_cast<int>(count_of(body, both)), "molecule") +
+                     " in common; give a smaller grip_depth, or other molecules");
+  std::tie(low, high) = heights_of(body, axis);
+  if (setup.fixed || !fixed.tilted.isZero(0)) low = heights_of(body, fixed.molecules, axis).second;
+  if (setup.loaded || !loaded.tilted.isZero(0)) high = heights_of(body, loaded.molecules, axis).first;
+  if (!(low < high)) throw InputError("the fixed end must lie below the loaded one along the axis");
+}
+
+}  // namespace elastin::lab

@@ -1,0 +1,62 @@
+#pragma once
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/model/faces.h"
+#include "elastin/lab/run/experiment.h"
+
+namespace elastin::lab {
+
+/// Which molecules an experiment holds at the two ends of its body.
+struct GripSetup {
+  double grip_depth = 0;  ///< [m]: molecules this close to the furthest one belong to its end; 0 = see end_face
+  std::optional<std::vector<int>> fixed, loaded;  ///< ascending, in place of those of an end
+  bool longest = false;                           ///< whether the axis is the body's longest one
+};
+
+/// The principal axis of inertia along which a body extends furthest, its largest component positive. Throws InputError
+/// where it extends as far along another one, to 1 %.
+Vector3 longest_axis(const Body& body);
+
+/// Finds the ends of a body, looks at what it caught, and keeps what is to be said of that.
+class EndFinder {
+ public:
+  EndFinder(const Body& body, double grip_depth, bool longest = false)
+      : body_(body), grip_depth_(grip_depth), longest_(longest) {}
+
+  /// The end that looks along `direction` (unit), or the molecules that the scene picks in its place; `name` is "fixed"
+  /// or "loaded". Of a solid: throws InputError, with a grip_depth that would do, where fewer than three molecules were
+  /// found, or where the end has less than half the area of the section behind it. A picked set is named only.
+  Face find(const std::string& name, const Vector3& direction, const std::optional<std::vector<int>>& picked = {});
+
+  Findings findings;
+
+ private:
+  void judge_solid(const std::string& name, const Vector3& direction, bool picked, const Face& face);
+  void judge_molecules(const std::string& name, const Vector3& direction, const Face& face);
+
+  const Body& body_;
+  double grip_depth_;
+  bool longest_;  ///< whether the axis is the body's longest one
+};
+
+/// The two ends of a body along an axis.
+struct Ends {
+  Ends(const Body& body, const Vector3& axis, const GripSetup& setup);
+  Face fixed, loaded;
+  Findings findings;
+  /// Heights [m] along the axis between which the section is to be measured: of the whole body, or, where an end is no
+  /// plane or was picked, of what lies between the two.
+  double low = 0, high = 0;
+};
+
+/// The convex hull of a body seen on a plane; where its end `fixed` is no plane that of this end alone, for a tilted
+/// bar has a larger shadow than section.
+Points2 hull_of_section(const Body& body, const Face& fixed, const Eigen::Matrix<double, 3, 2>& plane);
+
+/// The grip depth [m] with which both ends of a solid have half of the section; 0 where they are held well without, or
+/// no depth would do.
+double needed_grip_depth(const Body& body, const Vector3& axis);
+
+}  // namespace elastin::lab

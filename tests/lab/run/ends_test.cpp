@@ -1,0 +1,175 @@
+// What experiments hold of bodies whose ends are not plane, and what they say of it.
+
+#include "lab/run/ends.h"
+
+#include <catch2/catch.hpp>
+#include <random>
+
+#include "elastin/core/shapes/orders.h"
+#include "lab/experiment/bending/bending.h"
+#include "lab/experiment/shear/shear.h"
+#include "lab/experiment/tension/tension.h"
+#include "lab/experiment/torsion/torsion.h"
+#include "lab/scene/scene.h"
+#include "support/experiments.h"
+#include "support/refusal.h"
+
+using namespace elastin;
+using namespace elastin::lab;
+using namespace elastin::testing;
+using Catch::Matchers::Contains;
+
+namespace {
+
+/// A bar of 20 × 5 × 5 mm of tetrahedra or hexahedra, of order 1 or 2.
+Specimen bar(int corners, int order) {
+  Specimen specimen;
+  specimen.material = {.youngs_modulus = 1e4, .poissons_ratio = 0.3};
+  if (corners == 4) {
+    specimen.body = tetrahedral_block(BlockKind::kuhn, {8, 2, 2}, {0.02, 0.005, 0.005});
+  } else {
+    specimen.body = cubic_lattice({9, 3, 3}, 0.0025, {true, false, false});
+    specimen.body = with_order(specimen.body, 1);
+  }
+  specimen.body = order == 2 ? with_order(specimen.body, 2) : specimen.body;
+  set_matter(specimen.body, 0.001, 1000, 0, 0);
+  return specimen;
+}
+
+/// Its ends uneven by up to `amount`, the whole turned about an axis across it.
+Specimen worn(Specimen specimen, double amount, double degrees, unsigned seed) {
+  Body& body = specimen.body;
+  std::mt19937_64 generator(seed);
+  std::uniform_real_distribution<double> moved(-amount, amount);
+  for (int molecule = 0; molecule < body.size(); ++molecule)
+    if (const double x = body.rest(0, molecule); x < 1e-9 || x > 0.02 - 1e-9)
+      body.rest(0, molecule) += moved(generator);
+  body.rest = Eigen::AngleAxisd(degrees * M_PI / 180, Vector3(0, 0.6, 0.8)).toRotationMatrix() * body.rest;
+  set_present_lengths(body);
+  return specimen;
+}
+
+double measured(const Specimen& specimen, const StaticExperiment& experiment, const char* measure) {
+  return solve(specimen, experiment, "neo_hookean").measures.get(measure);
+}
+
+TensionSetup pull(Grip grip) {
+  TensionSetup setup;
+  setup.axis = Vector3::UnitX();
+  setup.strain = 1e-3;
+  setup.fixed_grip = setup.loaded_grip = grip;
+  return setup;
+}
+
+}  // namespace
+
+TEST_CASE("a bar with rough or tilted ends shows its modulus", "[ends][tension]") {
+  unsigned seed = 0;
+  for (const int corners : {4, 8})
+    for (const int order : {1, 2}) {
+      const Specimen straight = bar(corners, order);
+      const auto clamped = make_tension(straight.body, pull(Grip::clamped));
+      CHECK((clamped->findings().notes.empty() && clamped->findings().warnings.empty()));
+      const double expected = measured(straight, *clamped, "effective_modulus");
+      for (const double degrees : {0., 2., 4.}) {
+        const Specimen specimen = worn(straight, 2e-5, degrees, ++seed);
+        // Between smooth plates the stress is even: E itself.
+        if (degrees == 0)
+          CHECK(measured(specimen, *make_tension(specimen.body, pull(Grip::sliding)), "effective_modulus") ==
+                Approx(1e4).epsilon(0.002));
+        const auto experiment = make_tension(specimen.body, pull(Grip::clamped));
+        CHECK(measured(specimen, *experiment, "effective_modulus") == Approx(expected).epsilon(0.012));
+        REQUIRE(experiment->findings().notes.size() == 2);
+        CHECK_THAT(experiment->findings().notes[0], Contains("molecules on 2") && Contains("of a section of 2"));
+        CHECK(experiment->findings().warnings.size() == (degrees > 0 ? 2 : 0));
+        if (degrees > 0) CHECK_THAT(experiment->findings().warnings[0], Contains("axis: longest"));
+        // Along its own axis there is no tilt to warn of.
+        TensionSetup own = pull(Grip::clamped);
+        own.axis = longest_axis(specimen.body);
+        const auto along = make_tension(specimen.body, own);
+        CHECK(along->findings().warnings.empty());
+        CHECK(measured(specimen, *along, "effective_modulus") == Approx(expected).epsilon(0.003));
+      }
+    }
+}
+
+TEST_CASE("bending, torsion and shear of a bar with rough ends are those of the bar", "[ends]") {
+  const Specimen straight = bar(4, 2), specimen = worn(straight, 2e-5, 0, 7);
+  BendingSetup bending;
+  bending.force = 1e-5;
+  TorsionSetup torsion;
+  torsion.axis = Vector3::UnitX();
+  torsion.angle = 0.01;
+  ShearSetup shear;
+  shear.axis = Vector3::UnitX();
+  shear.direction = Vector3::UnitZ();
+  shear.strain = 1e-3;
+  CHECK(measured(specimen, *make_bending(specimen.body, bending, specimen.material), "tip_deflection") ==
+        Approx(measured(straight, *make_bending(straight.body, bending, straight.material), "tip_deflection"))
+            .epsilon(0.01));
+  CHECK(measured(specimen, *make_torsion(specimen.body, torsion), "torque") ==
+        Approx(measured(straight, *make_torsion(straight.body, torsion), "torque")).epsilon(0.01));
+  CHECK(measured(specimen, *make_shear(specimen.body, shear, Matrix3::Identity()), "force") ==
+        Approx(measured(straight, *make_shear(straight.body, shear, Matrix3::Identity()), "force")).epsilon(0.01));
+}
+
+TEST_CASE("a grip that holds too little is refused with the depth that does", "[ends]") {
+  // A bar whose end is a spike.
+  Specimen specimen = bar(4, 1);
+  for (int molecule = 0; molecule < specimen.body.size(); ++molecule)
+    if (const Vector3 at = specimen.body.rest.col(molecule); at.x() > 0.02 - 1e-9)
+      specimen.body.rest(0, molecule) += 0.004 * (1 - at.tail<2>().norm() / 0.008);
+  TensionSetup setup = pull(Grip::clamped);
+  setup.grip_depth = 1e-5;
+  const std::string message = refusal([&] { make_tension(specimen.body, setup); });
+  CHECK_THAT(message, Contains("the loaded end holds 1 molecule on 0 mm2 of a section of ") &&
+                          Contains("write grip_depth: ") && Contains("`loaded: {set: NAME}`"));
+  setup.grip_depth = 1e-3 * std::stod(message.substr(message.find("grip_depth: ") + 12));
+  CHECK(refusal([&] { make_tension(specimen.body, setup); }).empty());
+}
+
+TEST_CASE("the longest axis is the bar's own; a cube has none", "[ends]") {
+  const Vector3 own = Eigen::AngleAxisd(0.4, Vector3(0, 0.6, 0.8)).toRotationMatrix() * Vector3::UnitX();
+  CHECK((longest_axis(worn(bar(8, 1), 0, 0.4 * 180 / M_PI, 1).body) - own).norm() < 1e-9);
+  CHECK_THAT(refusal([] {
+               longest_axis(tetrahedral_block(BlockKind::kuhn, {2, 2, 2}, {1, 1, 1}));
+             }),
+             Contains("as far along another axis"));
+}
+
+TEST_CASE("a scene picks what is held, and takes the longest axis", "[ends][scene]") {
+  const auto load = [](const std::string& experiment) {
+    return load_scene(SceneSource::of_text("a.yaml",
+                                           "title: t\n"
+                                           "body: {tetrahedra: {kind: kuhn, cubes: [8, 2, 2], size: [20 mm, "
+                                           "5 mm, 5 mm]}}\n"
+                                           "material: {youngs_modulus: 10 kPa, poissons_ratio: 0.3}\n"
+                                           "rotate: {axis: z, angle: 30 deg}\n"
+                                           "stiffness: neo_hookean\nexperiment: {" +
+                                               experiment + "}\n"),
+                      built_in_catalog());
+  };
+  const std::string ends =
+      ", fixed: {plane: {point: [0, 0, 0], normal: x}}, loaded: {box: {from: [20 mm, 0, 0], to: [20 mm, 5 mm, 5 mm]}}";
+  std::vector<double> moduli;
+  for (const std::string& text :
+       {"kind: tension, axis: x, strain: 0.1 %" + ends, std::string("kind: tension, axis: x, strain: 0.1 %"),
+        std::string("kind: tension, axis: longest, strain: 0.1 %")}) {
+    const auto scene = load(text);
+    moduli.push_back(measured(scene->specimen, *scene->experiment->at_rest(), "effective_modulus"));
+    CHECK(scene->warnings.empty());
+  }
+  for (const double modulus : moduli) CHECK(modulus == Approx(1e4).epsilon(1e-6));
+  // Each experiment with ends takes them.
+  for (const std::string& text :
+       {"kind: bending, axis: x, direction: z, force: 1 uN" + ends, "kind: torsion, axis: x, angle: 1 deg" + ends,
+        "kind: shear, axis: x, direction: z, strain: 1 %" + ends,
+        std::string("kind: bending, axis: longest, direction: [0.1, 0, 1], force: 1 uN")})
+    CHECK(load(text)->warnings.empty());
+  CHECK_THAT(load("kind: tension, axis: x, strain: 1 %, fixed: {nearest: [0, 0, 0]}")->warnings.at(0),
+             Contains("the fixed end holds 1 molecule on 0 mm2"));
+  CHECK_THAT(refusal([&] { load("kind: tension, axis: x, strain: 1 %, fixed: {side: x}"); }),
+             Contains("a.yaml:6") && Contains("in common"));
+  CHECK_THAT(refusal([&] { load("kind: bending, axis: longest, direction: x, force: 1 uN"); }),
+             Contains("lies along the body's longest axis"));
+}
