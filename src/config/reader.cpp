@@ -43,9 +43,9 @@ std::string below(const std::string& path, const std::string& key) { return path
 
 }  // namespace
 
-Reader::Reader(std::shared_ptr<SceneFile> file, YAML::Node node, std::string path,
+Reader::Reader(std::shared_ptr<SceneFile> file, const YAML::Node& node, std::string path,
                std::optional<SourceLocation> key_location)
-    : file_(std::move(file)), node_(std::move(node)), path_(std::move(path)), key_location_(std::move(key_location)) {
+    : file_(std::move(file)), node_(node), path_(std::move(path)), key_location_(std::move(key_location)) {
   if (file_->files.empty()) file_->files = {file_->path};
 }
 
@@ -243,7 +243,8 @@ std::string Reader::text() const {
 }
 
 std::string Reader::existing_file() const {
-  const std::string name = text(), path = (std::filesystem::path(file_path()).parent_path() / name).string();
+  const std::string name = text();
+  std::string path = (std::filesystem::path(file_path()).parent_path() / name).string();
   if (std::error_code ignored; !std::filesystem::exists(path, ignored))
     fail("'" + name + "': " + missing_file(path) +
          (name.find('\\') != std::string::npos ? "; folders are set apart by /" : ""));

@@ -46,7 +46,7 @@ inline constexpr Range kNotNegative{0, std::numeric_limits<double>::infinity(), 
 /// that finish() can name the ones that no reader knows.
 class Reader {
  public:
-  Reader(std::shared_ptr<SceneFile> file, YAML::Node node, std::string path,
+  Reader(std::shared_ptr<SceneFile> file, const YAML::Node& node, std::string path,
          std::optional<SourceLocation> key_location = {});
   /// Who knows which sections have which keys: for messages about a key in the wrong place.
   void set_owners(std::function<std::vector<std::string>(const std::string& key)> owners) {

@@ -72,9 +72,8 @@ class Scanner {
     for (std::size_t at = 0; at < line.size(); ++at) {
       const char letter = line[at];
       if (quote_) {
-        if (letter == '\\' && quote_->sign == '"')
-          ++at;
-        else if (letter == quote_->sign && letter == '\'' && at + 1 < line.size() && line[at + 1] == '\'')
+        const bool doubled = letter == '\'' && letter == quote_->sign && at + 1 < line.size() && line[at + 1] == '\'';
+        if (doubled || (letter == '\\' && quote_->sign == '"'))
           ++at;
         else if (letter == quote_->sign)
           closed = letter, quote_.reset(), begins = false;

@@ -86,7 +86,7 @@ std::size_t item_of(const YAML::Node& list, const std::string& key, const Source
   throw InputError(location, "'" + key + "' is no item of the list" + suggestion(key, names_of_items(list)));
 }
 
-void put_override(YAML::Node root, const std::string& assignment) {
+void put_override(const YAML::Node& root, const std::string& assignment) {
   const std::size_t equals = assignment.find('=');
   const SourceLocation location{"--set " + assignment};
   const std::string path = assignment.substr(0, equals);
@@ -241,7 +241,7 @@ std::size_t file_of(const YAML::Node& node) {
   return tag.starts_with(kFileTag) ? std::stoul(tag.substr(std::strlen(kFileTag))) : 0;
 }
 
-void put_value(YAML::Node root, const std::string& whole_path, const YAML::Node& value,
+void put_value(const YAML::Node& root, const std::string& whole_path, const YAML::Node& value,
                const SourceLocation& location) {
   std::string path = whole_path;
   YAML::Node node = root;

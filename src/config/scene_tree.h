@@ -24,7 +24,8 @@ SceneTree load_scene_tree(const SceneSource& source, const std::vector<std::stri
 
 /// Puts a value under a key of a tree, "key.path.to", and the maps that are missing on the way. Throws InputError at
 /// `location` where the path leads through no map or to no item of a list.
-void put_value(YAML::Node root, const std::string& path, const YAML::Node& value, const SourceLocation& location);
+void put_value(const YAML::Node& root, const std::string& path, const YAML::Node& value,
+               const SourceLocation& location);
 /// Which item of a list a key means: its `name`, or its number from 0; none: no item.
 std::optional<std::size_t> item_of(const YAML::Node& list, const std::string& key);
 

@@ -205,7 +205,7 @@ FibreDirections read_fibre(const Element& element) {
   element.allow_attributes({"type"});
   if (type == "vector") {
     element.allow({"vector"});
-    const Vector3 direction = unit(element, element.at("vector").numbers(3));
+    Vector3 direction = unit(element, element.at("vector").numbers(3));
     return {true, [direction](const PointPlace&) { return direction; }};
   }
   if (type == "local") {

@@ -69,7 +69,8 @@ class Voxels {
   int count() const { return static_cast<int>(kinds_.size()); }
   Kind kind(int voxel) const { return kinds_[voxel]; }
   Vector3 corner(int voxel) const {
-    return low_ + size_ * Vector3(voxel % counts_[0], voxel / counts_[0] % counts_[1], voxel / counts_[0] / counts_[1]);
+    const int line = voxel / counts_[0], layer = line / counts_[1];
+    return low_ + size_ * Vector3(voxel % counts_[0], line % counts_[1], layer);
   }
 
  private:
@@ -88,7 +89,8 @@ void add_lattice(const Inside& tree, const FillOptions& options, SpacedPoints& f
   const double least = options.follow ? kFromSurface * options.spacing : -1e-6 * options.spacing;
   std::vector<double> depths(static_cast<std::size_t>(counts.cast<double>().prod()));
   const auto position = [&](int at) -> Vector3 {
-    return first + options.spacing * Vector3(at % counts[0], at / counts[0] % counts[1], at / counts[0] / counts[1]);
+    const int line = at / counts[0], layer = line / counts[1];
+    return first + options.spacing * Vector3(at % counts[0], line % counts[1], layer);
   };
   parallel_for(static_cast<int>(depths.size()), [&](int at) { depths[at] = -tree.signed_distance(position(at)); });
   for (int at = 0; at < static_cast<int>(depths.size()); ++at)
