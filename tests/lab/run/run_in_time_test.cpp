@@ -209,6 +209,25 @@ TEST_CASE("a time history that is no such curve gives no such measure, and the r
   CHECK(creep.remark.empty());
 }
 
+TEST_CASE("experiments at rest see what has relaxed alone, in energy and tangents too", "[time]") {
+  for (const char* body : {"{tetrahedra: {kind: kuhn, cubes: [2, 2, 2], size: [1, 1, 1]}}",
+                           "{lattice: {kind: cubic, molecules: [3, 3, 3], order: 2, spacing: 0.5}}"})
+    for (const char* experiment : {"{kind: material}", "{kind: tension, strain: 0.1, load_steps: 2}"}) {
+      const auto of = [&](const std::string& stiffness) {
+        return run_of("body: " + std::string(body) +
+                      "\nmaterial: {youngs_modulus: 1000, poissons_ratio: 0.3, relaxation: {terms: [[0.4, 1]]}}\n"
+                      "stiffness: \"" +
+                      stiffness + "\"\nexperiment: " + experiment + "\n");
+      };
+      const Run relaxed = of("prony:neo_hookean"), elastic = of("neo_hookean");
+      for (const char* name : {"effective_modulus", "shear_modulus", "tangent_modulus", "energy", "force"})
+        if (const double expected = elastic.measures.get(name); std::isfinite(expected)) {
+          INFO(body << experiment << name);
+          CHECK(relaxed.measures.get(name) == Approx(expected).epsilon(1e-7));
+        }
+    }
+}
+
 TEST_CASE("both drag laws reach their speeds, at the order of the integrator", "[time][drag]") {
   const std::string ball =
       "body: {molecules: [[0 m, 0 m, 0 m]], radius: 1 cm}\nmaterial: {youngs_modulus: 1 kPa, density: 1000 kg/m3}\n"
