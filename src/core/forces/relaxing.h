@@ -26,8 +26,7 @@ class Relaxing {
         strain_(VectorX::Zero(size)) {
     for (const auto& [share, time] : relaxation.terms) terms_.push_back({share, time});
     if (relaxation.retardation > 0) terms_.push_back({relaxation.retardation, 0});
-    for (std::size_t i = 0; i < terms_.size(); ++i) factor_ += part(i, 0).of_change;
-    factor_ += long_term_;
+    factor_ = long_term_;  // until a step begins: what is at rest has relaxed
   }
 
   explicit operator bool() const { return !terms_.empty(); }

@@ -84,8 +84,18 @@ StaticResponse static_response(Model& model, const Positions& at, const Position
   return Responses(model, state, options).to(load_change, displacement, options.tolerance);
 }
 
+namespace {
+
+/// The model as equilibria see it: what relaxes has relaxed.
+Model& at_rest(Model& model, const State& state) {
+  model.begin_step(state, std::numeric_limits<double>::infinity());
+  return model;
+}
+
+}  // namespace
+
 Responses::Responses(Model& model, const State& state, const StaticOptions& options)
-    : model_(model), options_(options), tangent_(model, state) {}
+    : model_(model), options_(options), tangent_(at_rest(model, state), state) {}
 
 StaticResponse Responses::to(const Positions& load_change, const Positions& displacement, double tolerance) {
   if (options_.engine) {

@@ -116,7 +116,9 @@ std::optional<VibrationFit> fit_vibration(const Series& series) {
   // What dies away ends near its mean, what does not has it halfway between its extremes.
   const double middle = (series.values.maxCoeff() + series.values.minCoeff()) / 2,
                late = series.values.tail((series.values.size() + 3) / 4).mean();
-  const auto about_middle = vibration_about(series, middle), about_late = vibration_about(series, late);
+  const auto about_middle = vibration_about(series, middle);
+  if (about_middle && about_middle->misfit < 0.01) return about_middle;
+  const auto about_late = vibration_about(series, late);
   if (!about_middle || !about_late) return about_middle ? about_middle : about_late;
   return about_late->misfit < about_middle->misfit ? about_late : about_middle;
 }

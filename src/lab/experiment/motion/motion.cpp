@@ -196,6 +196,8 @@ class Motion final : public TimedExperiment {
     const Series all = series_of(history, response_.resistance, setup_.ramp * (1 + 1e-9));
     const auto whole = fit_exponential(all);
     if (!whole) return;
+    measures.set("fit_misfit", whole->misfit);
+    if (whole->misfit > kMostForFrequency) return;  // it swings: a piece of that would look like the end of a fall
     constexpr Eigen::Index kFewest = 6;
     double late = all.times[0];
     for (Eigen::Index i = 0; i < all.times.size(); ++i)
