@@ -3,8 +3,6 @@
 #include <Eigen/SparseCore>
 #include <cmath>
 
-#include "core/base/cross_matrix.h"
-
 namespace elastin::febio {
 namespace {
 
@@ -26,54 +24,30 @@ class DeadLoads final : public TimedLoad {
   Positions now_;
 };
 
-class SurfaceForces final : public TimedLoad {
+class TimedSurfaceForces final : public TimedLoad {
  public:
-  SurfaceForces(const Body& body, SurfaceLoad load) : body_(body), load_(std::move(load)) { set_time(0); }
-
-  void set_time(double time) override { factor_ = load_.factor.at(time); }
-  void remove() override { factor_ = 0; }
-  bool changes() const override { return !load_.at_rest; }
-  bool has_energy() const override { return load_.at_rest; }
-  bool symmetric() const override { return load_.at_rest; }
-
-  void add_forces(const State& state, Positions& forces) const override {
-    visit_face_points(load_.faces, load_.at_rest ? body_.rest : state.positions, [&](const FacePoint& at) {
-      const Vector3 area = at.edges.col(0).cross(at.edges.col(1));
-      const Vector3 force = factor_ * at.weight * (load_.pressure ? Vector3(-area) : area.norm() * load_.traction);
-      for (Eigen::Index a = 0; a < at.values.size(); ++a) forces.col(at.nodes[a]) += at.values[a] * force;
-    });
-  }
-  double energy(const State& state) const override {
-    if (!load_.at_rest) return 0;
-    Positions forces = Positions::Zero(3, body_.size());
-    add_forces(state, forces);
-    return -forces.cwiseProduct(state.positions - body_.rest).sum();
+  TimedSurfaceForces(const Body& body, SurfaceLoad load)
+      : factor_(std::move(load.factor)), forces_(body, std::move(load), 0) {
+    set_time(0);
   }
 
-  void add_change(const State& state, const Positions& dx, const Positions&, Positions& change) const override {
-    if (!load_.at_rest)
-      visit_blocks(state, 0, [&](int a, int b, const Matrix3& block) { change.col(a) -= block * dx.col(b); });
+  void set_time(double time) override { forces_.set_factor(factor_.at(time)); }
+  void remove() override { forces_.set_factor(0); }
+  bool changes() const override { return forces_.changes(); }
+  bool has_energy() const override { return forces_.has_energy(); }
+  bool symmetric() const override { return forces_.symmetric(); }
+  void add_forces(const State& state, Positions& forces) const override { forces_.add_forces(state, forces); }
+  double energy(const State& state) const override { return forces_.energy(state); }
+  void add_change(const State& state, const Positions& dx, const Positions& dv, Positions& change) const override {
+    forces_.add_change(state, dx, dv, change);
   }
-  void visit_blocks(const State& state, double, const BlockVisitor& visit) const override {
-    if (load_.at_rest) return;
-    visit_face_points(load_.faces, state.positions, [&](const FacePoint& at) {
-      const Vector3 r = at.edges.col(0), s = at.edges.col(1), n = r.cross(s).normalized();
-      for (Eigen::Index b = 0; b < at.values.size(); ++b) {
-        const double by_r = at.slopes(0, b), by_s = at.slopes(1, b);
-        // The change of the area vector, or of its length, with node b.
-        const Matrix3 block = load_.pressure
-                                  ? Matrix3(by_s * cross_matrix(r) - by_r * cross_matrix(s))
-                                  : Matrix3(-load_.traction * (by_r * s.cross(n) + by_s * n.cross(r)).transpose());
-        for (Eigen::Index a = 0; a < at.values.size(); ++a)
-          visit(at.nodes[a], at.nodes[b], factor_ * at.weight * at.values[a] * block);
-      }
-    });
+  void visit_blocks(const State& state, double velocity_weight, const BlockVisitor& visit) const override {
+    forces_.visit_blocks(state, velocity_weight, visit);
   }
 
  private:
-  const Body& body_;
-  SurfaceLoad load_;
-  double factor_ = 0;
+  Value factor_;
+  SurfaceForces forces_;
 };
 
 class LinearSprings final : public TimedLoad {
@@ -230,7 +204,7 @@ std::unique_ptr<TimedLoad> make_dead_loads(const Body& body, std::vector<DeadLoa
   return std::make_unique<DeadLoads>(body, std::move(loads));
 }
 std::unique_ptr<TimedLoad> make_surface_load(const Body& body, SurfaceLoad load) {
-  return std::make_unique<SurfaceForces>(body, std::move(load));
+  return std::make_unique<TimedSurfaceForces>(body, std::move(load));
 }
 std::unique_ptr<TimedLoad> make_linear_springs(const Body& body, std::vector<LinearSpring> springs) {
   return std::make_unique<LinearSprings>(body, std::move(springs));

@@ -3,41 +3,11 @@
 #include <memory>
 #include <vector>
 
-#include "core/model/block_geometry.h"
+#include "core/forces/surface_load.h"
 #include "elastin/core/forces/loads.h"
-#include "elastin/core/geometry/cell_kind.h"
 #include "febio/load_controller.h"
 
 namespace elastin::febio {
-
-/// A face on which a pressure or a traction acts.
-struct LoadedFace {
-  const CellKind* kind;    ///< of two dimensions
-  std::vector<int> nodes;  ///< molecules in its order; the normal is by the right hand
-};
-
-/// A quadrature point of a face.
-struct FacePoint {
-  const std::vector<int>& nodes;
-  double weight;
-  VectorX values;                     ///< of the shape functions
-  const Eigen::MatrixXd& slopes;      ///< of these, ∂N/∂ξ, 2 × nodes
-  Eigen::Matrix<double, 3, 2> edges;  ///< ∂x/∂ξ [m]: the area vector is weight · edge 0 × edge 1
-  Vector3 position;                   ///< [m]
-};
-
-template <class Visit>
-void visit_face_points(const std::vector<LoadedFace>& faces, const Positions& positions, const Visit& visit) {
-  for (const LoadedFace& face : faces) {
-    const Eigen::MatrixXd own = positions_of(positions, face.nodes);
-    for (std::size_t g = 0; g < face.kind->slopes.size(); ++g) {
-      const auto point = static_cast<Eigen::Index>(g);
-      const VectorX values = face.kind->values.col(point);
-      const Eigen::MatrixXd& slopes = face.kind->slopes[g];
-      visit(FacePoint{face.nodes, face.kind->weights[point], values, slopes, own * slopes.transpose(), own * values});
-    }
-  }
-}
 
 /// A dead force on each molecule [N], 3 × n, times a number over time.
 struct DeadLoad {
@@ -45,12 +15,8 @@ struct DeadLoad {
   Value factor;
 };
 
-struct SurfaceLoad {
-  std::vector<LoadedFace> faces;
-  bool pressure = true;                ///< against the normal; else a traction
-  Vector3 traction = Vector3::Zero();  ///< [Pa]
-  bool at_rest = false;                ///< on the area at rest, a dead load
-  Value factor;                        ///< [Pa] of a pressure
+struct SurfaceLoad : elastin::SurfaceLoad {
+  Value factor;  ///< [Pa] of a pressure
 };
 
 struct LinearSpring {
@@ -70,7 +36,6 @@ class TimedLoad : public Load {
 };
 
 std::unique_ptr<TimedLoad> make_dead_loads(const Body& body, std::vector<DeadLoad> loads);
-/// Exact tangent, not symmetric unless dead; no energy, for that needs a closed surface or a fixed rim.
 std::unique_ptr<TimedLoad> make_surface_load(const Body& body, SurfaceLoad load);
 /// Tension k (l − l₀).
 std::unique_ptr<TimedLoad> make_linear_springs(const Body& body, std::vector<LinearSpring> springs);

@@ -8,6 +8,7 @@ const Table<LoadKind>& built_in_loads() {
     rows.add(gravity());
     rows.add(point());
     rows.add(pressure());
+    rows.add(traction());
     rows.add(gas());
     rows.add(floor_plane());
     rows.add(air());

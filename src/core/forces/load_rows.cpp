@@ -2,7 +2,9 @@
 
 #include <limits>
 
+#include "core/forces/surface_load.h"
 #include "elastin/core/base/error.h"
+#include "elastin/core/base/text.h"
 #include "elastin/core/forces/air.h"
 #include "elastin/core/forces/floor.h"
 #include "elastin/core/forces/pressure.h"
@@ -47,6 +49,23 @@ Vector3 middle_of(const Body& body) { return body.rest.rowwise().mean(); }
 
 std::unique_ptr<Load> make_pressure(const Body& body, const PressureLaw& law) {
   return std::make_unique<Pressure>(body, law, middle_of(body), false);
+}
+
+ParameterInfo on_faces(bool required) {
+  return {"on",    dimension::none,
+          0,       kUnlimited,
+          kNone,   "molecules of a solid: it acts on the outer faces of cells all of whose nodes are among them",
+          false,   ValueKind::molecules,
+          required};
+}
+
+std::vector<LoadedFace> faces_of_solid(const Body& body, const LoadValues& values) {
+  if (body.tetrahedra.empty()) throw InputError("`on` picks faces of cells of a solid, and the body has none");
+  std::vector<LoadedFace> faces = outer_faces(body, values.molecules.at("on"));
+  if (faces.empty())
+    throw InputError("no outer face of a cell has all its nodes among the molecules that `on` picks: it picks " +
+                     counted(static_cast<std::ptrdiff_t>(values.molecules.at("on").size()), "molecule"));
+  return faces;
 }
 
 PressureLaw gas_law(const Body& body, const LoadValues& values) {
@@ -95,15 +114,39 @@ LoadKind point() {
 }
 
 LoadKind pressure() {
-  LoadKind load{{"pressure", "pressure on all triangles, along their present normals", "", {}}};
+  LoadKind load{{"pressure", "pressure along present normals: on all triangles, or on faces of a solid", "", {}}};
   load.parameters = {
-      required("pressure", dimension::pressure, "pressure over that on the other side; may be negative")};
+      required("pressure", dimension::pressure, "pressure over that on the other side; into a solid; may be negative"),
+      on_faces(false)};
   load.parameters.front().low = -kUnlimited;
   load.check = [](const Body& body, const LoadValues& values) {
-    make_pressure(body, constant_pressure(values.numbers.at("pressure")));
+    if (values.has("on"))
+      faces_of_solid(body, values);
+    else if (!body.tetrahedra.empty())
+      throw InputError("a solid has pressure on some of its faces: give `on`, for example on: {set: LUMEN}");
+    else
+      make_pressure(body, constant_pressure(values.numbers.at("pressure")));
   };
   load.add = [](Model& model, const LoadValues& values, const Material*) {
-    model.add(make_pressure(model.body(), constant_pressure(values.numbers.at("pressure"))));
+    const double pressure = values.numbers.at("pressure");
+    if (values.has("on"))
+      model.add(std::make_unique<SurfaceForces>(model.body(),
+                                                SurfaceLoad{.faces = faces_of_solid(model.body(), values)}, pressure));
+    else
+      model.add(make_pressure(model.body(), constant_pressure(pressure)));
+  };
+  return load;
+}
+
+LoadKind traction() {
+  LoadKind load{{"traction", "a dead traction on faces of a solid", "", {}}};
+  load.parameters = {vector("traction", dimension::pressure, "force over area at rest"), on_faces(true)};
+  load.check = [](const Body& body, const LoadValues& values) { faces_of_solid(body, values); };
+  load.add = [](Model& model, const LoadValues& values, const Material*) {
+    model.add(std::make_unique<SurfaceForces>(model.body(), SurfaceLoad{.faces = faces_of_solid(model.body(), values),
+                                                                        .pressure = false,
+                                                                        .traction = values.vectors.at("traction"),
+                                                                        .at_rest = true}));
   };
   return load;
 }

@@ -7,6 +7,7 @@ namespace elastin {
 LoadKind gravity();
 LoadKind point();
 LoadKind pressure();
+LoadKind traction();
 LoadKind gas();
 LoadKind floor_plane();
 LoadKind air();

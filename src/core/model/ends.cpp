@@ -176,14 +176,4 @@ bool is_plane_end(const Body& body, const std::vector<int>& molecules, const Vec
   return counts[0] > 0 && counts[1] >= counts[2];
 }
 
-double depth_with_area(const Body& body, const Vector3& direction, double area) {
-  std::vector<FacingSide> sides = facing_sides(body, direction);
-  std::sort(sides.begin(), sides.end(), [](const auto& a, const auto& b) { return a.low > b.low; });
-  const double top = largest_over(body, (body.rest.transpose() * direction).maxCoeff());
-  double sum = 0;
-  for (const FacingSide& side : sides)
-    if ((sum += side.area.dot(direction)) >= area) return top - side.low;
-  return std::numeric_limits<double>::infinity();
-}
-
 }  // namespace elastin

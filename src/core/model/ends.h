@@ -21,8 +21,4 @@ EndSides end_sides(const Body& body, const Vector3& direction);
 /// those around them turn away from it by at least 30°. False where it merely touches a rough, tilted or rounded end.
 bool is_plane_end(const Body& body, const std::vector<int>& molecules, const Vector3& direction);
 
-/// Depth [m] behind the furthest molecule at which the sides that look along `direction` and lie whole within it have
-/// this area [m²], of a membrane this length [m], as seen along it; infinite where all of them have less.
-double depth_with_area(const Body& body, const Vector3& direction, double area);
-
 }  // namespace elastin

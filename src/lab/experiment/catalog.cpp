@@ -15,16 +15,16 @@ namespace elastin::lab {
 // The experiments, each in a folder of its own. The order is that of lists and documents.
 ExperimentInfo tension_row(), compression_row(), biaxial_row(), planar_row(), shear_row(), torsion_row(),
     hydrostatic_row(), bending_row(), inflation_row(), material_row(), bubble_row(), indentation_row(), press_row(),
-    sliding_row(), motion_row(), release_row(), creep_row(), relaxation_row(), cyclic_row(), shake_row(), drop_row(),
-    parachute_row(), vibration_row();
+    sliding_row(), loads_row(), motion_row(), release_row(), creep_row(), relaxation_row(), cyclic_row(), shake_row(),
+    drop_row(), parachute_row(), vibration_row();
 
 namespace {
 
-constexpr ExperimentInfo (*kRows[])() = {tension_row, compression_row, biaxial_row,    planar_row,    shear_row,
-                                         torsion_row, hydrostatic_row, bending_row,    inflation_row, material_row,
-                                         bubble_row,  indentation_row, press_row,      sliding_row,   motion_row,
-                                         release_row, creep_row,       relaxation_row, cyclic_row,    shake_row,
-                                         drop_row,    parachute_row,   vibration_row};
+constexpr ExperimentInfo (*kRows[])() = {tension_row, compression_row, biaxial_row,   planar_row,     shear_row,
+                                         torsion_row, hydrostatic_row, bending_row,   inflation_row,  material_row,
+                                         bubble_row,  indentation_row, press_row,     sliding_row,    loads_row,
+                                         motion_row,  release_row,     creep_row,     relaxation_row, cyclic_row,
+                                         shake_row,   drop_row,        parachute_row, vibration_row};
 
 std::unique_ptr<Experiment> make_from_parameters(Reader& reader, const ExperimentInfo& info,
                                                  const ExperimentContext& context) {

@@ -104,7 +104,8 @@ void add_experiment(const Scene& scene, const TensionSetup* tension, Parcel& par
       throw InputError(scene.source.path() + ": the body cannot be brought to its start: " + started.cause);
     add_fixture_load(scene, specimen, model, state, parcel);
   } else if (StaticRig* rig = held->rig->at_rest()) {
-    if (!tension) parcel.own_load = dead_load(*rig, model, state);
+    const bool of_scene = scene.experiment->name() == "loads";  // which are in the parcel already
+    if (!tension && !of_scene) parcel.own_load = dead_load(*rig, model, state);
     parcel.own_load_share = 1;
     rig->release();
   }

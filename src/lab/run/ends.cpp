@@ -5,7 +5,6 @@
 #include <limits>
 #include <numbers>
 
-#include "core/model/ends.h"
 #include "elastin/core/base/dense.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/base/text.h"
@@ -52,17 +51,20 @@ double section_behind(const Body& body, const Vector3& direction, double low, do
                        : find_section(body, direction, low, high, 0).area;
 }
 
-/// The least grip depth [m], to two digits, whose sides have half of the section behind them; infinite where that takes
-/// half of the body.
+/// The least grip depth [m], to two digits, with which an end has three molecules and half of the section behind them;
+/// infinite where that takes half of the body.
 double sufficient_depth(const Body& body, const Vector3& direction) {
   const auto [low, high] = heights_of(body, direction);
-  double area = kLeastShare * find_section(body, direction, low, high, 0).area, depth = 0;
-  for (int round = 0; round < 10; ++round) {
-    depth = depth_with_area(body, direction, area) * (1 + 1e-6);
-    if (!(depth > 0 && depth < (high - low) / 2)) return std::numeric_limits<double>::infinity();
-    const double needed = kLeastShare * section_behind(body, direction, low, high, high - depth);
-    if (area >= needed) break;
-    area = needed * (1 + 1e-6);
+  const auto suffices = [&, low = low, high = high](double depth) {
+    const Face face = end_face(body, direction, depth);
+    return count_of(body, face.molecules) >= 3 &&
+           face.area >= kLeastShare * section_behind(body, direction, low, high, high - depth);
+  };
+  double less = 0, depth = 0.49 * (high - low);
+  if (!suffices(depth)) return std::numeric_limits<double>::infinity();
+  while (depth - less > 1e-3 * depth && depth > 1e-5 * (high - low)) {
+    const double middle = (less + depth) / 2;
+    (suffices(middle) ? depth : less) = middle;
   }
   const double digit = std::pow(10, std::floor(std::log10(depth)) - 1);
   return std::ceil(depth / digit) * digit;

@@ -343,22 +343,6 @@ void choose_order(const CellOrder& chosen, Body& body, VectorX& volumes) {
   volumes.resize(0);
 }
 
-/// A molecule between others is of a set where all of those are: a set's cells are then those that they were.
-void add_between(const Body& body, MoleculeSets& sets) {
-  const std::size_t first = static_cast<std::size_t>(body.size()) - body.between.size();
-  for (auto& [name, members] : sets) {
-    std::vector<char> is_member(static_cast<std::size_t>(body.size()), 0);
-    for (const int member : members) is_member[member] = 1;
-    for (std::size_t i = 0; i < body.between.size(); ++i) {
-      const bool all = std::all_of(body.between[i].begin(), body.between[i].end(),
-                                   [&](const auto& of) { return is_member[of.first] != 0; });
-      if (!all || is_member[first + i]) continue;
-      is_member[first + i] = 1;
-      members.push_back(static_cast<int>(first + i));
-    }
-  }
-}
-
 /// Cells of which the box has a part but not all: those whose middle lies in it count whole.
 std::size_t cells_cut(const Body& body, const Vector3& low, const Vector3& high) {
   const double slack = 1e-6 * (high - low).norm();
@@ -516,6 +500,22 @@ Body make_shape(Reader& reader, ShapeContext& context) {
 }
 
 }  // namespace
+
+void add_between(const Body& body, MoleculeSets& sets) {
+  const std::size_t first = static_cast<std::size_t>(body.size()) - body.between.size();
+  for (auto& [name, members] : sets) {
+    std::erase_if(members, [&](int member) { return member >= body.size(); });
+    std::vector<char> is_member(static_cast<std::size_t>(body.size()), 0);
+    for (const int member : members) is_member[member] = 1;
+    for (std::size_t i = 0; i < body.between.size(); ++i) {
+      const bool all = std::all_of(body.between[i].begin(), body.between[i].end(),
+                                   [&](const auto& of) { return is_member[of.first] != 0; });
+      if (!all || is_member[first + i]) continue;
+      is_member[first + i] = 1;
+      members.push_back(static_cast<int>(first + i));
+    }
+  }
+}
 
 Key<CellOrder> order_key() {
   return key::choice("order", &CellOrder::order, {{"1", 1}, {"2", 2}},

@@ -1,5 +1,6 @@
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <map>
 #include <memory>
 #include <utility>
 
@@ -204,8 +205,156 @@ void read_constants(const Reader& constants, const MaterialLaw& law, const Mater
   }
 }
 
+template <class Members>
+Vector3 middle_of(const Body& body, const Members& members) {
+  Vector3 sum = Vector3::Zero();
+  for (const int molecule : members) sum += body.rest.col(molecule);
+  return sum / static_cast<double>(members.size());
+}
+
+void multiply_stiffness(const ValueAt& factor, Body& body) {
+  change_stiffness(body, [&](const auto& members, double& own) { own *= factor(middle_of(body, members)); });
+}
+
+/// What the material is in some cells.
+struct RegionSetup {
+  std::optional<std::vector<int>> molecules;
+  std::optional<double> youngs_modulus, poissons_ratio, density;
+  std::optional<Reader> modulus_place, ratio_place, constants, place;
+};
+
+Keys<RegionSetup> keys_of_region() {
+  using S = RegionSetup;
+  return {
+      molecules_key("molecules", &S::molecules, "the region is the cells all of whose molecules are among these")
+          .needed(),
+      key::quantity("youngs_modulus", &S::youngs_modulus, dimension::pressure, "E there, of a material without a law",
+                    kPositive)
+          .otherwise("the material's")
+          .place(&S::modulus_place),
+      key::quantity("poissons_ratio", &S::poissons_ratio, dimension::none,
+                    "ν there, of a material without a law; springs ignore it", {-0.99, 0.4999})
+          .otherwise("the material's")
+          .place(&S::ratio_place),
+      key::quantity("density", &S::density, dimension::density, "density there", kPositive).otherwise("the material's"),
+      key::later({"constants", "map", "", "", "the material's", "numbers of the law there by their names, `c1`"},
+                 &S::constants)};
+}
+
+/// Which of some regions each cell and connection belongs to; of several the last counts.
+class Regions {
+ public:
+  Regions(const Body& body, std::vector<RegionSetup> setups) : setups_(std::move(setups)) {
+    for (const RegionSetup& setup : setups_) {
+      std::vector<char>& marks = among_.emplace_back(static_cast<std::size_t>(body.size()), 0);
+      for (const int molecule : *setup.molecules) marks[molecule] = 1;
+    }
+    std::vector<char> found(setups_.size(), 0);
+    const auto add = [&](const auto& members, bool is_cell) {
+      regions_.push_back(region_of(members));
+      middles_.push_back(middle_of(body, members));
+      if (is_cell && regions_.back() >= 0) found[regions_.back()] = 1;
+    };
+    for (const CellBlock& block : body.blocks)
+      for (int cell = 0; cell < block.size(); ++cell) add(block.cell(cell), true);
+    for (const auto& cell : body.tetrahedra) add(cell, true);
+    for (const auto& cell : body.triangles) add(cell, true);
+    for (const auto& ends : body.connections.ends) add(ends, body.tetrahedra.empty() && body.triangles.empty());
+    for (std::size_t region = 0; region < setups_.size(); ++region)
+      if (!found[region]) setups_[region].place->fail("no cell has all its molecules among these");
+    std::vector<Box> boxes;
+    for (const Vector3& middle : middles_) boxes.push_back({middle, middle});
+    tree_ = std::make_unique<BoxTree>(boxes);
+  }
+
+  const std::vector<RegionSetup>& setups() const { return setups_; }
+
+  /// Of the cell or connection whose middle is nearest; null: of none.
+  const RegionSetup* at(const Vector3& place) const {
+    const auto distance = [&](int element) { return (middles_[element] - place).norm(); };
+    const int region = regions_[tree_->nearest(place, distance).first];
+    return region < 0 ? nullptr : &setups_[region];
+  }
+
+  /// Each molecule's mass by the volumes of its cells in the regions.
+  void set_masses(double density, Body& body) const {
+    VectorX volumes = VectorX::Zero(body.size()), masses = volumes;
+    const auto add = [&](const auto& cell, double volume) {
+      const int region = region_of(cell);
+      const double own = region < 0 ? density : setups_[region].density.value_or(density);
+      for (const int molecule : cell) volumes[molecule] += volume, masses[molecule] += volume * own / density;
+    };
+    for (const auto& cell : body.tetrahedra) add(cell, std::abs(signed_volume(body.rest, cell)));
+    if (body.tetrahedra.empty())
+      for (const auto& cell : body.triangles) {
+        const Vector3 first = body.rest.col(cell[1]) - body.rest.col(cell[0]);
+        add(cell, first.cross(Vector3(body.rest.col(cell[2]) - body.rest.col(cell[0]))).norm());
+      }
+    for (int molecule = 0; molecule < body.size(); ++molecule)
+      if (volumes[molecule] > 0) body.mass[molecule] *= masses[molecule] / volumes[molecule];
+  }
+
+ private:
+  template <class Members>
+  int region_of(const Members& members) const {
+    for (std::size_t region = setups_.size(); region-- > 0;)
+      if (std::all_of(members.begin(), members.end(), [&](int m) { return among_[region][m] != 0; }))
+        return static_cast<int>(region);
+    return -1;
+  }
+
+  std::vector<RegionSetup> setups_;
+  std::vector<std::vector<char>> among_;
+  std::vector<int> regions_;
+  std::vector<Vector3> middles_;
+  std::unique_ptr<BoxTree> tree_;
+};
+
+/// Changes the stiffness and the masses of the body, and adds what sets other numbers.
+void add_regions(const Reader& list, const MaterialLaw* law, const Material& material, std::vector<Setter>& setters,
+                 Body& body) {
+  std::vector<RegionSetup> setups;
+  for (const Reader& item : list.items()) setups.push_back(keys_of_region().read(item, {Matrix3::Identity(), &body}));
+  const auto regions = std::make_shared<const Regions>(body, std::move(setups));
+  std::map<const RegionSetup*, std::map<std::string, double>> constants;
+  for (const RegionSetup& setup : regions->setups()) {
+    const bool moduli = !law || law->from_moduli;
+    if (setup.modulus_place && (material.curve || material.fibre))
+      setup.modulus_place->fail("needs a material without curve or fibre");
+    for (const auto& place : {setup.modulus_place, setup.ratio_place})
+      if (place && !moduli) place->fail("follows from the constants of the law; write `constants`");
+    if (!setup.constants) continue;
+    if (moduli) setup.constants->fail("are those of a `law`, and the material has none");
+    for (const auto& [key, value] : setup.constants->entries()) {
+      std::vector<std::string> names;
+      const ParameterInfo* info = nullptr;
+      for (const ParameterInfo& own : law->parameters) {
+        if (own.kind == ValueKind::direction) continue;
+        names.push_back(own.name);
+        if (own.name == key) info = &own;
+      }
+      if (!info) value.fail("is no number of " + law->name + suggestion(key, names));
+      constants[&setup][key] = value.quantity(info->unit, {info->low, info->high, info->above_low});
+    }
+  }
+  multiply_stiffness(
+      [&](const Vector3& place) {
+        const RegionSetup* own = regions->at(place);
+        return own && own->youngs_modulus ? *own->youngs_modulus / material.youngs_modulus : 1.;
+      },
+      body);
+  regions->set_masses(material.density, body);
+  setters.push_back([regions, constants](Material& own, const Vector3& place) {
+    const RegionSetup* region = regions->at(place);
+    if (!region) return;
+    if (region->poissons_ratio) own.poissons_ratio = *region->poissons_ratio;
+    if (const auto found = constants.find(region); found != constants.end())
+      for (const auto& [name, value] : found->second) own.law->numbers[name] = value;
+  });
+}
+
 struct FieldsSetup {
-  std::optional<Reader> stiffness, youngs_modulus, density, poissons_ratio, constants, fibre_direction,
+  std::optional<Reader> regions, stiffness, youngs_modulus, density, poissons_ratio, constants, fibre_direction,
       active_direction;
 };
 
@@ -222,6 +371,10 @@ Keys<FieldsSetup> keys_of_fields() {
                       "the same of the law's constants by their names, `c1`, `terms`, `direction`; springs have the E "
                       "of them"},
                      &S::constants),
+          Key<S>("regions",
+                 key::rows_below("regions", "list of maps",
+                                 "materials of picked cells, of sets of a mesh: with the same law", keys_of_region()),
+                 [](const Reader& value, S& setup, const Frame&) { setup.regions = value; }),
           field("fibre_direction", &S::fibre_direction, "a direction of fibres that differs from place to place"),
           field("active_direction", &S::active_direction, "the same of active fibres")};
 }
@@ -248,17 +401,6 @@ std::vector<Setter> read_setters(const FieldsSetup& fields, const MaterialLaw* l
   turn(fields.fibre_direction, &Material::fibre, "fibre");
   turn(fields.active_direction, &Material::active, "active");
   return setters;
-}
-
-template <class Members>
-Vector3 middle_of(const Body& body, const Members& members) {
-  Vector3 sum = Vector3::Zero();
-  for (const int molecule : members) sum += body.rest.col(molecule);
-  return sum / static_cast<double>(members.size());
-}
-
-void multiply_stiffness(const ValueAt& factor, Body& body) {
-  change_stiffness(body, [&](const auto& members, double& own) { own *= factor(middle_of(body, members)); });
 }
 
 /// The material's law at the middles of all cells is checked as its own is; connections get the E of their middle
@@ -295,7 +437,7 @@ void check_at_all_places(const Reader& fields, const MaterialLaw* law, const Mat
 void set_fields(const Reader& fields, const elastin::Table<MaterialLaw>& laws, Material& material, Body& body) {
   const FieldsSetup setup = keys_of_fields().read(fields);
   const auto row = material.law ? laws.find(material.law->law) : nullptr;
-  const std::vector<Setter> setters = read_setters(setup, row.get(), material);
+  std::vector<Setter> setters = read_setters(setup, row.get(), material);
   const auto &stiffness = setup.stiffness, &modulus = setup.youngs_modulus, &density = setup.density;
   for (const auto& field : {stiffness, modulus})
     if (field && (material.curve || material.fibre)) field->fail("needs a material without curve or fibre");
@@ -306,6 +448,7 @@ void set_fields(const Reader& fields, const elastin::Table<MaterialLaw>& laws, M
     multiply_stiffness([&, at = read_values(*modulus, dimension::pressure, kPositive)](
                            const Vector3& place) { return at(place) / material.youngs_modulus; },
                        body);
+  if (setup.regions) add_regions(*setup.regions, row.get(), material, setters, body);
   if (!setters.empty()) {
     material.field = MaterialField{[setters](Material& own, const Vector3& place) {
       for (const Setter& set : setters) set(own, place);

@@ -77,6 +77,9 @@ std::string read_kept(Reader material, const std::string& folder);
 void check_material(Reader reader, const Material& material, const Body& body);
 /// Of molecules, ascending, by the names that mesh files give them.
 using MoleculeSets = std::map<std::string, std::vector<int>>;
+/// Adds to each set the molecules of the body that lie between some of it alone: its cells are then those that they
+/// were.
+void add_between(const Body& body, MoleculeSets& sets);
 /// Warnings and notes from reading a body, and, where somebody wants them, the sets of its mesh file.
 struct Remarks {
   std::vector<std::string>&warnings, &notes;

@@ -254,7 +254,12 @@ void read_whole_body(Reader& reader, const Catalog& catalog, const ExperimentCat
                       reader.at("body").given_body("given_shape")) &&
                      specimen.body.tetrahedra.empty() && specimen.body.triangles.empty();
   if (fields) set_fields(*fields, catalog.material_laws, specimen.material, specimen.body);
-  if (change) change(specimen.body, specimen.material);
+  if (change) {
+    change(specimen.body, specimen.material);
+    MoleculeSets sets = reader.mesh_sets();
+    add_between(specimen.body, sets);
+    reader.set_mesh_sets(std::move(sets));
+  }
   check_material(reader.at("material"), specimen.material, specimen.body);
   const auto bending = reader.at("material").find("bending");
   if (specimen.material.bending_rigidity > 0)

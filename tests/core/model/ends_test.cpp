@@ -104,16 +104,6 @@ TEST_CASE("the uneven edge of a sheet of triangles is held whole", "[ends]") {
   CHECK(end_face(sheet, Vector3::UnitX(), 0).molecules == plane.molecules);
 }
 
-TEST_CASE("the depth that has an area is that of a cap", "[ends]") {
-  Body ball = sphere(1, SphereMesh::icosahedron, 40);
-  ball.rest.conservativeResize(3, ball.size() + 1);
-  ball.rest.rightCols<1>().setZero();
-  for (const auto& [a, b, c] : ball.triangles) ball.tetrahedra.push_back({ball.size() - 1, a, b, c});
-  // A cap of depth d has the radius √(2d − d²).
-  CHECK(depth_with_area(ball, Vector3::UnitZ(), M_PI * (2 * 0.2 - 0.04)) == Approx(0.2).epsilon(0.2));
-  CHECK(depth_with_area(ball, Vector3::UnitZ(), 3) > 1e9);  // beyond the sides that look along the axis
-}
-
 TEST_CASE("the end of a body in shares is that of the whole", "[ends][share]") {
   const Body whole = turned(rough(bar(BlockKind::body_centred), 0.1, 6), 3);
   const Face end = end_face(whole, Vector3::UnitX(), 0);

@@ -40,6 +40,7 @@ const std::map<std::string, std::string> kNeeded{
     {"indentation", "indenter: ball"},
     {"press", ""},
     {"sliding", ""},
+    {"loads", ""},
     {"motion", "fixture: {kind: tension, axis: z, force: 1 mN}"},
     {"release", "fixture: {kind: tension, axis: z, force: 1 mN}"},
     {"creep", "fixture: {kind: tension, axis: z, force: 1 mN}"},

@@ -59,6 +59,16 @@ double measured(const TemporaryFolder& folder, const std::string& text, const st
   return run.measures.get(measure);
 }
 
+/// The same by boxes.
+std::string layers_picked() {
+  std::string regions;
+  for (int layer = 1; layer < kLayers; ++layer)
+    regions += (layer > 1 ? ", " : "") + std::string("{molecules: {box: {from: [0, 0, ") + std::to_string(5 * layer) +
+               " mm], to: [1 cm, 1 cm, " + std::to_string(5 * (layer + 1)) +
+               " mm]}}, youngs_modulus: " + std::to_string(10 * (layer + 1)) + " kPa}";
+  return "regions: [" + regions + "]";
+}
+
 std::string refusal(const std::string& material, const std::string& strategy = "neo_hookean") {
   const TemporaryFolder folder;
   folder.write("layers.vtk", layers_in_a_file());
@@ -81,12 +91,39 @@ TEST_CASE("layers of a bar are springs in series, however their stiffness is sai
   for (const std::string& body : kBodies)
     for (const std::string& field :
          {std::string("youngs_modulus: {expression: 10 kPa * (1 + floor(z / 5 mm))}"),
-          std::string("stiffness: {expression: 1 + floor(z / high)}"),
+          std::string("stiffness: {expression: 1 + floor(z / high)}"), layers_picked(),
           std::string("youngs_modulus: {file: layers.vtk, data: E, unit: kPa, length_unit: mm}")}) {
       const std::string text = bar_of(body, "youngs_modulus: 10 kPa, poissons_ratio: 0, fields: {" + field + "}");
       INFO(text);
       CHECK(measured(folder, text, "elongation") == Approx(expected).epsilon(1e-9));
     }
+}
+
+TEST_CASE("a region of all cells is the material that it names", "[scene][fields]") {
+  const TemporaryFolder folder;
+  const std::string all = "{molecules: {box: {from: [0, 0, 0], to: [1 cm, 1 cm, 2 cm]}}, ";
+  for (const std::string& body : kBodies) {
+    const std::string other = bar_of(body,
+                                     "youngs_modulus: 10 kPa, poissons_ratio: 0, density: 800 kg/m3, fields: "
+                                     "{regions: [" +
+                                         all + "youngs_modulus: 30 kPa, poissons_ratio: 0.35, density: 1200 kg/m3}]}"),
+                      same = bar_of(body, "youngs_modulus: 30 kPa, poissons_ratio: 0.35, density: 1200 kg/m3");
+    for (const std::string measure : {"elongation", "poissons_ratio"})
+      CHECK(measured(folder, other, measure) == Approx(measured(folder, same, measure)).epsilon(1e-8));
+    CHECK((scene_of(folder, other)->specimen.body.mass - scene_of(folder, same)->specimen.body.mass).norm() < 1e-12);
+  }
+  const auto law = [&](const std::string& numbers, const std::string& rest) {
+    return bar_of(kBodies[0], "law: mooney_rivlin, " + numbers + ", bulk_modulus: 500 kPa" + rest, "mooney_rivlin");
+  };
+  CHECK(measured(folder, law("c1: 2 kPa, c2: 1 kPa", ", fields: {regions: [" + all + "constants: {c1: 6 kPa}}]}"),
+                 "elongation") ==
+        Approx(measured(folder, law("c1: 6 kPa, c2: 1 kPa", ""), "elongation")).epsilon(1e-8));
+  CHECK_THAT(
+      refusal("youngs_modulus: 10 kPa, poissons_ratio: 0, fields: {regions: [" + all + "constants: {c1: 1 Pa}}]}"),
+      Contains("are those of a `law`"));
+  CHECK_THAT(refusal("youngs_modulus: 10 kPa, poissons_ratio: 0, fields: {regions: [{molecules: [0, 1], density: 1 "
+                     "kg/m3}]}"),
+             Contains("no cell has all its molecules among these"));
 }
 
 TEST_CASE("a factor of all moduli that is the same everywhere is the law with such moduli", "[scene][fields]") {

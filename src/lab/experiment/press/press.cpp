@@ -129,7 +129,7 @@ class PressRig final : public StaticRig {
       if (setup_.grip == Grip::sliding) experiment_.keep_in_plane(model, first);
     }
     contact_ = contact_of(model);
-    if (setup_.force) find_approach();
+    if (setup_.force && contact_) find_approach();  // `check` makes a model without contact
   }
 
   void approach(Positions& positions) const override {

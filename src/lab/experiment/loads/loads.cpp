@@ -1,0 +1,293 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "elastin/core/base/error.h"
+#include "elastin/core/model/share.h"
+#include "lab/experiment/keys.h"
+#include "lab/run/common_measures.h"
+#include "lab/run/contact_measures.h"
+
+namespace elastin::lab {
+namespace {
+
+/// Molecules whose displacements and supports' forces are measured under a name.
+struct ReadSet {
+  std::string name;
+  std::vector<int> molecules;  ///< ascending
+};
+
+/// Molecules that are moved by a displacement [m] along some directions, free along the others.
+struct MovedSet {
+  std::vector<int> molecules;
+  Vector3 displacement = Vector3::Zero();
+  std::vector<Vector3> directions;  ///< unit, perpendicular; empty: along all
+};
+
+struct LoadsSetup {
+  std::vector<ReadSet> read;
+  std::vector<MovedSet> moved;
+  int load_steps = 1;
+};
+
+constexpr std::array<const char*, 3> kAxes{"x", "y", "z"};
+
+MeasureList loads_measures(const std::vector<ReadSet>& sets) {
+  using namespace dimension;
+  MeasureList list{{{"largest_displacement", length, "largest displacement of a molecule", MeasureRole::displacement}},
+                   {{"load", "largest_displacement", true}}};
+  std::vector<MeasureInfo> rows;
+  for (const auto* axis : kAxes)
+    rows.push_back({std::string("reaction_") + axis, force, std::string("sum of all supports' forces along ") + axis,
+                    MeasureRole::detail});
+  for (const ReadSet& set : sets) {
+    rows.push_back({set.name + "_displacement", length, "largest displacement of a molecule of `" + set.name + "`"});
+    for (const auto* axis : kAxes)
+      rows.push_back({set.name + "_" + axis, length, "mean displacement of `" + set.name + "` along " + axis,
+                      MeasureRole::detail});
+    for (const auto* axis : kAxes)
+      rows.push_back({set.name + "_reaction_" + axis, force,
+                      "sum of the forces of the supports of `" + set.name + "` along " + axis, MeasureRole::detail});
+  }
+  for (MeasureInfo& row : rows) list.add(MeasureList{{std::move(row)}});
+  return list;
+}
+
+/// A load of the scene, as large as the experiment has it now.
+class ScaledLoad final : public Load {
+ public:
+  ScaledLoad(std::unique_ptr<Load> load, const double& factor) : load_(std::move(load)), factor_(factor) {}
+  bool changes() const override { return load_->changes(); }
+  bool has_energy() const override { return load_->has_energy(); }
+  bool steady() const override { return load_->steady(); }
+  bool acts_at_rest() const override { return load_->acts_at_rest(); }
+  bool feels_velocity() const override { return load_->feels_velocity(); }
+  bool symmetric() const override { return load_->symmetric(); }
+  void add_forces(const State& state, Positions& forces) const override {
+    Positions own = Positions::Zero(3, forces.cols());
+    load_->add_forces(state, own);
+    forces += factor_ * own;
+  }
+  double energy(const State& state) const override { return factor_ * load_->energy(state); }
+  void add_change(const State& state, const Positions& dx, const Positions& dv, Positions& change) const override {
+    Positions own = Positions::Zero(3, change.cols());
+    load_->add_change(state, dx, dv, own);
+    change += factor_ * own;
+  }
+  void visit_blocks(const State& state, double velocity_weight, const BlockVisitor& visit) const override {
+    load_->visit_blocks(state, velocity_weight,
+                        [&](int a, int b, const Matrix3& block) { visit(a, b, factor_ * block); });
+  }
+  std::vector<WideTerm> wide_terms(const State& state) const override {
+    std::vector<WideTerm> terms = load_->wide_terms(state);
+    for (WideTerm& term : terms) term.factor *= factor_;
+    return terms;
+  }
+
+ private:
+  std::unique_ptr<Load> load_;
+  const double& factor_;
+};
+
+/// The scene's own supports and loads, which grow together from nothing; it measures displacements and reactions alone.
+class Loads final : public StaticExperiment {
+ public:
+  Loads(const Body& body, LoadsSetup setup) : body_(body), setup_(std::move(setup)) {
+    std::vector<char> moved(static_cast<std::size_t>(body.size()), 0);
+    for (const MovedSet& set : setup_.moved)
+      for (const int molecule : set.molecules)
+        if (moved[molecule]++) throw InputError("molecule " + std::to_string(molecule) + " is moved twice");
+  }
+
+  std::string name() const override { return "loads"; }
+  MeasureList measures() const override { return loads_measures(setup_.read); }
+  std::unique_ptr<StaticRig> make_rig(Model& model) const override;
+  int load_steps() const override { return setup_.load_steps; }
+  const StaticExperiment* calibration() const override { return nullptr; }  // it measures no modulus
+  ResponseMeasures response_measures() const override { return {"largest_displacement", ""}; }
+  std::string no_reference() const override {
+    return "loads of one's own prescribe no value; compare with the solid itself (neo_hookean, refined)";
+  }
+  std::vector<MainMeasure> main_measures(const Material&, const Measures&) const override {
+    std::vector<MainMeasure> measures;
+    for (const ReadSet& set : setup_.read) measures.push_back({set.name + "_displacement"});
+    if (measures.empty()) measures.push_back({"largest_displacement"});
+    return measures;
+  }
+
+ private:
+  friend class LoadsRig;
+  const Body& body_;
+  LoadsSetup setup_;
+};
+
+class LoadsRig final : public StaticRig {
+ public:
+  LoadsRig(const Loads& experiment, Model& model) : setup_(experiment.setup_), body_(experiment.body_), model_(model) {
+    const contact::Contact* contact = contact_of(model);
+    for (std::unique_ptr<Load>& load : model.extract_loads()) {
+      if (static_cast<const Load*>(contact) == load.get())
+        model.add(std::move(load));
+      else
+        model.add(std::make_unique<ScaledLoad>(std::move(load), factor_));
+    }
+    for (const MovedSet& set : setup_.moved) {
+      Matrix3 free = Matrix3::Identity();
+      for (const Vector3& direction : set.directions) free -= direction * direction.transpose();
+      if (set.directions.empty()) free.setZero();
+      for (const int molecule : set.molecules) model.supports.push_back({molecule, free});
+    }
+  }
+
+  void set_load(double factor) override {
+    factor_ = factor;
+    std::size_t support = 0;
+    for (const MovedSet& set : setup_.moved)
+      for (std::size_t i = 0; i < set.molecules.size(); ++i)
+        model_.supports[support++].displacement = factor * set.displacement;
+  }
+
+  void release() override { set_load(0); }
+
+  Measures measure(const Start&, const State& state, const StaticOptions&, StaticResult& solved) const override {
+    const Positions motion = state.positions - body_.rest;
+    Measures measures;
+    measures.set("largest_displacement", largest(motion, all()));
+    Vector3 reaction = reaction_of(solved.reactions, nullptr);
+    for (int axis = 0; axis < 3; ++axis) measures.set(std::string("reaction_") + kAxes[axis], reaction[axis]);
+    double size = reaction.norm();
+    for (const ReadSet& set : setup_.read) {
+      measures.set(set.name + "_displacement", largest(motion, set.molecules));
+      const Vector3 mean = mean_of(motion, set.molecules), own = reaction_of(solved.reactions, &set.molecules);
+      for (int axis = 0; axis < 3; ++axis) measures.set(set.name + "_" + kAxes[axis], mean[axis]);
+      for (int axis = 0; axis < 3; ++axis) measures.set(set.name + "_reaction_" + kAxes[axis], own[axis]);
+      size = std::max(size, own.norm());
+    }
+    add_state(model_, state, solved, size, measures);
+    return measures;
+  }
+
+ private:
+  std::vector<int> all() const {
+    std::vector<int> molecules(static_cast<std::size_t>(body_.size()));
+    for (int molecule = 0; molecule < body_.size(); ++molecule) molecules[molecule] = molecule;
+    return molecules;
+  }
+  static double largest(const Positions& motion, const std::vector<int>& molecules) {
+    double most = 0;
+    for (const int molecule : molecules) most = std::max(most, motion.col(molecule).norm());
+    return most;
+  }
+  static Vector3 mean_of(const Positions& motion, const std::vector<int>& molecules) {
+    Vector3 sum = Vector3::Zero();
+    for (const int molecule : molecules) sum += motion.col(molecule) / static_cast<double>(molecules.size());
+    return sum;
+  }
+  /// Of the supports of these molecules; null: of all.
+  Vector3 reaction_of(const Positions& reactions, const std::vector<int>* molecules) const {
+    Vector3 sum = Vector3::Zero();
+    for (std::size_t i = 0; i < model_.supports.size(); ++i)
+      if (!molecules || std::binary_search(molecules->begin(), molecules->end(), model_.supports[i].molecule))
+        sum += reactions.col(static_cast<Eigen::Index>(i));
+    return sum;
+  }
+
+  const LoadsSetup& setup_;
+  const Body& body_;
+  Model& model_;
+  double factor_ = 0;
+};
+
+std::unique_ptr<StaticRig> Loads::make_rig(Model& model) const { return std::make_unique<LoadsRig>(*this, model); }
+
+std::vector<int> ascending(std::vector<int> molecules) {
+  std::sort(molecules.begin(), molecules.end());
+  molecules.erase(std::unique(molecules.begin(), molecules.end()), molecules.end());
+  return molecules;
+}
+
+Keys<ReadSet> read_keys() {
+  return {key::text("name", &ReadSet::name, "letters, digits and _: the measures begin with it").needed(),
+          Key<ReadSet>({"molecules", "list of molecules, or [pick](#picked-molecules)", "", "0 … last molecule",
+                        "needed", "whose displacements and supports' forces are measured"},
+                       [](const Reader& value, ReadSet& set, const Frame& frame) {
+                         set.molecules = ascending(read_molecules(value, *frame.body, frame.rotation));
+                       })
+              .needed()};
+}
+
+Keys<MovedSet> moved_keys() {
+  return {Key<MovedSet>({"molecules", "list of molecules, or [pick](#picked-molecules)", "", "0 … last molecule",
+                         "needed", "which molecules are moved"},
+                        [](const Reader& value, MovedSet& set, const Frame& frame) {
+                          set.molecules = ascending(read_molecules(value, *frame.body, frame.rotation));
+                        })
+              .needed(),
+          key::vector("displacement", &MovedSet::displacement, dimension::length, "their displacement").needed(),
+          Key<MovedSet>({"fix", "list of directions, or `all`", "", "", "`all`",
+                         "perpendicular directions along which the displacement is prescribed; they are free along "
+                         "the others"},
+                        [](const Reader& value, MovedSet& set, const Frame& frame) {
+                          if (value.is_text() && value.text() == "all") return;
+                          for (const Reader& item : value.items()) {
+                            const Vector3 direction = frame.rotation * item.direction();
+                            for (const Vector3& other : set.directions)
+                              if (!perpendicular(direction, other))
+                                item.fail("must be perpendicular to the directions before it");
+                            set.directions.push_back(direction);
+                          }
+                          if (set.directions.empty())
+                            value.fail("names no direction; write all, or a list such as [x, y]");
+                        })};
+}
+
+/// A list of maps with these keys.
+template <class Item>
+Key<LoadsSetup> list_key(const std::string& name, Keys<Item> keys, std::vector<Item> LoadsSetup::*member,
+                         const std::string& text, std::function<void(const Reader&, const LoadsSetup&)> check = {}) {
+  std::vector<SceneKey> rows{{name, "list of maps", "", "", "none", text}};
+  for (SceneKey row : keys.rows()) {
+    row.name = name + "." + row.name;
+    rows.push_back(std::move(row));
+  }
+  return {name, std::move(rows), [=](const Reader& value, LoadsSetup& setup, const Frame& frame) {
+            for (const Reader& item : value.items()) {
+              (setup.*member).push_back(keys.read(item, frame));
+              if (check) check(item, setup);
+            }
+          }};
+}
+
+/// Names become names of measures.
+void check_name(const Reader& item, const LoadsSetup& setup) {
+  const std::string& name = setup.read.back().name;
+  const Reader place = Reader(item).at("name");
+  const auto fits = [](char letter) { return std::isalnum(static_cast<unsigned char>(letter)) || letter == '_'; };
+  if (name.empty() || !std::all_of(name.begin(), name.end(), fits))
+    place.fail("'" + name + "' is no name of a measure: write letters, digits and _");
+  for (std::size_t i = 0; i + 1 < setup.read.size(); ++i)
+    if (setup.read[i].name == name) place.fail("there is a set '" + name + "' already");
+}
+
+}  // namespace
+
+ExperimentInfo loads_row() {
+  using S = LoadsSetup;
+  return with_keys(
+      {.name = "loads",
+       .summary = "the scene's own `loads` and `supports` grow together: displacements, reactions of named sets",
+       .measures = loads_measures({})},
+      Keys<S>{list_key("read", read_keys(), &S::read,
+                       "sets that are measured: for the name `top`, `top_displacement` (the largest), `top_x` (the "
+                       "mean) and `top_reaction_x` (the sum), and so along y and z",
+                       check_name),
+              list_key("moved", moved_keys(), &S::moved, "molecules that are moved, in addition to `supports`"),
+              load_steps_key(&S::load_steps)},
+      [](const ExperimentContext& context, S setup) {
+        return std::make_unique<Loads>(context.body, std::move(setup));
+      });
+}
+
+}  // namespace elastin::lab

@@ -1,0 +1,119 @@
+// Loads and supports of one's own, and what is read off named sets.
+
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "elastin/core/shapes/orders.h"
+#include "lab/scene/scene.h"
+#include "support/experiments.h"
+#include "support/refusal.h"
+
+using namespace elastin;
+using namespace elastin::lab;
+using namespace elastin::testing;
+using Catch::Matchers::Contains;
+
+namespace {
+
+const Catalog kCatalog = built_in_catalog();
+
+std::unique_ptr<Scene> scene(const std::string& rest) {
+  return load_scene(SceneSource::of_text("a.yaml",
+                                         "body: {tetrahedra: {kind: kuhn, cubes: [4, 2, 2], size: [20 mm, 5 "
+                                         "mm, 5 mm]}}\n"
+                                         "material: {youngs_modulus: 10 kPa, poissons_ratio: 0}\n"
+                                         "stiffness: neo_hookean\n" +
+                                             rest),
+                    kCatalog);
+}
+
+Measures measured(const std::string& rest) {
+  const auto own = scene(rest);
+  const Run run = run_strategy(own->specimen, *own->experiment, own->stiffness, {.statics = own->statics});
+  INFO(run.cause);
+  REQUIRE(run.outcome == Outcome::converged);
+  return run.measures;
+}
+
+const std::string kLeft = "supports: [{molecules: {side: -x}}]\n";
+
+/// A quarter of a tube of radii 5 and 7 and height 1 on curved hexahedra of second order.
+Body quarter_tube() {
+  Body body = cubic_lattice({3, 7, 2}, 1, {true, false, false});
+  body = with_order(with_order(body, 1), 2);
+  for (int molecule = 0; molecule < body.size(); ++molecule) {
+    const Vector3 at = body.rest.col(molecule);
+    const double radius = 5 + at.x(), angle = at.y() / 6 * M_PI / 2;
+    body.rest.col(molecule) << radius * std::cos(angle), radius * std::sin(angle), at.z();
+  }
+  set_present_lengths(body);
+  set_matter(body, 0.5, 1000, 0, 0);
+  return body;
+}
+
+}  // namespace
+
+TEST_CASE("a tube under a small pressure widens as Lamé says", "[loads][experiment]") {
+  Specimen specimen;
+  specimen.material = {.youngs_modulus = 1e5, .poissons_ratio = 0.3};
+  specimen.body = quarter_tube();
+  const Body& body = specimen.body;
+  Reader map = open_scene(SceneSource::of_text("a.yaml",
+                                               "experiment: {kind: loads, load_steps: 2, read: [{name: inner, "
+                                               "molecules: {nearest: [5, 0, 0]}}]}\n"
+                                               "supports: [{symmetry: x}, {symmetry: y}, {molecules: {box: "
+                                               "{from: [0, 0, 0], to: [7, 7, 1]}}, fix: [z]}]\n"),
+                          {}, 1e6);
+  std::string lumen;
+  for (int molecule = 0; molecule < body.size(); ++molecule)
+    if (std::abs(body.rest.col(molecule).head<2>().norm() - 5) < 1e-6)
+      lumen += (lumen.empty() ? "[" : ", ") + std::to_string(molecule);
+  const std::string text = "load: {pressure: {pressure: 10, on: " + lumen + "]}}\n";
+  Reader load = open_scene(SceneSource::of_text("b.yaml", text), {}, 1e6);
+  specimen.loads.push_back(
+      read_load(load.at("load"), scene_loads(kCatalog), body, specimen.material, Matrix3::Identity()).load);
+  const auto experiments = built_in_experiments();
+  const ExperimentContext context{body, specimen.material, Matrix3::Identity(), {}, experiments};
+  const auto experiment = read_experiment(map.at("experiment"), context);
+  dynamic_cast<StaticExperiment&>(*experiment)
+      .set_further_supports(read_supports(map.at("supports"), body, Matrix3::Identity()));
+  const Run run = solve(specimen, *experiment, "neo_hookean");
+  // Plane strain: u(a) = (1 + ν) p a ((1 − 2ν) a² + b²) / (E (b² − a²)).        [Timoshenko & Goodier 1970, section 28]
+  const double expected = 1.3 * 10 * 5 * (0.4 * 25 + 49) / (1e5 * 24);
+  CHECK(run.measures.get("inner_displacement") == Approx(expected).epsilon(2e-3));
+  CHECK(run.measures.get("inner_x") == Approx(expected).epsilon(2e-3));
+  CHECK(std::abs(run.measures.get("inner_y")) < 1e-6 * expected);
+}
+
+TEST_CASE("a traction on picked faces and a moved set show the bar's modulus", "[loads][experiment]") {
+  const Measures pulled =
+      measured(kLeft +
+               "loads: [{traction: {traction: [10 Pa, 0, 0], on: {side: x}}}]\nexperiment: {kind: loads, read: "
+               "[{name: tip, molecules: {side: x}}, {name: root, molecules: {side: -x}}]}\n");
+  CHECK(pulled.get("tip_x") == Approx(2e-5).epsilon(2e-3));  // σ L / E
+  CHECK(pulled.get("tip_displacement") == Approx(2e-5).epsilon(2e-3));
+  CHECK(pulled.get("root_reaction_x") == Approx(-10 * 25e-6).epsilon(1e-6));  // − σ A
+  CHECK(pulled.get("reaction_x") == Approx(-10 * 25e-6).epsilon(1e-6));
+  const Measures moved = measured(
+      kLeft +
+      "experiment: {kind: loads, moved: [{molecules: {side: x}, displacement: [20 um, 0, 0], fix: [x]}], read: "
+      "[{name: tip, molecules: {side: x}}], load_steps: 2}\n");
+  CHECK(moved.get("tip_x") == Approx(2e-5).epsilon(1e-9));
+  CHECK(moved.get("tip_reaction_x") == Approx(10 * 25e-6).epsilon(2e-3));
+  CHECK(std::abs(moved.get("reaction_x")) < 1e-9);
+}
+
+TEST_CASE("loads on faces and sets that are read are checked", "[loads][experiment]") {
+  const auto answer = [](const std::string& rest) { return refusal([&] { scene(rest); }); };
+  const std::string plain = "experiment: {kind: loads}\n";
+  CHECK_THAT(answer(plain + "loads: [{pressure: 10 Pa}]\n"), Contains("a.yaml:5") && Contains("give `on`"));
+  CHECK_THAT(answer(plain + "loads: [{pressure: {pressure: 10 Pa, on: {nearest: [0, 0, 0]}}}]\n"),
+             Contains("no outer face of a cell has all its nodes among"));
+  CHECK_THAT(answer("experiment: {kind: loads, read: [{name: a b, molecules: [0]}]}\n"),
+             Contains("no name of a measure"));
+  CHECK_THAT(answer("experiment: {kind: loads, read: [{name: a, molecules: [0]}, {name: a, molecules: [1]}]}\n"),
+             Contains("already"));
+  CHECK_THAT(answer("experiment: {kind: loads, moved: [{molecules: [0], displacement: [1 mm, 0, 0]}, {molecules: [0], "
+                    "displacement: [1 mm, 0, 0]}]}\n"),
+             Contains("moved twice"));
+}
