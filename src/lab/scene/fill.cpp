@@ -36,7 +36,7 @@ void report(const std::string& path, const std::string& name, const mesh::Fillin
                     filling.slivers, filling.tetrahedra.size()));
   if (filling.left_out > 0)
     remarks.warnings.push_back(
-        fmt::format("{}: {} molecules are left out that hang on no tetrahedron inside", path, filling.left_out));
+        fmt::format("{}: {} left out: no tetrahedron inside has them", path, counted(filling.left_out, "molecule")));
   if (part < kLeastVolume)
     remarks.warnings.push_back(
         fmt::format("{}: only {:.1f} % of the surface's volume is filled: give a smaller spacing", path, 100 * part));
@@ -59,7 +59,8 @@ Body fill(const FillSetup& setup, ShapeContext& context) {
     return (surface.points.rowwise().maxCoeff() - surface.points.rowwise().minCoeff()).maxCoeff();
   };
   if (surface.triangles.empty() || (!wrong.empty() && surface.widest_hole > kWidestHole * extent()))
-    file.fail("'" + name + "' encloses no volume that could be filled: " + wrong);
+    file.fail("'" + name + "' encloses no volume that could be filled: " + wrong +
+              (surface.repairs.empty() ? "" : " after its repair: " + listed(surface.repairs)));
   if (!surface.repairs.empty()) context.remarks.notes.push_back(name + " repaired: " + listed(surface.repairs));
   if (!wrong.empty())
     context.remarks.warnings.push_back(fmt::format(
