@@ -63,10 +63,10 @@ Body fill(const FillSetup& setup, ShapeContext& context) {
               (surface.repairs.empty() ? "" : " after its repair: " + listed(surface.repairs)));
   if (!surface.repairs.empty()) context.remarks.notes.push_back(name + " repaired: " + listed(surface.repairs));
   if (!wrong.empty())
-    context.remarks.warnings.push_back(fmt::format(
-        "{}: {}; what it goes round at least half a time is inside (winding number), and the volume is that "
-        "of the cells",
-        setup.place->path(), wrong));
+    context.remarks.warnings.push_back(
+        fmt::format("{}: {}; what it goes round at least half a time is inside (winding number), and its volume is "
+                    "measured to 0.5 %",
+                    setup.place->path(), wrong));
 
   mesh::FillOptions options = setup;
   options.most_molecules = std::min(options.most_molecules, file.most_molecules());
