@@ -139,9 +139,9 @@ class BdfReader {
   }
 
   void add_node(const Entry& entry) {
-    if (entry.fields.size() < 3) fail(entry.at, "GRID: expected a node's number, its system and coordinates");
+    if (entry.fields.empty()) fail(entry.at, "GRID: expected a node's number");
     const long long name = whole(entry.fields[0], "a node's number");
-    if (!entry.fields[1].empty() && entry.fields[1] != "0")
+    if (entry.fields.size() > 1 && !entry.fields[1].empty() && entry.fields[1] != "0")
       fail(entry.fields[1],
            "GRID: coordinates of the basic system alone are read; this is one of system " + quoted(entry.fields[1]));
     if (!nodes_.emplace(name, mesh_.point_count()).second)

@@ -53,8 +53,7 @@ struct Polygons {
   void hand_over(MeshBuilder& mesh) const {
     Vector3 low = Vector3::Constant(std::numeric_limits<double>::infinity()), high = -low;
     for (const std::vector<int>& face : faces)
-      for (const int corner : face)
-        low = low.cwiseMin(corners[corner]), high = high.cwiseMax(corners[corner]);
+      for (const int corner : face) low = low.cwiseMin(corners[corner]), high = high.cwiseMax(corners[corner]);
     Places places(faces.empty() ? 0 : (high - low).maxCoeff());
     std::vector<int> point(corners.size(), -1);
     for (std::vector<int> face : faces) {

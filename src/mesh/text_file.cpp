@@ -205,7 +205,7 @@ long long Cursor::integer(const char* what, NumberType type) {
     case 2:
       return has_sign ? raw<std::int16_t>(what) : raw<std::uint16_t>(what);
     case 4:
-      return has_sign ? raw<std::int32_t>(what) : raw<std::uint32_t>(what);
+      return has_sign ? static_cast<long long>(raw<std::int32_t>(what)) : raw<std::uint32_t>(what);
     default:
       return static_cast<long long>(raw<std::int64_t>(what));
   }

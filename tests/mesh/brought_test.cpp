@@ -137,7 +137,10 @@ TEST_CASE("Nastran files: what is included, and where it is wrong", "[brought]")
   CHECK_THAT(refusal("INCLUDE 'nodes.inc'\n"), Contains("nodes.inc:1:15: expected a coordinate"));
   CHECK_THAT(refusal("$ nothing\ninclude no.inc\n"), Contains("a.bdf:2:9: ") && Contains("no.inc: cannot open"));
   CHECK_THAT(refusal("include 'a.bdf'\n"), Contains("do they include each other?"));
-  CHECK_THAT(refusal("GRID,1\n"), Contains("a.bdf:1:1: GRID: expected a node's number"));
+  CHECK_THAT(refusal("GRID\n"), Contains("a.bdf:1:1: GRID: expected a node's number"));
+  // A node without coordinates stands at the origin.
+  const std::string cell = "GRID,2,,1.\nGRID,3,,,1.\nGRID,4,,,,1.\nCTETRA,9,1,1,2,3,4\n";
+  CHECK(volume(load_mesh(folder.write("b.bdf", "GRID,1\n" + cell))) == Approx(1 / 6.));
 }
 
 TEST_CASE("Abaqus files: instances are displaced and turned, and have sets of their own", "[brought]") {

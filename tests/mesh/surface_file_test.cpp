@@ -132,6 +132,18 @@ TEST_CASE("corners that differ by rounding are one, and those further apart are 
   CHECK(points_with(1e-3) == 12);
 }
 
+TEST_CASE("strips of triangles end at -1, in binary files too", "[surface_file]") {
+  const TemporaryFolder folder;
+  std::string bytes =
+      "ply\nformat binary_little_endian 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
+      "element tristrips 1\nproperty list int int vertex_indices\nend_header\n";
+  for (const auto& point : kPoints) append(bytes, point.data(), 12);
+  const std::array<std::int32_t, 9> strips{8, 0, 2, 1, 3, -1, 0, 3, 2};  // their number first
+  append(bytes, strips.data(), sizeof strips);
+  const Mesh mesh = load_mesh(folder.write("strips.ply", bytes));
+  CHECK(mesh.triangles == Cells<3>{{0, 2, 1}, {2, 3, 1}, {0, 3, 2}});
+}
+
 TEST_CASE("a PLY file that is broken is refused where it is", "[surface_file]") {
   const TemporaryFolder folder;
   const auto refusal = [&](const std::string& from, const std::string& to) -> std::string {
