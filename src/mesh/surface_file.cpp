@@ -51,6 +51,8 @@ struct Polygons {
 
   /// Corners at the same position become one point of the mesh.
   void hand_over(MeshBuilder& mesh) const {
+    if (faces.empty())  // for the refusal, which counts them
+      for (const Vector3& corner : corners) mesh.add_point(corner);
     Vector3 low = Vector3::Constant(std::numeric_limits<double>::infinity()), high = -low;
     for (const std::vector<int>& face : faces)
       for (const int corner : face) low = low.cwiseMin(corners[corner]), high = high.cwiseMax(corners[corner]);

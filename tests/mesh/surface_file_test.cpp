@@ -197,6 +197,7 @@ TEST_CASE("a surface file that is broken is refused by its name", "[surface_file
   CHECK_THAT(refusal("nan.stl", "solid a\nvertex 0 0 nan\n"), Contains("nan.stl:2:12: expected a coordinate"));
   CHECK_THAT(refusal("words.ply", "nothing of the kind"), Contains("words.ply:1:1: expected ply, found 'nothing'"));
   CHECK_THAT(refusal("empty.obj", ""), Contains("empty.obj: no triangles; it has 0 points"));
+  CHECK_THAT(refusal("cloud.obj", "v 0 0 0\nv 1 0 0\n"), Contains("cloud.obj: no triangles; it has 2 points"));
   CHECK_THAT(refusal("lines.obj", "v 0 0 0\nv 1 0 0\nl 1 2\n"), Contains("lines.obj: no triangles; it has 1 line"));
   CHECK_THAT(refusal("a.obj", "v 0 0 0\nf 1 2 x\n"), Contains("a.obj:2:7: expected a corner of a face"));
   CHECK_THAT(refusal("a.obj", "f 1 2 -1\n"), Contains("a.obj:1:7: expected a corner of a face"));
