@@ -21,7 +21,7 @@ const Later& later() {
 }  // namespace elastin::command
 
 // The linker takes these in place of the functions of the same names in the static libraries, and so the program does
-// not need FCL, Assimp and Ceres, which those functions call.
+// not need FCL and Ceres, which those functions call.
 
 using elastin::command::later;
 
@@ -31,10 +31,6 @@ std::vector<elastin::contact::Overlap> elastin::contact::find_overlaps(const Bod
 }
 bool elastin::contact::triangles_cross(const std::array<Vector3, 3>& one, const std::array<Vector3, 3>& other) {
   return later().triangles_cross(one, other);
-}
-elastin::mesh::format::Polygons elastin::mesh::format::read_polygons(std::string_view bytes,
-                                                                     const std::string& ending) {
-  return later().read_polygons(bytes, ending);
 }
 elastin::lab::LeastSquaresResult elastin::lab::minimise_squares(const LeastSquaresProblem& problem,
                                                                 const VectorX& start) {

@@ -2,7 +2,6 @@
 #include "contact/triangles_cross.h"
 #include "elastin/contact/overlaps.h"
 #include "lab/run/least_squares.h"
-#include "mesh/polygons.h"
 
 namespace elastin::command {
 
@@ -10,7 +9,6 @@ namespace elastin::command {
 struct Later {
   decltype(&contact::find_overlaps) find_overlaps;
   decltype(&contact::triangles_cross) triangles_cross;
-  decltype(&mesh::format::read_polygons) read_polygons;
   decltype(&lab::minimise_squares) minimise_squares;
 };
 

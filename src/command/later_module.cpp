@@ -1,5 +1,4 @@
 #include "command/later.h"
 
 extern "C" const elastin::command::Later elastin_later{
-    &elastin::contact::find_overlaps, &elastin::contact::triangles_cross, &elastin::mesh::format::read_polygons,
-    &elastin::lab::minimise_squares};
+    &elastin::contact::find_overlaps, &elastin::contact::triangles_cross, &elastin::lab::minimise_squares};

@@ -1,4 +1,3 @@
-#include <charconv>
 #include <map>
 
 #include "mesh/mesh_formats.h"
@@ -37,36 +36,46 @@ constexpr std::string_view kLeftOut[] = {"CBAR", "CBEAM",  "CBUSH", "CDAMP", "CE
 /// One entry: its name and the fields behind it, with those of the lines that continue it.
 struct Entry {
   std::string name;
+  std::string_view at;  ///< where it stands
   std::vector<std::string_view> fields;
 };
 
 class BdfReader {
  public:
-  BdfReader(Cursor in, MeshBuilder& mesh) : in_(in), mesh_(mesh) {}
-
-  void read() {
-    bool bulk = in_.data().find("BEGIN BULK") == std::string_view::npos;
-    while (in_.left() > 0) {
-      std::string_view line = in_.line();
-      line = line.substr(0, line.find('$'));
-      const std::string_view text = trimmed(line);
-      if (text.empty()) continue;
-      if (text.starts_with("BEGIN BULK")) {
-        bulk = true;
-        continue;
-      }
-      if (text.starts_with("ENDDATA")) break;
-      if (bulk) add_line(line);
-    }
+  BdfReader(const Cursor& in, MeshBuilder& mesh) : mesh_(mesh), sources_(in) {
+    bulk_ = upper_case(in.data()).find("BEGIN BULK") == std::string::npos;
+    read_lines(in);
     end_entry();
     // Cells may stand before their nodes.
     for (const Entry& entry : cells_) add_cell(entry);
   }
 
  private:
-  std::size_t offset(std::string_view part) const { return static_cast<std::size_t>(part.data() - in_.data().data()); }
+  void read_lines(Cursor in) {
+    while (in.left() > 0 && !ended_) {
+      std::string_view line = in.line();
+      line = line.substr(0, line.find('$'));
+      const std::string_view text = trimmed(line);
+      const std::string word = upper_case(text.substr(0, 10));
+      if (word.starts_with("BEGIN BULK")) {
+        bulk_ = true;
+      } else if (word.starts_with("INCLUDE")) {
+        std::string_view name = trimmed(text.substr(7));
+        if (name.size() > 1 && (name.front() == '\'' || name.front() == '"') && name.back() == name.front())
+          name = name.substr(1, name.size() - 2);
+        read_lines(sources_.include(name));
+      } else if (word.starts_with("ENDDATA")) {
+        ended_ = true;
+      } else if (bulk_ && !text.empty()) {
+        add_line(line);
+      }
+    }
+  }
 
-  /// The fields of a line: between commas, or in columns of 8, of which the middle ones are 16 wide behind a *.
+  [[noreturn]] void fail(std::string_view at, const std::string& message) const { sources_.fail(at, message); }
+
+  /// The fields of a line: between commas, or in columns of 8, of which the middle ones are 16 wide behind a *; a tab
+  /// goes on to the next multiple of 8.
   static std::vector<std::string_view> fields_of(std::string_view line) {
     std::vector<std::string_view> fields;
     if (line.find(',') != std::string_view::npos) {
@@ -75,11 +84,17 @@ class BdfReader {
       return fields;
     }
     const bool wide = line.substr(0, 8).find('*') != std::string_view::npos;
-    for (std::size_t from = 0; from < std::min<std::size_t>(line.size(), 72);) {
-      const std::size_t width = wide && from > 0 ? 16 : 8;
-      fields.push_back(trimmed(line.substr(from, width)));
-      from += width;
+    std::size_t from = 0, edge = 8, column = 0;
+    const auto end_field = [&](std::size_t to) {
+      fields.push_back(trimmed(line.substr(from, to - from)));
+      from = to, edge += wide ? 16 : 8;
+    };
+    for (std::size_t at = 0; at < line.size() && column < 72; ++at) {
+      while (column >= edge) end_field(at);
+      column += line[at] == '\t' ? 8 - column % 8 : 1;
+      if (column >= 72) end_field(at + 1);
     }
+    if (column < 72) end_field(line.size());
     return fields;
   }
 
@@ -90,6 +105,7 @@ class BdfReader {
     if (!goes_on) {
       end_entry();
       if (name.ends_with('*')) name.remove_suffix(1);
+      entry_.at = name;
       entry_.name = upper_case(trimmed(name));
     } else if (entry_.name.empty()) {
       return;
@@ -101,11 +117,9 @@ class BdfReader {
     Entry entry = std::move(entry_);
     entry_ = {};
     if (entry.name == "GRID") return add_node(entry);
-    if (entry.name == "INCLUDE")
-      in_.fail(entry.fields.empty() ? 0 : offset(entry.fields[0]), "INCLUDE is not read: put the mesh into one file");
     for (const std::string_view refused : kRefused)
       if (entry.name == refused && !entry.fields.empty())
-        in_.fail(offset(entry.fields[0]), entry.name + " is not used; allowed: CTETRA, CHEXA, CPENTA, CTRIA3, CTRIA6");
+        fail(entry.at, entry.name + " is not used; allowed: CTETRA, CHEXA, CPENTA, CTRIA3, CTRIA6");
     for (const BdfCell& cell : bdf_cells)
       if (entry.name == cell.name) cells_.push_back(entry);
     for (const std::string_view left_out : kLeftOut)
@@ -113,28 +127,25 @@ class BdfReader {
   }
 
   long long whole(std::string_view field, const char* what) const {
-    long long value = 0;
-    const auto [end, problem] = std::from_chars(field.data(), field.data() + field.size(), value);
-    if (problem != std::errc() || end != field.data() + field.size())
-      in_.fail(offset(field), std::string("expected ") + what + ", found " + quoted(field));
-    return value;
+    if (const auto value = whole_number(field)) return *value;
+    fail(field, std::string("expected ") + what + ", found " + quoted(field));
   }
 
   /// "1.5", "1.5E-3", "1.5D-3" or, as Nastran alone writes, "1.5-3". An empty field is 0.
   double real(std::string_view field) const {
     if (field.empty()) return 0;
     if (const auto value = fortran_real(field)) return *value;
-    in_.fail(offset(field), "expected a coordinate, a finite number, found " + quoted(field));
+    fail(field, "expected a coordinate, a finite number, found " + quoted(field));
   }
 
   void add_node(const Entry& entry) {
-    if (entry.fields.size() < 3) in_.fail(in_.at(), "GRID: expected a node's number, its system and coordinates");
+    if (entry.fields.empty()) fail(entry.at, "GRID: expected a node's number");
     const long long name = whole(entry.fields[0], "a node's number");
-    if (!entry.fields[1].empty() && entry.fields[1] != "0")
-      in_.fail(offset(entry.fields[1]), "GRID: coordinates of the basic system alone are read; this is one of system " +
-                                            quoted(entry.fields[1]));
+    if (entry.fields.size() > 1 && !entry.fields[1].empty() && entry.fields[1] != "0")
+      fail(entry.fields[1],
+           "GRID: coordinates of the basic system alone are read; this is one of system " + quoted(entry.fields[1]));
     if (!nodes_.emplace(name, mesh_.point_count()).second)
-      in_.fail(offset(entry.fields[0]), "node " + std::to_string(name) + " stands here a second time");
+      fail(entry.fields[0], "node " + std::to_string(name) + " stands here a second time");
     Vector3 position = Vector3::Zero();
     for (std::size_t k = 0; k < 3 && k + 2 < entry.fields.size(); ++k)
       position[static_cast<Eigen::Index>(k)] = real(entry.fields[k + 2]);
@@ -154,28 +165,30 @@ class BdfReader {
       const long long node = whole(field, "a node of an element");
       const auto found = nodes_.find(node);
       if (found == nodes_.end())
-        in_.fail(offset(field),
-                 "cell " + std::to_string(name) + " uses node " + std::to_string(node) + ", which no GRID has");
+        fail(field, "cell " + std::to_string(name) + " uses node " + std::to_string(node) + ", which no GRID has");
       points.push_back(found->second);
     }
-    const std::size_t at = entry.fields.empty() ? 0 : offset(entry.fields[0]);
+    const std::string_view at = entry.fields.empty() ? entry.at : entry.fields[0];
+    if (kind->first.use == CellUse::face && points.size() > kind->corners)
+      points.resize(kind->corners);  // some of its middles may be missing
     const CellType& type = points.size() == kind->corners ? kind->first : kind->second;
     if (points.size() != kind->corners && points.size() != kind->all)
-      in_.fail(at, entry.name + ": expected " + std::to_string(kind->corners) + " or " + std::to_string(kind->all) +
-                       " nodes, found " + std::to_string(points.size()));
+      fail(at, entry.name + ": expected " + std::to_string(kind->corners) + " or " + std::to_string(kind->all) +
+                   " nodes, found " + std::to_string(points.size()));
     mesh_.admit(type, [&] {
-      in_.fail(at, type.use == CellUse::face
-                       ? entry.name + " is not used; allowed: CTETRA, CHEXA, CPENTA, CTRIA3, CTRIA6"
-                       : "cell " + std::to_string(name) + ": a CPENTA of second order is not used; one of 6 nodes is");
+      fail(at, type.use == CellUse::face
+                   ? entry.name + " is not used; allowed: CTETRA, CHEXA, CPENTA, CTRIA3, CTRIA6"
+                   : "cell " + std::to_string(name) + ": a CPENTA of second order is not used; one of 6 nodes is");
     });
     const std::string problem = mesh_.add_cell(type, points);
-    if (!problem.empty()) in_.fail(at, "cell " + std::to_string(name) + problem);
+    if (!problem.empty()) fail(at, "cell " + std::to_string(name) + problem);
     if (entry.fields.size() > 1 && !entry.fields[1].empty())
       mesh_.add_to_set(std::string(entry.fields[1]), points);  // its property
   }
 
-  Cursor in_;
   MeshBuilder& mesh_;
+  Sources sources_;
+  bool bulk_ = false, ended_ = false;
   Entry entry_;
   std::vector<Entry> cells_;
   std::map<long long, int> nodes_;
@@ -183,6 +196,6 @@ class BdfReader {
 
 }  // namespace
 
-void read_bdf(Cursor in, MeshBuilder& mesh) { BdfReader(in, mesh).read(); }
+void read_bdf(Cursor in, MeshBuilder& mesh) { BdfReader(in, mesh); }
 
 }  // namespace elastin::mesh::format

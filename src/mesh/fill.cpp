@@ -51,6 +51,30 @@ double volume_inside(const Positions& points, const Cells<3>& triangles) {
   return sum;
 }
 
+/// Of a surface that is open or crosses itself: the share of its box that lies inside, by one random point in each of
+/// some 50 000 boxes, to 0.1 to 0.5 %.
+double volume_by_points(const Inside& inside) {
+  constexpr double points = 50000;
+  const Vector3 low = inside.points().rowwise().minCoeff(), span = inside.points().rowwise().maxCoeff() - low;
+  const Vector3 wide = span.cwiseMax(span.maxCoeff() / 40);  // thin ones have one layer of points
+  const double side = std::cbrt(wide.prod() / points);
+  const Eigen::Vector3i counts = (span.array() / side).ceil().max(1).cast<int>();
+  std::mt19937_64 generator(0);
+  std::vector<Vector3> positions;
+  for (int z = 0; z < counts[2]; ++z)
+    for (int y = 0; y < counts[1]; ++y)
+      for (int x = 0; x < counts[0]; ++x) {
+        Vector3 part(x, y, z);
+        for (double& along : part) along += unit_random(generator);
+        positions.push_back(low + (part.array() / counts.cast<double>().array() * span.array()).matrix());
+      }
+  std::vector<char> is_inside(positions.size());
+  parallel_for(static_cast<int>(positions.size()),
+               [&](int p) { is_inside[p] = inside.winding->at(positions[p]) > 0.5; });
+  return span.prod() * static_cast<double>(std::count(is_inside.begin(), is_inside.end(), 1)) /
+         static_cast<double>(positions.size());
+}
+
 /// Which cubes of a grid over the surface lie inside, outside or across it.
 class Voxels {
  public:
@@ -221,7 +245,8 @@ FillRegion::~FillRegion() = default;
 
 Filling FillRegion::fill(const FillOptions& options) const {
   Filling filling;
-  filling.surface_volume = volume_inside(tree_->points(), tree_->triangles());
+  filling.surface_volume =
+      tree_->winding ? volume_by_points(*tree_) : volume_inside(tree_->points(), tree_->triangles());
   const Vector3 box = tree_->points().rowwise().maxCoeff() - tree_->points().rowwise().minCoeff();
   check_count((box.array() / options.spacing + 1).prod(), "in the surface's box", options);
   if (options.follow) check_count(area_of(*tree_) / options.spacing / options.spacing, "on the surface", options);
@@ -242,7 +267,7 @@ Filling FillRegion::fill(const FillOptions& options) const {
   leave_out_isolated(filling);
   const VectorX masses = lumped_mass(filling.positions, {}, filling.tetrahedra, 1, 0);
   filling.volume = masses.sum();
-  if (tree_->winding) filling.surface_volume = filling.volume;
+  if (tree_->winding && !(filling.surface_volume > 0)) filling.surface_volume = filling.volume;
   filling.share = masses / filling.volume;
   filling.slivers = hull::count_slivers(filling.positions, filling.tetrahedra);
   return filling;

@@ -5,6 +5,7 @@
 #include <bit>
 #include <charconv>
 #include <map>
+#include <optional>
 #include <utility>
 
 #include "elastin/core/base/error.h"
@@ -133,7 +134,7 @@ void begin_data(Cursor& in, const Format& format) {
 void read_tag(Cursor& in, NumberType width, Tags& tags) {
   const std::size_t at = in.next_at();
   const long long tag = in.integer("a point's number", width);
-  if (tag < 1) in.fail(at, "expected a point's number, from 1 to 2⁶³−1; found " + std::to_string(tag));
+  if (tag < 0) in.fail(at, "expected a point's number, from 0 to 2⁶³−1; found " + std::to_string(tag));
   tags.add(tag, at);
 }
 
@@ -198,14 +199,19 @@ struct Groups {
   }
 };
 
+/// Each name's dimension and number; the first files of version 2 have the number alone.
 void read_group_names(Cursor& in, Groups& groups) {
   const std::size_t count = in.count("the number of physical names");
   for (std::size_t i = 0; i < count; ++i) {
-    const long long dimension = in.integer("the dimension of a group"), number = in.integer("the number of a group");
+    const long long dimension = in.integer("the dimension of a group");
+    std::optional<long long> number;
+    if (in.more() && in.data()[in.at()] != '"') number = in.integer("the number of a group");
     const std::string_view rest = in.line();
     const std::size_t first = rest.find('"'), last = rest.rfind('"');
     if (first == std::string_view::npos || last == first) in.fail(in.at(), "expected a group's name in quotes");
-    groups.names[{dimension, number}] = rest.substr(first + 1, last - first - 1);
+    const std::string_view name = rest.substr(first + 1, last - first - 1);
+    for (long long any = 0; any < 4 && !number; ++any) groups.names[{any, dimension}] = name;
+    if (number) groups.names[{dimension, *number}] = name;
   }
 }
 

@@ -1,6 +1,5 @@
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <list>
 #include <map>
@@ -39,6 +38,7 @@ const std::vector<CellType>& inp_cell_types() {
              {CellUse::face, 6, "", {"SFM3D6"}},
              {CellUse::face, 8, "", {"S8", "M3D8", "CPS8", "CPE8", "SFM3D8"}},
              {CellUse::face, 9, "", {"S9", "M3D9"}},
+             {CellUse::line, 0, "", {"D"}},  // of CalculiX, part of a network of pipes
              {CellUse::line, 0, "", {"T2D", "T3D", "B2", "B3", "PIPE", "FRAME", "RB2D", "RB3D"}},
              {CellUse::line, 0, "", {"SPRING", "DASHPOT", "CONN", "GAP", "DCOUP", "JOINTC"}},
              {CellUse::point, 0, "", {"MASS", "ROTARYI"}}})
@@ -48,12 +48,13 @@ const std::vector<CellType>& inp_cell_types() {
   return types;
 }
 
-/// Of the longest beginning.
+/// Of the longest beginning; a name of one letter is a whole one.
 const CellType& find_inp_type(std::string_view name) {
   const CellType* found = &find_cell_type({}, -1);
   std::size_t longest = 0;
   for (const CellType& type : inp_cell_types())
-    if (const std::size_t length = std::string_view(type.name).size(); name.starts_with(type.name) && length > longest)
+    if (const std::size_t length = std::string_view(type.name).size();
+        name.starts_with(type.name) && length > longest && (length > 1 || name.size() == 1))
       found = &type, longest = length;
   return *found;
 }
@@ -91,7 +92,7 @@ struct Parameters {
 
 class InpReader {
  public:
-  InpReader(Cursor in, MeshBuilder& mesh) : mesh_(mesh) {
+  InpReader(const Cursor& in, MeshBuilder& mesh) : mesh_(mesh), sources_(in) {
     part_ = &parts_.emplace_back();
     read_lines(in);
     end_section();
@@ -158,18 +159,7 @@ class InpReader {
     const char* refusal = "";
   };
 
-  /// The file in which a text stands.
-  const Cursor& source_of(std::string_view at) const {
-    const auto holds = [&](const Cursor& source) {
-      return source.data().data() <= at.data() && at.data() <= source.data().data() + source.data().size();
-    };
-    const auto found = std::find_if(sources_.begin(), sources_.end(), holds);
-    return found == sources_.end() ? sources_.front() : *found;
-  }
-  [[noreturn]] void fail(std::string_view at, const std::string& message) const {
-    const Cursor& source = source_of(at);
-    source.fail(static_cast<std::size_t>(at.data() - source.data().data()), message);
-  }
+  [[noreturn]] void fail(std::string_view at, const std::string& message) const { sources_.fail(at, message); }
 
   template <class Number>
   Number number(std::string_view field, const char* what) const {
@@ -177,16 +167,13 @@ class InpReader {
     if constexpr (std::is_floating_point_v<Number>) {
       value = field.empty() ? 0 : fortran_real(field);
     } else {
-      const std::string_view digits = field.starts_with('+') ? field.substr(1) : field;
-      const auto [end, problem] = std::from_chars(digits.data(), digits.data() + digits.size(), value.emplace());
-      if (problem != std::errc() || end != digits.data() + digits.size()) value.reset();
+      value = whole_number(field);
     }
     if (!value) fail(field, std::string("expected ") + what + ", found " + quoted(field));
     return *value;
   }
 
   void read_lines(Cursor in) {
-    sources_.push_back(in);
     while (in.left() > 0 && !ended_) {
       std::string_view text = trimmed(in.line());
       if (text.empty() || text.starts_with("**")) continue;
@@ -249,16 +236,7 @@ class InpReader {
       (this->*known->begin)(parameters);
     }
     if (!input) return;
-    const std::string& own = sources_.front().path();
-    const std::string path = own.substr(0, own.find_last_of('/') + 1) + std::string(unquoted(*input));
-    if (files_.size() > 100)
-      fail(*input, "this file is the hundredth one that is included: do they include each other?");
-    try {
-      files_.push_back(load_file(path));
-    } catch (const InputError& error) {
-      fail(*input, error.what());
-    }
-    read_lines(Cursor(files_.back()));
+    read_lines(sources_.include(unquoted(*input)));
   }
 
   void end_section() {
@@ -287,7 +265,6 @@ class InpReader {
     begin_set_of_section(parameters, true);
   }
   void read_node(const Fields& parts) {
-    if (parts.size() < 2) fail(parts[0], "expected a node's number and its coordinates");
     Vector3 position = Vector3::Zero();
     for (std::size_t k = 0; k < 3 && k + 1 < parts.size(); ++k)
       position[static_cast<Eigen::Index>(k)] = number<double>(parts[k + 1], "a coordinate, a finite number");
@@ -424,7 +401,7 @@ class InpReader {
           points.push_back(part.first_point + static_cast<int>(found->second));
           continue;
         }
-        const std::string_view data = source_of(element.at).data();
+        const std::string_view data = sources_.of(element.at).data();
         std::string_view at = data.substr(static_cast<std::size_t>(element.at.data() - data.data()));
         for (std::size_t comma = 0; comma <= corner; ++comma)
           at.remove_prefix(std::min(at.find(','), at.size() - 1) + 1);
@@ -479,9 +456,8 @@ class InpReader {
 
   static constexpr long long kMost = 10000000;  ///< that one line may make
   MeshBuilder& mesh_;
-  std::list<File> files_;      ///< that are included
-  std::list<Cursor> sources_;  ///< at the beginnings of the files
-  std::list<Part> parts_;      ///< first what stands outside of parts
+  Sources sources_;
+  std::list<Part> parts_;  ///< first what stands outside of parts
   Part* part_ = nullptr;
   // The section that is being read:
   std::string_view here_;  ///< its keyword

@@ -210,6 +210,38 @@ std::string MeshBuilder::add_triangle(const std::array<int, 3>& corners) {
          number(longest, 3) + ") squared; remove it, or mesh again";
 }
 
+std::string MeshBuilder::add_polygon(std::span<const int> corners) {
+  if (corners.size() < 3) {
+    leave_out(corners.size() == 2 ? "line" : "point");
+    return "";
+  }
+  constexpr std::size_t many = 1000;  // corners, for which the search for ears takes too long
+  std::vector<int> left(corners.begin(), corners.end());
+  Vector3 normal = Vector3::Zero();
+  for (std::size_t k = 2; k < left.size(); ++k)
+    normal += (points_[left[k - 1]] - points_[left[0]]).cross(points_[left[k]] - points_[left[0]]);
+  const auto turn = [&](int a, int b, int c) {
+    return (points_[b] - points_[a]).cross(points_[c] - points_[a]).dot(normal);
+  };
+  std::string problem;
+  while (left.size() > 3) {
+    const std::size_t n = left.size();
+    const auto at = [&](std::size_t k) { return left[k % n]; };
+    const auto is_ear = [&](std::size_t k) {
+      const int a = at(k - 1), b = at(k), c = at(k + 1);
+      return turn(a, b, c) > 0 && std::none_of(left.begin(), left.end(), [&](int p) {
+               return p != a && p != b && p != c && turn(a, b, p) >= 0 && turn(b, c, p) >= 0 && turn(c, a, p) >= 0;
+             });
+    };
+    std::size_t ear = 1;
+    while (n <= many && ear <= n && !is_ear(ear)) ++ear;
+    if (ear > n) ear = 1;
+    problem += add_triangle({at(ear - 1), at(ear), at(ear + 1)});
+    left.erase(left.begin() + static_cast<std::ptrdiff_t>(ear % n));
+  }
+  return problem + add_triangle({left[0], left[1], left[2]});
+}
+
 std::string MeshBuilder::add_tetrahedron(std::array<int, 4> corners) {
   Positions positions(3, 4);
   std::array<Vector3, 4> x;
@@ -274,8 +306,15 @@ Mesh MeshBuilder::finish(const std::string& path) const {
   };
   const bool solid = !tetrahedra_.empty() || std::any_of(blocks_.begin(), blocks_.end(), of(3));
   if (!solid && without_solid_) throw *without_solid_;
-  if (tetrahedra_.empty() && triangles_.empty() && blocks_.empty())
-    throw InputError(SourceLocation{path, 0, 0}, "no tetrahedra and no triangles; mesh with them, e.g. gmsh -3");
+  if (tetrahedra_.empty() && triangles_.empty() && blocks_.empty()) {
+    std::vector<std::string> found;
+    for (const auto& [what, count] : left_out_)
+      if (count > 0) found.push_back(counted(static_cast<std::ptrdiff_t>(count), what));
+    if (found.empty()) found.push_back(counted(point_count(), "point"));
+    throw InputError(
+        SourceLocation{path, 0, 0},
+        std::string("no triangles") + (surface_ ? "" : " and no cells of a solid") + "; it has " + listed(found));
+  }
   Mesh mesh;
   std::copy_if(blocks_.begin(), blocks_.end(), std::back_inserter(mesh.blocks), of(solid ? 3 : 2));
   if (solid)
@@ -338,7 +377,7 @@ Mesh MeshBuilder::finish(const std::string& path) const {
 namespace {
 
 struct KnownFormat : MeshFormat {
-  void (*read)(Cursor, MeshBuilder&);  ///< null: read_surface
+  void (*read)(Cursor, MeshBuilder&);
 };
 
 const KnownFormat kFormats[] = {{{".msh", "1, 2 and 4.1", MeshContent::cells_with_data}, read_gmsh},
@@ -347,10 +386,11 @@ const KnownFormat kFormats[] = {{{".msh", "1, 2 and 4.1", MeshContent::cells_wit
                                 {{".inp", "", MeshContent::cells}, read_inp},
                                 {{".bdf", "", MeshContent::cells}, read_bdf},
                                 {{".nas", "", MeshContent::cells}, read_bdf},
+                                {{".fem", "", MeshContent::cells}, read_bdf},
                                 {{".unv", "", MeshContent::cells}, read_unv},
-                                {{".stl", "", MeshContent::surface}, nullptr},
-                                {{".obj", "", MeshContent::surface}, nullptr},
-                                {{".off", "", MeshContent::surface}, nullptr},
+                                {{".stl", "", MeshContent::surface}, read_stl},
+                                {{".obj", "", MeshContent::surface}, read_obj},
+                                {{".off", "", MeshContent::surface}, read_off},
                                 {{".ply", "", MeshContent::surface}, read_ply}};
 
 /// Files that are not read, by the command that converts them: < is the file, > the converted one. Gmsh and meshio are
@@ -397,10 +437,7 @@ const KnownFormat& format_of(const std::string& path) {
 Mesh read_mesh(const File& file) {
   const KnownFormat& format = format_of(file.path);
   MeshBuilder mesh(format.content == MeshContent::surface);
-  if (format.read)
-    format.read(Cursor(file), mesh);
-  else
-    read_surface(file, format.ending, mesh);
+  format.read(Cursor(file), mesh);
   return mesh.finish(file.path);
 }
 

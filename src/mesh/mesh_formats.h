@@ -67,6 +67,8 @@ class MeshBuilder {
   /// wrong with it (" is a flat triangle: …"), or "".
   std::string add_cell(const CellType& type, std::span<const int> points);
   std::string add_triangle(const std::array<int, 3>& corners);
+  /// Cuts a polygon into triangles, a concave one where the cut lies inside. Fewer than three corners are left out.
+  std::string add_polygon(std::span<const int> corners);
   /// Puts points into a named group.
   void add_to_set(const std::string& name, std::span<const int> points) {
     sets_[name].insert(points.begin(), points.end());
@@ -146,8 +148,9 @@ void read_vtu(Cursor in, MeshBuilder& mesh);
 
 void read_ply(Cursor in, MeshBuilder& mesh);
 
-/// .obj, .stl by the library Assimp; `ending` with its dot, in small letters.
-void read_surface(const File& file, const std::string& ending, MeshBuilder& mesh);
+void read_stl(Cursor in, MeshBuilder& mesh);
+void read_obj(Cursor in, MeshBuilder& mesh);
+void read_off(Cursor in, MeshBuilder& mesh);
 
 /// load_mesh for a file that is in memory already; the format goes by the path's ending.
 Mesh read_mesh(const File& file);

@@ -130,29 +130,37 @@ std::vector<int> read_points(Cursor& in, const Element& element, MeshBuilder& me
   return points;
 }
 
-/// A polygon becomes triangles about its first corner.
-void read_face(Cursor& in, std::size_t number, const Property& corners, const std::vector<int>& points,
+/// A polygon; or strips, in which each corner makes a triangle with the two before it, and −1 ends a strip.
+void read_face(Cursor& in, std::size_t number, const Property& corners, bool strips, const std::vector<int>& points,
                MeshBuilder& mesh) {
   const std::size_t at = in.next_at();
   const std::size_t size = read_list_size(in, *corners.list);
   if (size < 3)
     in.fail(at, "face " + std::to_string(number) + " has " + std::to_string(size) + " corners; 3 or more make one");
+  std::string problem;
+  std::size_t strip = 0;
   const Integers vertices = in.integers(size, "a vertex of a face", corners.type);
   std::vector<int> corner;
   for (std::size_t i = 0; i < size; ++i) {
     const long long vertex = vertices.values[i];
+    if (strips && vertex == -1) {
+      strip = corner.size();
+      continue;
+    }
     if (vertex < 0 || static_cast<std::size_t>(vertex) >= points.size())
       vertices.fail(i, "face " + std::to_string(number) + " uses vertex " + std::to_string(vertex) +
                            ", but there are " + std::to_string(points.size()));
     corner.push_back(points[vertex]);
+    const std::size_t n = corner.size();
+    if (!strips || n < strip + 3) continue;
+    const bool turned = (n - strip) % 2 == 0;
+    problem += mesh.add_triangle({corner[n - 3], corner[n - (turned ? 1 : 2)], corner[n - (turned ? 2 : 1)]});
   }
-  for (std::size_t i = 2; i < size; ++i) {
-    const std::string problem = mesh.add_triangle({corner[0], corner[i - 1], corner[i]});
-    if (!problem.empty()) in.fail(at, "face " + std::to_string(number) + problem);
-  }
+  if (!strips) problem = mesh.add_polygon(corner);
+  if (!problem.empty()) in.fail(at, "face " + std::to_string(number) + problem);
 }
 
-void read_faces(Cursor& in, const Element& element, const std::vector<int>& points, MeshBuilder& mesh) {
+void read_faces(Cursor& in, const Element& element, bool strips, const std::vector<int>& points, MeshBuilder& mesh) {
   const auto are_corners = [](const Property& property) {
     return property.list && holds_integers(property.type) &&
            (property.name == "vertex_indices" || property.name == "vertex_index");
@@ -165,7 +173,7 @@ void read_faces(Cursor& in, const Element& element, const std::vector<int>& poin
   if (!found) in.fail(element.at, "expected a face with the property list … vertex_indices");
   for (std::size_t face = 0; face < element.count; ++face)
     for (const Property& property : element.properties)
-      are_corners(property) ? read_face(in, face, property, points, mesh) : skip(in, property);
+      are_corners(property) ? read_face(in, face, property, strips, points, mesh) : skip(in, property);
 }
 
 }  // namespace
@@ -177,8 +185,8 @@ void read_ply(Cursor in, MeshBuilder& mesh) {
   for (const Element& element : header.elements) {
     if (element.name == "vertex")
       points = read_points(in, element, mesh);
-    else if (element.name == "face")
-      read_faces(in, element, points, mesh);
+    else if (element.name == "face" || element.name == "tristrips")
+      read_faces(in, element, element.name == "tristrips", points, mesh);
     else
       for (std::size_t number = 0; number < element.count; ++number)
         for (const Property& property : element.properties) skip(in, property);

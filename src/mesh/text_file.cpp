@@ -79,6 +79,11 @@ std::optional<double> fortran_real(std::string_view text) {
   return parse(digits, value) && std::isfinite(value) ? std::optional(value) : std::nullopt;
 }
 
+std::optional<long long> whole_number(std::string_view text) {
+  long long value = 0;
+  return parse(text, value) ? std::optional(value) : std::nullopt;
+}
+
 std::string quoted(std::string_view text) {
   std::string shown(text.substr(0, 40));
   for (char& letter : shown)
@@ -200,7 +205,7 @@ long long Cursor::integer(const char* what, NumberType type) {
     case 2:
       return has_sign ? raw<std::int16_t>(what) : raw<std::uint16_t>(what);
     case 4:
-      return has_sign ? raw<std::int32_t>(what) : raw<std::uint32_t>(what);
+      return has_sign ? static_cast<long long>(raw<std::int32_t>(what)) : raw<std::uint32_t>(what);
     default:
       return static_cast<long long>(raw<std::int64_t>(what));
   }
@@ -249,6 +254,32 @@ void Cursor::fail(std::size_t at, const std::string& message) const {
   const auto column = std::find(std::make_reverse_iterator(end), file_->bytes.rend(), '\n').base();
   throw InputError(SourceLocation{file_->path, static_cast<int>(lines) + 1, static_cast<int>(end - column) + 1},
                    message);
+}
+
+Cursor Sources::include(std::string_view name) {
+  const std::string& own = cursors_.front().path();
+  std::string path = own.substr(0, own.find_last_of('/') + 1) + std::string(name);
+  std::replace(path.begin(), path.end(), '\\', '/');
+  if (files_.size() > 100) fail(name, "this file is the hundredth one that is included: do they include each other?");
+  try {
+    files_.push_back(load_file(path));
+  } catch (const InputError& error) {
+    fail(name, error.what());
+  }
+  return cursors_.emplace_back(files_.back());
+}
+
+const Cursor& Sources::of(std::string_view text) const {
+  const auto holds = [&](const Cursor& source) {
+    return source.data().data() <= text.data() && text.data() <= source.data().data() + source.data().size();
+  };
+  const auto found = std::find_if(cursors_.begin(), cursors_.end(), holds);
+  return found == cursors_.end() ? cursors_.front() : *found;
+}
+
+void Sources::fail(std::string_view text, const std::string& message) const {
+  const Cursor& source = of(text);
+  source.fail(static_cast<std::size_t>(text.data() - source.data().data()), message);
 }
 
 void Integers::fail(std::size_t number, const std::string& message) const {

@@ -1,6 +1,7 @@
 #pragma once
 #include <bit>
 #include <cstddef>
+#include <list>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -103,6 +104,20 @@ struct Integers {
   [[noreturn]] void fail(std::size_t number, const std::string& message) const;
 };
 
+/// A file and those that it includes, so that a failure is reported in the one where its text stands.
+class Sources {
+ public:
+  explicit Sources(const Cursor& first) : cursors_{first} {}
+  /// Loads the file of this name next to the first one; `name` is the text that names it.
+  Cursor include(std::string_view name);
+  const Cursor& of(std::string_view text) const;
+  [[noreturn]] void fail(std::string_view text, const std::string& message) const;
+
+ private:
+  std::list<File> files_;
+  std::list<Cursor> cursors_;  ///< at the beginnings of the files
+};
+
 /// Without the blanks at both ends.
 std::string_view trimmed(std::string_view text);
 
@@ -114,6 +129,9 @@ std::vector<std::string_view> comma_fields(std::string_view line);
 
 /// A finite number as Fortran writes it: "1.5", "+1.5E-3", "1.5D-3", "1.5-3". None where the text is something else.
 std::optional<double> fortran_real(std::string_view text);
+
+/// An integer, "+3" and "-3" too. None where the text is something else, or too large.
+std::optional<long long> whole_number(std::string_view text);
 
 /// What stands in the file, fit for a message: in quotes, cut to 40 letters, unprintable bytes as '?'.
 std::string quoted(std::string_view text);

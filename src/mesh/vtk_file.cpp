@@ -386,6 +386,9 @@ void add_vtk_cells(const VtkCells& cells, int first_point, MeshBuilder& mesh) {
   }
 }
 
-void read_vtk(Cursor in, MeshBuilder& mesh) { LegacyReader(in, mesh).read(); }
+void read_vtk(Cursor in, MeshBuilder& mesh) {
+  if (Cursor ahead = in; ahead.more() && ahead.data()[ahead.at()] == '<') return read_vtu(in, mesh);
+  LegacyReader(in, mesh).read();
+}
 
 }  // namespace elastin::mesh::format

@@ -150,12 +150,14 @@ Kind meshes(const fs::path& source, const fs::path& folder) {
             false};
   for (const fs::path& file : files_below(source / "tests" / "mesh" / "data", {".msh", ".vtk", ".vtu", ".bdf", ".unv"}))
     kind.seeds.push_back({file.extension().string(), bytes_of(file)});
-  for (const auto& [ending, text] : std::initializer_list<Seed>{{".obj", kObj},
-                                                                {".inp", kInp},
-                                                                {".ply", kPly},
-                                                                {".stl", kStl},
-                                                                {".stl", binary_stl()},
-                                                                {".ply", binary_ply()}})
+  for (const auto& [ending, text] : std::initializer_list<Seed>{
+           {".obj", kObj},
+           {".inp", kInp},
+           {".ply", kPly},
+           {".stl", kStl},
+           {".stl", binary_stl()},
+           {".ply", binary_ply()},
+           {".off", "COFF\n4 4 0\n0 0 0 1\n1 0 0 1\n0 1 0 1\n0 0 1 1\n3 0 2 1\n3 0 1 3\n3 1 2 3\n3 2 0 3 7\n"}})
     kind.seeds.push_back({ending, text});
   return kind;
 }

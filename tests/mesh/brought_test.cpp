@@ -63,6 +63,7 @@ TEST_CASE("meshes of other programs: cells, points, volume, sets and what is lef
            {"inp_keyword_continued.inp", 3, 16, 3, {{"BAR", 16}, {"LEFT", 4}, {"NALL", 16}}},
            {"inp_left_out_zero.inp", 2, 12, 2, {{"ALL", 12}}},
            {"inp_names.inp", 3, 16, 3, {{"soft tissue", 16}, {"left end", 4}, {"Right-End", 4}}},
+           {"inp_network.inp", 3, 16, 3, {{"PIPE", 2}, {"WALL", 16}}, "2 D elements and 1 unused point left out"},
            {"inp_rigid_plate.inp", 3, 16, 3, {{"LEFT", 4}}, "1 R3D4 element and 4 unused points left out"},
            {"inp_set_first.inp", 3, 16, 3, {{"LEFT", 4}}},
            {"inp_set_of_sets.inp", 3, 16, 3, {{"LEFT", 4}, {"LEFT_MIXED", 3}}},
@@ -72,6 +73,9 @@ TEST_CASE("meshes of other programs: cells, points, volume, sets and what is lef
            {"msh_groups_without_names.msh", 3, 16, 3, {{"3", 16}}},
            {"msh_hexa_with_end_faces.msh", 3, 16, 3, {{"left", 4}, {"right", 4}}, "2 quadrangles left out"},
            {"msh_version_2.msh", 3, 16, 3, {{"bar", 16}}},
+           {"msh_first_names_of_2.msh", 3, 16, 3, {{"bar", 16}, {"left", 4}}, "1 quadrangle left out"},
+           {"bdf_include_tabs.bdf", 3, 16, 3, {{"4", 16}, {"5", 4}}, "1 quadrangle left out"},
+           {"vtk_of_xml.vtk", 3, 16, 3, {}},
            {"unv_groups.unv", 2, 5, 0.5, {{"BASE", 3}}},
            {"vtk_hexa_with_end_face.vtk", 3, 16, 3, {}, "1 quadrangle left out"},
            {"vtk_voxels.vtk", 3, 16, 3, {}},
@@ -94,6 +98,49 @@ TEST_CASE("meshes of other programs: cells, points, volume, sets and what is lef
   CHECK_THROWS_WITH(load_mesh(brought("inp_elgen.inp")), Contains("inp_elgen.inp:20:1: *ELGEN is not read"));
   CHECK_THROWS_WITH(load_mesh(brought("vtu_lagrange_tetrahedra.vtu")),  // its third cell lies in a plane
                     Contains("vtu_lagrange_tetrahedra.vtu:5:83: cell 2 (counted from 0) is a flat tetrahedron"));
+}
+
+TEST_CASE("surfaces of other programs: what they enclose", "[brought]") {
+  struct Expected {
+    const char* file;
+    std::size_t triangles;
+    double volume;  ///< [mm³]
+  };
+  for (const Expected& expected : std::vector<Expected>{{"surf_quads.off", 12, 1000},
+                                                        {"surf_no_texture.obj", 12, 1000},
+                                                        {"surf_strips.ply", 12, 1000},
+                                                        {"surf_concave.obj", 20, 750}}) {
+    INFO(expected.file);
+    const Mesh mesh = load_mesh(brought(expected.file));
+    CHECK(mesh.triangles.size() == expected.triangles);
+    double sum = 0, area = 0;
+    for (const auto& [a, b, c] : mesh.triangles) {
+      const Vector3 from = mesh.points.col(a), normal = (mesh.points.col(b) - from).cross(mesh.points.col(c) - from);
+      sum += from.dot(normal) / 6, area += normal.norm() / 2;
+    }
+    CHECK(sum == Approx(expected.volume).epsilon(1e-12));
+    CHECK(area == Approx(expected.volume == 1000 ? 600 : 2 * 75 + 40 * 10).epsilon(1e-12));  // no triangle overlaps
+  }
+}
+
+TEST_CASE("Nastran files: what is included, and where it is wrong", "[brought]") {
+  const TemporaryFolder folder;
+  folder.write("nodes.inc", "GRID,1,,0.,0.,x\n");
+  const auto refusal = [&](const std::string& text) -> std::string {
+    try {
+      load_mesh(folder.write("a.bdf", text));
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  CHECK_THAT(refusal("INCLUDE 'nodes.inc'\n"), Contains("nodes.inc:1:15: expected a coordinate"));
+  CHECK_THAT(refusal("$ nothing\ninclude no.inc\n"), Contains("a.bdf:2:9: ") && Contains("no.inc: cannot open"));
+  CHECK_THAT(refusal("include 'a.bdf'\n"), Contains("do they include each other?"));
+  CHECK_THAT(refusal("GRID\n"), Contains("a.bdf:1:1: GRID: expected a node's number"));
+  // A node without coordinates stands at the origin.
+  const std::string cell = "GRID,2,,1.\nGRID,3,,,1.\nGRID,4,,,,1.\nCTETRA,9,1,1,2,3,4\n";
+  CHECK(volume(load_mesh(folder.write("b.bdf", "GRID,1\n" + cell))) == Approx(1 / 6.));
 }
 
 TEST_CASE("Abaqus files: instances are displaced and turned, and have sets of their own", "[brought]") {

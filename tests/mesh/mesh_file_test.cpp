@@ -264,7 +264,7 @@ TEST_CASE("Nastran and I-DEAS files: what is wrong is told by line and column", 
            {nodes + "GRID,4,,0.,0.,2.\n", "a.bdf:5:6: node 4 stands here a second time"},
            {"GRID,1,,O.,0.,0.\n", "a.bdf:1:9: expected a coordinate, a finite number, found 'O.'"},
            {"GRID,1,3,0.,0.,0.\n", "a.bdf:1:8: GRID: coordinates of the basic system alone are read"},
-           {nodes, "a.bdf: no tetrahedra and no triangles"}}) {
+           {nodes, "a.bdf: no triangles and no cells of a solid; it has 4 points"}}) {
     INFO(text);
     CHECK_THAT(message_of({"a.bdf", text}), Catch::Matchers::StartsWith(message));
   }
@@ -369,7 +369,7 @@ TEST_CASE("Gmsh files: what is wrong is told by line and column", "[mesh_file]")
        "a.msh:6:7: expected the number of points of a block, at most"},
       {"a.msh", replaced(one_41, "\n2\n3\n", "\n2\n2\n"), "a.msh:9:1: point 2 stands here a second time"},
       {"a.msh", replaced(one_41, "\n2\n3\n", "\n-2\n3\n"),
-       "a.msh:8:1: expected a point's number, from 1 to 2⁶³−1; found -2"},
+       "a.msh:8:1: expected a point's number, from 0 to 2⁶³−1; found -2"},
       {"a.msh", replaced(one_41, "$EndNodes", "$EndNode"), "a.msh:15:1: expected $EndNodes, found '$EndNode'"},
       {"a.msh", replaced(one_41, "1 1 7 7", "1 2 7 7"),
        "a.msh:17:3: expected the number of cells, but the blocks hold 1"},
@@ -385,7 +385,8 @@ TEST_CASE("Gmsh files: what is wrong is told by line and column", "[mesh_file]")
        "a.msh:19:1: cell 7 is a flat tetrahedron: its volume 0 is not above 1e-12 of its longest side (1.41) cubed"},
       {"a.msh", replaced(one_41, "7 1 2 3 4", "7 1 2 3 3"), "a.msh:19:1: cell 7 is a flat tetrahedron"},
       {"a.msh", replaced(one_41, "3 1 4 1\n7 1 2 3 4", "2 1 2 1\n7 1 2 2"), "a.msh:19:1: cell 7 is a flat triangle"},
-      {"a.msh", replaced(one_41, "3 1 4 1\n7 1 2 3 4", "1 1 1 1\n7 1 2"), "a.msh: no tetrahedra and no triangles"},
+      {"a.msh", replaced(one_41, "3 1 4 1\n7 1 2 3 4", "1 1 1 1\n7 1 2"),
+       "a.msh: no triangles and no cells of a solid; it has 1 line"},
       {"a.msh", one_41.substr(0, one_41.find("$Elements")), "a.msh:16:1: expected $Elements, but the data ends here"},
       {"a.msh", replaced(one_22, "\n1\n7", "\n2000000000\n7"), "a.msh:12:1: expected the number of cells, at most"},
       {"a.msh", replaced(one_22, "7 4 2", "7 4 2000000"),

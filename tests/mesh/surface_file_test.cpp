@@ -132,6 +132,18 @@ TEST_CASE("corners that differ by rounding are one, and those further apart are 
   CHECK(points_with(1e-3) == 12);
 }
 
+TEST_CASE("strips of triangles end at -1, in binary files too", "[surface_file]") {
+  const TemporaryFolder folder;
+  std::string bytes =
+      "ply\nformat binary_little_endian 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
+      "element tristrips 1\nproperty list int int vertex_indices\nend_header\n";
+  for (const auto& point : kPoints) append(bytes, point.data(), 12);
+  const std::array<std::int32_t, 9> strips{8, 0, 2, 1, 3, -1, 0, 3, 2};  // their number first
+  append(bytes, strips.data(), sizeof strips);
+  const Mesh mesh = load_mesh(folder.write("strips.ply", bytes));
+  CHECK(mesh.triangles == Cells<3>{{0, 2, 1}, {2, 3, 1}, {0, 3, 2}});
+}
+
 TEST_CASE("a PLY file that is broken is refused where it is", "[surface_file]") {
   const TemporaryFolder folder;
   const auto refusal = [&](const std::string& from, const std::string& to) -> std::string {
@@ -178,9 +190,26 @@ TEST_CASE("a surface file that is broken is refused by its name", "[surface_file
     }
     return "";
   };
-  CHECK_THAT(refusal("short.stl", binary_stl().substr(0, 150)), Contains("short.stl: not a surface that can be read"));
+  CHECK_THAT(refusal("short.stl", binary_stl().substr(0, 150)),
+             Contains("byte 80: expected 4 triangles of 50 bytes, but what is left has room for 1"));
+  CHECK_THAT(refusal("words.stl", "nothing of the kind"), Contains("words.stl:1:1: expected solid, or 80 bytes"));
+  CHECK_THAT(refusal("open.stl", "solid a\nvertex 0 0 0\n"), Contains("expected endloop, but the data ends here"));
+  CHECK_THAT(refusal("nan.stl", "solid a\nvertex 0 0 nan\n"), Contains("nan.stl:2:12: expected a coordinate"));
   CHECK_THAT(refusal("words.ply", "nothing of the kind"), Contains("words.ply:1:1: expected ply, found 'nothing'"));
-  CHECK_THAT(refusal("empty.obj", ""), Contains("empty.obj: "));
+  CHECK_THAT(refusal("empty.obj", ""), Contains("empty.obj: no triangles; it has 0 points"));
+  CHECK_THAT(refusal("cloud.obj", "v 0 0 0\nv 1 0 0\n"), Contains("cloud.obj: no triangles; it has 2 points"));
+  CHECK_THAT(refusal("lines.obj", "v 0 0 0\nv 1 0 0\nl 1 2\n"), Contains("lines.obj: no triangles; it has 1 line"));
+  CHECK_THAT(refusal("a.obj", "v 0 0 0\nf 1 2 x\n"), Contains("a.obj:2:7: expected a corner of a face"));
+  CHECK_THAT(refusal("a.obj", "f 1 2 -1\n"), Contains("a.obj:1:7: expected a corner of a face"));
+  CHECK_THAT(refusal("a.obj", "v 0 0 0\nf 1 2 3\nv 0 0 1\n"),
+             Contains("a.obj:2:5: a face uses corner 3, but there are 2"));
+  CHECK_THAT(refusal("a.obj", "v 0 0\n"), Contains("a.obj:1:1: expected v and three coordinates"));
+  CHECK_THAT(refusal("a.off", "4OFF\n1 1 1\n"), Contains("a.off:1:1: expected OFF, COFF or NOFF, found '4OFF'"));
+  CHECK_THAT(refusal("a.off", "OFF BINARY\n"), Contains("OFF BINARY is not read"));
+  CHECK_THAT(refusal("a.off", "OFF\n353535235358 6 0\n"),
+             Contains("a.off:2:1: expected the number of points, at most"));
+  CHECK_THAT(refusal("a.off", "OFF\n1 1 0\n0 0 0\n3 0 0 1\n"),
+             Contains("a.off:4:7: face 0 uses point 1, but there are 1"));
   const std::string corners = "v 0 0 0\nv 1 0 0\nv 2 0 0\nv 0 1 0\n";
   CHECK_THAT(refusal("flat.obj", corners + "f 1 2 3\n"), Contains("flat.obj: all of its triangles are without area"));
   // A flat one's middle corner becomes one of the neighbour across its longest side.

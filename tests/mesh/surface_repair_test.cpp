@@ -124,5 +124,5 @@ TEST_CASE("surfaces that stay open or overlap are filled by their winding number
   CHECK(surface.repairs.empty());
   const Filling filling = FillRegion(surface.points, surface.triangles, true).fill(options);
   CHECK(filling.volume == Approx(1.875e-6).epsilon(0.03));
-  CHECK(filling.surface_volume == filling.volume);
+  CHECK(filling.surface_volume == Approx(1.875e-6).epsilon(0.005));  // by points
 }

@@ -25,7 +25,7 @@ set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME libelastin-dev)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS "libeigen3-dev (>= 3.4)")
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_RECOMMENDS
-    "libfcl-dev, libqhull-dev, libyaml-cpp-dev, libfmt-dev, libpugixml-dev, zlib1g-dev, libassimp-dev, voro++-dev, libceres-dev")
+    "libfcl-dev, libqhull-dev, libyaml-cpp-dev, libfmt-dev, libpugixml-dev, zlib1g-dev, voro++-dev, libceres-dev")
 set(CPACK_DEBIAN_DEVELOPMENT_DESCRIPTION "Soft tissue as a molecular model: libraries and headers
 ${about}
 Static libraries for C++20, their CMake package and pkg-config files.")

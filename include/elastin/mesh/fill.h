@@ -26,7 +26,7 @@ struct Filling {
   Positions positions;        ///< [m]; those on the surface come first
   int on_surface = 0;         ///< how many of them
   Cells<4> tetrahedra;        ///< Delaunay's, without those outside; every molecule is a corner of one
-  double surface_volume = 0;  ///< inside the surface [m³], by the divergence theorem; by winding number the cells'
+  double surface_volume = 0;  ///< inside the surface [m³], by the divergence theorem; by winding number to 0.5 %
   double volume = 0;          ///< of the tetrahedra [m³]
   VectorX share;              ///< of the volume, one a molecule; they sum to 1
   int left_out = 0;           ///< molecules that no tetrahedron inside needed

@@ -36,7 +36,7 @@ void report(const std::string& path, const std::string& name, const mesh::Fillin
                     filling.slivers, filling.tetrahedra.size()));
   if (filling.left_out > 0)
     remarks.warnings.push_back(
-        fmt::format("{}: {} molecules are left out that hang on no tetrahedron inside", path, filling.left_out));
+        fmt::format("{}: {} left out: no tetrahedron inside has them", path, counted(filling.left_out, "molecule")));
   if (part < kLeastVolume)
     remarks.warnings.push_back(
         fmt::format("{}: only {:.1f} % of the surface's volume is filled: give a smaller spacing", path, 100 * part));
@@ -59,13 +59,14 @@ Body fill(const FillSetup& setup, ShapeContext& context) {
     return (surface.points.rowwise().maxCoeff() - surface.points.rowwise().minCoeff()).maxCoeff();
   };
   if (surface.triangles.empty() || (!wrong.empty() && surface.widest_hole > kWidestHole * extent()))
-    file.fail("'" + name + "' encloses no volume that could be filled: " + wrong);
+    file.fail("'" + name + "' encloses no volume that could be filled: " + wrong +
+              (surface.repairs.empty() ? "" : " after its repair: " + listed(surface.repairs)));
   if (!surface.repairs.empty()) context.remarks.notes.push_back(name + " repaired: " + listed(surface.repairs));
   if (!wrong.empty())
-    context.remarks.warnings.push_back(fmt::format(
-        "{}: {}; what it goes round at least half a time is inside (winding number), and the volume is that "
-        "of the cells",
-        setup.place->path(), wrong));
+    context.remarks.warnings.push_back(
+        fmt::format("{}: {}; what it goes round at least half a time is inside (winding number), and its volume is "
+                    "measured to 0.5 %",
+                    setup.place->path(), wrong));
 
   mesh::FillOptions options = setup;
   options.most_molecules = std::min(options.most_molecules, file.most_molecules());

@@ -32,7 +32,7 @@ std::string first_few(const List& list, Name name) {
 std::string digits(int value) { return std::to_string(value); }
 
 void add_line(std::string& out, const std::string& name, const std::string& text) {
-  out += fmt::format("  {:<22}{}\n", name, text);
+  out += fmt::format("  {:<21} {}\n", name, text);
 }
 
 /// "5.0000 mm", or "5.0000 mm to 7.0000 mm".
