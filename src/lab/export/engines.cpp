@@ -471,23 +471,27 @@ void add_engine_formats(elastin::Table<ExportFormat>& rows) {
       "joints brings the body to rest.");
   add("jolt", "soft body of Jolt, compliance of its edges", "Jolt Physics, SoftBodySharedSettings", jolt_files,
       Takes::connections, false, "`mCompliance` = 1/k [m/N] of each edge.",
-      "`mNumIterations` (5 by default) are substeps of one pass each: more of them deliver stiffer bodies.");
+      "`mNumIterations` (5 by default) are substeps of one pass each: more of them deliver stiffer bodies. Molecules "
+      "that are held along some axes are held along all.");
   add("rapier", "soft body of Rapier: edges, or cells with E and nu", "Rapier, SoftBodyDesc", rapier_files,
       Takes::either, false,
       "natural frequency of each edge, sqrt(k (1/m_a + 1/m_b)) / 2 pi [Hz]; of a law of cells E [Pa] and nu.",
-      "`numSolverIterations` are its substeps; the solver `Fem`, which cells can have, does not depend on them.");
+      "`numSolverIterations` are its substeps; the solver `Fem`, which cells can have, does not depend on them. "
+      "Molecules that are held along some axes are held along all.");
   add("bullet", "soft body of Bullet, stiffness of its links", "Bullet, btSoftBody", bullet_files, Takes::connections,
       false,
       "`m_kLST` of each link, 0 to 1 without a unit: 1 - (1 + k (1/m_a + 1/m_b) dt^2)^(-1/iterations), which is made "
       "for one time step and one number of iterations.",
-      "another time step needs another m_kLST: call `make_body` again.");
+      "another time step needs another m_kLST: call `make_body` again. Molecules that are held along some axes are "
+      "held along all.");
   add("sofa", "scene of SOFA: springs, or cells with E and nu", "SOFA, SpringForceField", sofa_files, Takes::either,
       true,
       "k [N/m] of each spring (a, b, k, damping, rest length); of a law of cells `youngModulus` [Pa], `poissonRatio`.",
       "EulerImplicitSolver is stable in any step; its damping goes with the step, its equilibrium does not.");
   add("newton", "particles of Newton (Warp): springs, or tetrahedra", "Newton, ModelBuilder", newton_files,
       Takes::either, false, "`ke` of each spring [N/m]; of a law of cells mu and lambda [Pa] of each tetrahedron.",
-      "the solver VBD or a semi-implicit one takes ke as it stands; XPBD as compliance.");
+      "the solver VBD or a semi-implicit one takes ke as it stands; XPBD as compliance. Molecules that are held along "
+      "some axes are held along all.");
   add("usd", "OpenUSD: points, springs as curves, tetrahedra", "OpenUSD, UsdGeom", usd_files, Takes::either, true,
       "`elastin:stiffness` [N/m] of the curves; `elastin:youngsModulus` [Pa] and `elastin:poissonsRatio` of the cells.",
       "USD has no springs of its own: the importer reads the attributes that begin with `elastin:`.");

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "elastin/core/base/table.h"
+#include "lab/export/engine_run.h"
 #include "lab/export/exported_body.h"
 #include "lab/export/problem.h"
 #include "lab/scene/scene.h"
@@ -81,12 +82,6 @@ inline constexpr const char* kCalculix = "calculix";
 
 /// Throws InputError unless `ccx` can be started.
 void check_calculix();
-
-/// What another program made of a scene.
-struct OtherRun {
-  std::unique_ptr<Scene> scene;  ///< as it was given to the program: its own body
-  Run run;                       ///< measured as a run of Elastin is, off the displacements and forces that it printed
-};
 
 /// Solves the scene's problem by CalculiX, on the scene's cells with second order (tetrahedra of 10 nodes; of a lattice
 /// the hexahedra of 20 in its boxes), with the material's own law: where CalculiX has none the nearest, which is said.

@@ -1,6 +1,7 @@
-"""engines_test.py COMMAND: constants that are exported for engines, read again by parsers that are not Elastin's.
+"""engines_test.py COMMAND: constants that are exported for engines, read again by parsers that are not Elastin's, and
+engines as rows of a comparison.
 
-LAMMPS, and the packages of node, take part where they are installed.
+LAMMPS, and node with its packages, take part where they are installed.
 """
 
 import csv
@@ -31,6 +32,14 @@ stiffness: standard
 experiment: {kind: tension, axis: z, force: 1 N, fixed_grip: clamped, cross_section: 9 cm2, gauge_length: 15 mm}
 reference: none
 """
+
+
+def node_has(package):
+    return f"node -e 'require(\"module\").createRequire(process.cwd() + \"/\").resolve(\"{package}\")'"
+
+
+ENGINES = {"jolt": node_has("jolt-physics"), "rapier": node_has("@dimforge/rapier3d-compat"),
+           "mujoco": node_has("@mujoco/mujoco"), "lammps": "command -v lmp"}
 
 
 def near(got, expected, tolerance=1e-9):
@@ -170,9 +179,83 @@ def check_lammps(bar):
     drawn = sum(rows[i][3] - body["positions"][i][2] for i in top) / len(top)
     elastin("run", bar, "--json", bar.parent / "run.json", "--quiet")
     (run,) = json.loads((bar.parent / "run.json").read_text())["runs"]
-    modulus = run["measures"]["effective_modulus"]
-    near(0.9e-3 / 30e-3**2 / (drawn / 50e-3), modulus["value"] if isinstance(modulus, dict) else modulus, 1e-4)
+    near(0.9e-3 / 30e-3**2 / (drawn / 50e-3), modulus_of(run), 1e-4)
     near(sum(row[6] for i, row in enumerate(rows) if body["positions"][i][2] == 0), 0.9e-3, 1e-6)
+
+
+def modulus_of(run):
+    value = run["measures"]["effective_modulus"]
+    return value["value"] if isinstance(value, dict) else value
+
+
+def compare(scene, *arguments, status=0):
+    """The rows of a comparison, by strategy."""
+    path = scene.parent / "runs.json"
+    elastin("compare", scene, *arguments, "--json", path, "--quiet", status=status)
+    return {run["strategy"]: run for run in json.loads(path.read_text())["runs"]}
+
+
+def check_engines(folder):
+    """Engines find with Elastin's constants the modulus that Elastin finds, where nothing limits them."""
+    examples = pathlib.Path(__file__).parents[3] / "scenes" / "engines"
+    commands = [f"'{sys.executable}' '{examples}/own_engine.py'"]
+    own = ["own_engine"]
+    bar = folder / "drawn.yaml"
+    bar.write_text(BAR.replace("0.9 mN", "0.9 N, fixed_grip: clamped"))
+    if shutil.which("node"):
+        (folder / "script.mjs").write_bytes((examples / "own_engine.mjs").read_bytes())
+        commands.append(f"node '{folder}/script.mjs'")
+        own.append("script")
+    named = [name for name, test in ENGINES.items()
+             if subprocess.run(test, shell=True, capture_output=True).returncode == 0]
+    # Steps of 0.2 ms: the largest k dt^2 / m is 0.01, where position-based solvers converge in one pass.
+    rows = compare(bar, *(word for one in commands for word in ("--engine", one)), "--engines", ",".join(named),
+                   "--engine-dt", "0.0002")
+    assert rows["lattice"].get("engine") is None
+    for name in own + named:
+        assert rows[name]["engine"] == name and rows[name]["engine_run"]["constants"] == "lattice", rows[name]
+        assert rows[name]["engine_run"]["steps"] > 0, rows[name]
+        near(modulus_of(rows[name]), modulus_of(rows["lattice"]), 1e-4 if name in own + ["lammps"] else 0.02)
+    # Displacements are prescribed where an engine gives the reactions.
+    bar.write_text(BAR.replace("force: 0.9 mN", "strain: 1 %"))
+    rows = compare(bar, "--engine", commands[0])
+    near(modulus_of(rows["own_engine"]), modulus_of(rows["lattice"]), 1e-4)
+
+
+def check_faults(bar):
+    """Whatever an engine does, its row says it, and the others are there."""
+    python = f"'{sys.executable}' -c"
+    positions = "import json, sys; p = json.loads(sys.stdin.readline())['body']['positions']; "
+    for name, command, outcome, words in [
+        ("absent", "no-such-program absent", "diverged", "status 127"),
+        ("crashing", f"{python} 'raise SystemError(42)' crashing", "diverged", "status 1: SystemError: 42"),
+        ("killed", "kill -SEGV $$; : killed", "diverged", "signal: Segmentation fault"),
+        ("hanging", "sleep 60; : hanging", "diverged", "no answer in 0.5 s"),
+        ("silent", "true silent", "diverged", "no line with a JSON object"),
+        ("empty", "echo {}; : empty", "diverged", "neither 'positions' nor 'error'"),
+        ("few", f'{python} "{positions}print(json.dumps({{\'positions\': p[1:]}}))" few', "diverged", "95 of 96"),
+        ("nan", f'{python} "{positions}p[7][2] = float(\'nan\'); print(json.dumps({{\'positions\': p}}))" nan', "diverged",
+         "molecule 7 are not finite"),
+        ("moving", f'{python} "{positions}print(json.dumps({{\'positions\': p, \'at_rest\': False, \'steps\': 9}}))" moving',
+         "diverged", "not at rest after 9 steps"),
+        ("unable", "echo '{\"error\": \"no sliding grips\"}'; : unable", "unsuited", "no sliding grips"),
+    ]:
+        rows = compare(bar, "--engine", command, "--engine-seconds", "0.5" if name == "hanging" else "60",
+                       status=0 if outcome == "unsuited" else 1)
+        row = rows[name]
+        assert rows["lattice"]["outcome"] == "converged", rows["lattice"]
+        assert row["outcome"] == outcome and words in row["cause"], (name, row["outcome"], row["cause"])
+        assert "NaN" not in (bar.parent / "runs.json").read_text()
+    row = compare(bar, "--engines", "jolt", "--set", "experiment.force=0.9 N", *("--engine-dt", "0.001"))["jolt"]
+    assert row["outcome"] == "unsuited", row  # not installed, or for the grips that slide
+    assert "npm install jolt-physics" in row["cause"] or "fixed_grip: clamped" in row["cause"], row
+    for arguments, words in [
+        (("--engines", "jold"), "engine 'jold' is not known here; did you mean 'jolt'?"),
+        (("--engine", "python3 lattice.py"), "'lattice' is a strategy"),
+        (("--engine", "a.py", "--engine", "b/a.py"), "'a' is there twice"),
+        (("--engine-iterations", "0"), "1"),
+    ]:
+        assert words in elastin("compare", bar, *arguments, status=2)
 
 
 def main():
@@ -184,6 +267,8 @@ def main():
         check_parsers(bar)
         check_cells(bar)
         check_refusals(bar)
+        check_engines(bar.parent)
+        check_faults(bar)
         if shutil.which("lmp"):
             check_lammps(bar)
 

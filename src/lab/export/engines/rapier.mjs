@@ -37,19 +37,21 @@ async function answer({ body: data, dt, iterations, most_steps, tolerance }) {
   await RAPIER.init();
   const world = new RAPIER.World({ x: 0, y: 0, z: 0 });
   world.timestep = dt;
-  world.numSolverIterations = iterations;
+  world.numSolverIterations = iterations ?? world.numSolverIterations;
   const body = world.createSoftBody(soft_body(RAPIER, data));
-  const keep = 0.97, count = data.positions.length;
+  const count = data.positions.length;
   const start = performance.now();
-  let steps = 0, before = body.particlePositions();
+  const noise = 2 ** -21 * Math.max(...data.positions.flat().map(Math.abs));  // of single precision
+  let steps = 0, energy = 0, before = body.particlePositions();
   for (let quiet = 0; steps < most_steps && quiet < 3;) {
     for (let i = 0; i < 50; ++i, ++steps) {
-      const v = body.particleVelocities();
-      for (let p = 0; p < count; ++p)
-        body.setParticleVelocity(p, { x: keep * v[3 * p], y: keep * v[3 * p + 1], z: keep * v[3 * p + 2] });
       body.resetForces();
       for (const { molecule, force: [x, y, z] } of data.forces) body.addParticleForce(molecule, { x, y, z }, true);
       world.step();
+      // Kinetic damping: all that moves is stopped where the kinetic energy has passed a largest value.
+      const now = body.particleVelocities().reduce((sum, v, i) => sum + data.masses[Math.floor(i / 3)] * v * v, 0);
+      if (now < energy) for (let p = 0; p < count; ++p) body.setParticleVelocity(p, { x: 0, y: 0, z: 0 });
+      energy = now < energy ? 0 : now;
     }
     const now = body.particlePositions();
     let moved = 0, far = 0;
@@ -57,11 +59,11 @@ async function answer({ body: data, dt, iterations, most_steps, tolerance }) {
       moved = Math.max(moved, Math.abs(x - before[i]));
       far = Math.max(far, Math.abs(x - data.positions[Math.floor(i / 3)][i % 3]));
     });
-    quiet = moved <= tolerance * far ? quiet + 1 : 0;
+    quiet = moved <= Math.max(tolerance * far, noise) ? quiet + 1 : 0;
     before = now;
   }
   const positions = data.positions.map((_, i) => [...before.slice(3 * i, 3 * i + 3)]);
-  return { engine: `rapier ${RAPIER.version()}`, positions, steps, at_rest: steps < most_steps,
+  return { engine: `rapier ${RAPIER.version()}`, positions, iterations: world.numSolverIterations, steps, at_rest: steps < most_steps,
            seconds_per_step: (performance.now() - start) / 1000 / steps };
 }
 
