@@ -43,6 +43,8 @@ struct CompareCommand {
                 "Iterations of a step of the engines; without it each one's own number");
     options.add("--engine-seconds", "SECONDS", into(request.engine_settings.seconds, 0.1, 1e9),
                 "Ends an engine that has not answered after so many seconds; without it 120");
+    options.flag("--engine-calibrate", request.engine_settings.calibrate,
+                 "Multiply an engine's constants by one factor until it shows the modulus that they have in Elastin");
     options.add("--repeats", "NUMBER", into(request.repeats, 1, 1000),
                 "Run everything this often, 1 to 1000 times, in turn; the fastest run counts");
     options.add("--resume", "FOLDER", into(resumed), "Continue in a folder of --out: finished runs are not repeated");

@@ -120,14 +120,10 @@ std::string request_text(const ExportedBody& body, const EngineSettings& setting
       Json(folder).dump(), one_line);
 }
 
-void solve_in(const Engine& engine, const Scene& scene, const EngineSettings& settings,
-              const std::function<bool()>& stop, Run& run) {
-  if (!scene.experiment->at_rest()) throw InputError("engines run experiments at rest");
-  if (!scene.specimen.loads.empty())
-    throw InputError("loads in addition to the experiment's are not measured separately");
+/// Hands the body over, waits for the answer and measures it.
+void solve_once(const Engine& engine, const Scene& scene, const ExportedBody& body, const EngineSettings& settings,
+                const std::function<bool()>& stop, Run& run) {
   const auto begin = std::chrono::steady_clock::now();
-  const ExportedBody body = exported_body(scene);
-  run.warnings = body.notes;
   const JobFolder folder(engine.name);
   const auto write = [&](const std::string& name, const std::string& text) {
     std::ofstream file(folder.file(name));
@@ -139,11 +135,11 @@ void solve_in(const Engine& engine, const Scene& scene, const EngineSettings& se
       for (const auto& [name, text] : engine_files(*format, body)) write(name, text);
   if (engine.driver) write(engine.driver, page_part(engine.driver));
   write("request.json", request_text(body, settings, folder.path()));
-  run.build_seconds = seconds_since(begin);
+  run.build_seconds += seconds_since(begin);
   const Ended ended =
       run_process(folder, "{ " + engine.command + "\n} < \"$0/request.json\" > \"$0/answer\" 2> \"$0/log\"", "", stop,
                   settings.seconds);
-  run.solve_seconds = ended.seconds;
+  run.solve_seconds += ended.seconds;
   if (ended.stopped) {
     run.outcome = Outcome::interrupted;
     throw Fault{"interrupted"};
@@ -151,6 +147,73 @@ void solve_in(const Engine& engine, const Scene& scene, const EngineSettings& se
   if (ended.timed_out) throw Fault{fmt::format("no answer in {:.3g} s", settings.seconds)};
   if (!ended.well) throw Fault{"it ended with " + ended.text + ": " + complaint(folder.file("log"))};
   measure_other(scene, 1, solution_of(answer_of(folder.file("answer")), body, run), run);
+}
+
+/// How far the engine may stay from the modulus that its constants have, and how little it may gain by twice the
+/// constants until it counts as saturated.
+constexpr double kMet = 2e-3, kLeastGain = 0.02;
+
+/// One factor on all constants, until the engine shows the modulus that Elastin finds with those given: secants of
+/// log E over log factor. Where more stiffness changes nothing the run says how stiff the engine can be.
+void calibrate_in(const Engine& engine, const Scene& scene, const ExportedBody& body, const EngineSettings& settings,
+                  const std::function<bool()>& stop, Run& run) {
+  constexpr int kMostRuns = 12;
+  constexpr double kLargestFactor = 8;  // from run to run
+  const std::string name = calibrated_measure(*scene.experiment->at_rest(), scene.specimen.material);
+  const std::string measure =
+      name.empty() ? scene.experiment->main_measures(scene.specimen.material, {}).front().name : name;
+  RunOptions options;
+  options.statics = scene.statics;
+  options.stop = stop;
+  const double target = run_strategy(scene.specimen, *scene.experiment, scene.stiffness, options).measures.get(measure);
+  if (!(target > 0)) throw Fault{"Elastin itself finds no positive " + measure + " to calibrate to"};
+  double factor = 1, last_factor = 0, last = 0, slope = 1;
+  for (int trial = 0; trial < kMostRuns; ++trial) {
+    ExportedBody scaled = body;
+    for (auto& one : scaled.connections) one.stiffness *= factor;
+    for (auto* cells : {&scaled.cells, &scaled.tetrahedra})
+      for (auto& cell : *cells) cell.youngs_modulus *= factor;
+    Run found;
+    found.engine = run.engine;
+    solve_once(engine, scene, scaled, settings, stop, found);
+    const double shown = found.measures.get(measure);
+    run.measures = found.measures;
+    run.curve = found.curve;
+    run.engine = found.engine;
+    run.solve_seconds += found.solve_seconds;
+    run.calibration_factor = factor;
+    if (!(shown > 0)) throw Fault{"it shows no positive " + measure};
+    if (std::abs(shown / target - 1) <= kMet) {
+      run.warnings.push_back(
+          fmt::format("its constants are {:.4g} times those of the strategy, so that it shows their "
+                      "{}",
+                      factor, measure));
+      return;
+    }
+    if (last > 0) slope = std::log(shown / last) / std::log(factor / last_factor);
+    if (last > 0 && shown < target && factor > last_factor && slope < std::log2(1 + kLeastGain)) {
+      run.outcome = Outcome::limit_reached;
+      const std::string iterations =
+          run.engine->iterations > 0 ? counted(run.engine->iterations, "iteration") : "its iterations";
+      throw Fault{
+          fmt::format("saturated: with {} and steps of {:.4g} s it shows no more than {:.4g} of the {} of the "
+                      "constants, however large they are; take shorter steps or more iterations",
+                      iterations, settings.time_step, shown / target, measure)};
+    }
+    last = shown, last_factor = factor;
+    factor *= std::clamp(std::pow(target / shown, 1 / std::max(slope, 0.1)), 1 / kLargestFactor, kLargestFactor);
+  }
+  throw Fault{fmt::format("{} runs have not found a factor of its constants that shows their {}", kMostRuns, measure)};
+}
+
+void solve_in(const Engine& engine, const Scene& scene, const EngineSettings& settings,
+              const std::function<bool()>& stop, Run& run) {
+  if (!scene.experiment->at_rest()) throw InputError("engines run experiments at rest");
+  if (!scene.specimen.loads.empty())
+    throw InputError("loads in addition to the experiment's are not measured separately");
+  const ExportedBody body = exported_body(scene);
+  run.warnings = body.notes;
+  (settings.calibrate ? calibrate_in : solve_once)(engine, scene, body, settings, stop, run);
 }
 
 }  // namespace

@@ -16,6 +16,7 @@ struct EngineSettings {
   double time_step = 1. / 60;     ///< [s]
   std::optional<int> iterations;  ///< of a step; none: the engine's own number
   double seconds = 120;           ///< after which an engine that has not answered is ended
+  bool calibrate = false;         ///< multiply the constants until the engine shows the modulus that they have
 };
 
 /// What another program made of a scene.

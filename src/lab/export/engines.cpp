@@ -382,10 +382,10 @@ std::string readme(const ExportFormat& format, const ExportedBody& body) {
       "* Not in these files: fibres, volume terms, curves and laws beyond small strain, relaxation, softening, "
       "contact.\n");
   for (const std::string& note : body.notes) text("* Of this scene: {}.\n", note);
-  text(
-      "* Measure what the engine makes of them: `elastin compare SCENE --engines {}`, or `--engine COMMAND` for any "
-      "other.\n",
-      format.name);
+  const std::vector<std::string> driven = engines().names();
+  const bool has_driver = std::find(driven.begin(), driven.end(), format.name) != driven.end();
+  text("* Measure what the engine makes of them: `elastin compare SCENE {}`.\n",
+       has_driver ? "--engines " + format.name : "--engine COMMAND");
   return text;
 }
 

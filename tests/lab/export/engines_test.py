@@ -258,6 +258,27 @@ def check_faults(bar):
         assert words in elastin("compare", bar, *arguments, status=2)
 
 
+def check_calibration(folder):
+    """One factor mends an engine that is too soft; of one that cannot be stiffer the limit is said."""
+    examples = pathlib.Path(__file__).parents[3] / "scenes" / "engines"
+    bar = folder / "calibrated.yaml"
+    bar.write_text(BAR.replace("0.9 mN", "0.9 N, fixed_grip: clamped").replace("[4, 4, 6]", "[2, 2, 3]"))
+    weakest = min(one["stiffness"] for one in body_of(bar)["connections"])
+    for law, status in [("k / 3", 0), (f"min(k, {weakest / 2})", 1)]:
+        (folder / "softer.py").write_text(
+            "import json, sys\nrequest = json.loads(sys.stdin.readline())\n"
+            "for one in request['body']['connections']:\n    k = one['stiffness']\n"
+            f"    one['stiffness'] = {law}\nprint(json.dumps(request))\n")
+        command = f"'{sys.executable}' '{folder}/softer.py' | '{sys.executable}' '{examples}/own_engine.py'"
+        rows = compare(bar, "--engine", command, "--engine-calibrate", status=status)
+        row, wanted = rows["own_engine"], modulus_of(rows["lattice"])
+        if status:
+            assert row["outcome"] == "limit_reached" and "saturated" in row["cause"], row
+            continue
+        near(modulus_of(row), wanted, 2e-3)
+        assert any("constants are 3 times" in warning for warning in row["warnings"]), row["warnings"]
+
+
 def main():
     with tempfile.TemporaryDirectory() as name:
         bar, one = pathlib.Path(name, "bar.yaml"), pathlib.Path(name, "one.yaml")
@@ -269,6 +290,7 @@ def main():
         check_refusals(bar)
         check_engines(bar.parent)
         check_faults(bar)
+        check_calibration(bar.parent)
         if shutil.which("lmp"):
             check_lammps(bar)
 
