@@ -11,7 +11,9 @@ namespace {
 struct CompareCommand {
   SceneOptions scene;
   lab::Request request;
-  std::string resumed, shard;
+  std::string resumed, shard, engines;
+  std::vector<std::string> commands;
+  int iterations = 0;
 
   void add_to(Options& options) {
     scene.add_to(options);
@@ -26,6 +28,23 @@ struct CompareCommand {
                 "Compare steppers on the scene's own strategy: names separated by commas, or all");
     options.add("--against", lab::kCalculix, one_of({lab::kCalculix}, into(request.against)),
                 "calculix: also run CalculiX, with its error and seconds, where ccx is installed");
+    std::string known;
+    for (const auto& row : lab::engines()) known += (known.empty() ? "" : ", ") + row->name;
+    options.add("--engines", "NAMES", into(engines),
+                "Also run the scene's own strategy in these engines: names separated by commas, of " + known);
+    options
+        .add("--engine", "COMMAND", into(commands),
+             "The same in an engine of your own: a command that reads a request and prints an answer, each one line of "
+             "JSON. May be repeated")
+        .repeated = true;
+    options.add("--engine-dt", "SECONDS", into(request.engine_settings.time_step, 1e-9, 1e9),
+                "Time step of the engines [s]; without it 1/60");
+    options.add("--engine-iterations", "NUMBER", into(iterations, 1, 1000000),
+                "Iterations of a step of the engines; without it each one's own number");
+    options.add("--engine-seconds", "SECONDS", into(request.engine_settings.seconds, 0.1, 1e9),
+                "Ends an engine that has not answered after so many seconds; without it 120");
+    options.flag("--engine-calibrate", request.engine_settings.calibrate,
+                 "Multiply an engine's constants by one factor until it shows the modulus that they have in Elastin");
     options.add("--repeats", "NUMBER", into(request.repeats, 1, 1000),
                 "Run everything this often, 1 to 1000 times, in turn; the fastest run counts");
     options.add("--resume", "FOLDER", into(resumed), "Continue in a folder of --out: finished runs are not repeated");
@@ -38,6 +57,8 @@ struct CompareCommand {
   int run(const Call& call) {
     scene.fill(request, call);
     request.compare = true;
+    request.engines = lab::chosen_engines(engines, commands, call.catalog);
+    if (iterations > 0) request.engine_settings.iterations = iterations;
     request.resume = continue_in(resumed, request.out);
     if (!shard.empty()) read_shard();
     const bool of_steppers = lab::compares_steppers(request);
@@ -71,6 +92,7 @@ compare scenes/tension/cube-1000.yaml --vary 'solver.linear_solver=[pcg, direct]
 compare scenes/study/cantilever.yaml --shard 3/16 --resume study/3    the third of 16 jobs that share the runs
 compare scenes/steppers/cube-1000.yaml --out out      modulus, error and milliseconds of each stepper
 compare scenes/study/clamped-block.yaml --against calculix    also a run by CalculiX
+compare scenes/engines/bar.yaml --engines mujoco,jolt --engine-iterations 20    its constants in engines
 )",
     &declare<CompareCommand>};
 

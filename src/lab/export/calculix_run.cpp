@@ -1,22 +1,14 @@
 #include "lab/export/formats.h"
 
 #include <fmt/format.h>
-#include <spawn.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <cerrno>
-#include <chrono>
-#include <csignal>
-#include <cstdlib>
-#include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <limits>
 #include <map>
 #include <set>
 #include <sstream>
-#include <thread>
 
 #include "core/laws/solids/mooney_rivlin.h"
 #include "core/laws/solids/neo_hookean_log.h"
@@ -28,6 +20,8 @@
 #include "elastin/core/laws/material_law.h"
 #include "elastin/core/parallel/threads.h"
 #include "elastin/core/shapes/orders.h"
+#include "lab/export/engine_run.h"
+#include "lab/export/process.h"
 
 namespace elastin::lab {
 namespace {
@@ -211,30 +205,6 @@ std::string calculix_text(const Scene& scene, std::vector<std::string>& notes) {
 
 namespace {
 
-using Clock = std::chrono::steady_clock;
-double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
-
-/// A folder that nobody else can read or foresee, and that goes with its owner.
-class JobFolder {
- public:
-  JobFolder() {
-    std::string pattern = (std::filesystem::temp_directory_path() / "elastin-calculix-XXXXXX").string();
-    if (!mkdtemp(pattern.data())) throw InputError("CalculiX: cannot make a folder " + pattern + " for its files");
-    path_ = pattern;
-  }
-  ~JobFolder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-  JobFolder(const JobFolder&) = delete;
-  JobFolder& operator=(const JobFolder&) = delete;
-  std::string file(const char* name) const { return (path_ / name).string(); }
-  std::string path() const { return path_.string(); }
-
- private:
-  std::filesystem::path path_;
-};
-
 Body second_order(const Body& body) {
   if (has_blocks(body, 3)) return body;
   return with_cells(body, cell_kind(body.cubes.empty() ? "tetrahedron10" : "hexahedron20"));
@@ -266,97 +236,35 @@ Printed read_printed(const std::string& path, int molecules) {
   return result;
 }
 
-/// The last line of what it said that names an error, or the last of all.
-std::string complaint(const std::string& path) {
-  std::ifstream file(path);
-  std::string last, error;
-  for (std::string line; std::getline(file, line);) {
-    if (line.find_first_not_of(" \t") == std::string::npos) continue;
-    last = line.substr(line.find_first_not_of(" \t"));
-    if (last.find("ERROR") != std::string::npos) error = last;
-  }
-  return error.empty() ? last : error;
-}
-
-/// Reads the experiment's measures off a state that another program has found.
-void measure(const Scene& scene, const StaticProblem& problem, const Printed& printed, Run& run) {
-  const Specimen& specimen = scene.specimen;
-  Model model(specimen.body);
-  model.add(scene.stiffness.strategy.make(specimen.body, specimen.material, scene.stiffness.values));
-  const auto rig = scene.experiment->at_rest()->static_rig(model);
-  State state = state_at_rest(specimen.body);
-  const Start start{state.positions, Positions::Zero(3, static_cast<Eigen::Index>(model.supports.size()))};
-  rig->set_load(problem.steps.back());
-  state.positions += printed.displacements;
-  StaticResult solved;
-  solved.linear = scene.statics.linear;
-  solved.reactions = start.reactions;
-  const Positions reactions = printed.forces - problem.forces.back();
-  for (std::size_t i = 0; i < model.supports.size(); ++i) {
-    const Support& support = model.supports[i];
-    solved.reactions.col(static_cast<Eigen::Index>(i)) =
-        (Matrix3::Identity() - support.free) * reactions.col(support.molecule);
-  }
-  solved.scale = solved.reactions.norm();
-  run.measures = rig->measure(start, state, scene.statics, solved);
-  run.curve.push_back({problem.steps.back(), run.measures, 0, 0, 0});
-}
-
-/// Runs `ccx` on the folder's job.inp; what it prints goes to job.log. Ends it where `stop` says so. Returns the status
-/// of waitpid.
-int run_ccx(const JobFolder& folder, const std::function<bool()>& stop) {
-  const std::string threads_text = std::to_string(threads()), path = folder.path();
-  const char* const words[] = {"sh",
-                               "-c",
-                               R"(cd "$0" && OMP_NUM_THREADS=$1 exec ccx -i job > job.log 2>&1)",
-                               path.c_str(),
-                               threads_text.c_str(),
-                               nullptr};
-  pid_t process = 0;
-  if (posix_spawn(&process, "/bin/sh", nullptr, nullptr, const_cast<char* const*>(words), environ) != 0)
-    throw InputError("CalculiX: no process could be started");
-  int status = 0;
-  for (pid_t ended = 0; ended != process;) {
-    ended = waitpid(process, &status, WNOHANG);
-    if (ended < 0 && errno != EINTR) throw InputError("CalculiX: its process was lost");
-    if (ended == process) break;
-    if (stop && stop()) kill(process, SIGTERM);
-    std::this_thread::sleep_for(std::chrono::milliseconds(5));
-  }
-  return status;
-}
-
 void solve(const Scene& scene, const std::function<bool()>& stop, Run& run) {
-  const auto begin = Clock::now();
+  const auto begin = std::chrono::steady_clock::now();
   if (!scene.specimen.loads.empty())
     throw InputError("loads in addition to the experiment's are not measured separately");
   StaticProblem problem = problem_of(scene);
   const std::string deck = calculix_deck(problem, {true, false});
-  const JobFolder folder;
+  const JobFolder folder(kCalculix);
   std::ofstream(folder.file("job.inp")) << deck;
   run.warnings = problem.notes;
   run.build_seconds = seconds_since(begin);
-  const auto start = Clock::now();
-  const int status = run_ccx(folder, stop);
-  run.solve_seconds = seconds_since(start);
+  const Ended ended = run_process(folder, R"(cd "$0" && OMP_NUM_THREADS=$1 exec ccx -i job > job.log 2>&1)",
+                                  std::to_string(threads()), stop, std::numeric_limits<double>::infinity());
+  run.solve_seconds = ended.seconds;
   const Printed printed = read_printed(folder.file("job.dat"), scene.specimen.body.size());
-  if (status != 0 || !printed.complete) {
-    const bool stopped = stop && stop();
-    run.outcome = stopped ? Outcome::interrupted : Outcome::diverged;
-    run.cause = "CalculiX: " + (stopped               ? "interrupted"
-                                : WIFSIGNALED(status) ? std::string("ended by signal ") + strsignal(WTERMSIG(status))
-                                                      : complaint(folder.file("job.log")));
+  if (!ended.well || !printed.complete) {
+    run.outcome = ended.stopped ? Outcome::interrupted : Outcome::diverged;
+    run.cause = "CalculiX: " + (ended.stopped                        ? "interrupted"
+                                : ended.text.rfind("signal", 0) == 0 ? "ended by " + ended.text
+                                                                     : complaint(folder.file("job.log")));
     return;
   }
-  measure(scene, problem, printed, run);
+  measure_other(scene, problem.steps.back(), {printed.displacements, printed.forces - problem.forces.back()}, run);
 }
 
 }  // namespace
 
 void check_calculix() {
-  if (std::system("command -v ccx > /dev/null 2>&1") != 0)
-    throw InputError(
-        "--against calculix: there is no `ccx` on the PATH; apt-get install calculix-ccx, or leave it out");
+  if (const std::string why = missing(*engines().find(kCalculix)); !why.empty())
+    throw InputError("--against calculix: " + why + ", or leave it out");
 }
 
 OtherRun run_calculix(const Scene& scene, const Catalog& catalog, const std::vector<std::string>& overrides,

@@ -12,23 +12,18 @@ namespace {
 /// Molecules that the experiment holds, and those that it moves or loads.
 std::map<std::string, std::vector<int>> groups_of(const Scene& scene) {
   std::map<std::string, std::vector<int>> groups;
-  const Body& body = scene.specimen.body;
-  if (!scene.experiment->at_rest()) return groups;
-  Model model(body);
-  const auto rig = scene.experiment->at_rest()->static_rig(model);
-  rig->set_load(1);
-  std::vector<char> loaded(static_cast<std::size_t>(body.size()), 0);
-  if (!scene.specimen.contact) {
-    const Positions forces = model.load_forces(state_at_rest(body));
-    for (int molecule = 0; molecule < body.size(); ++molecule) loaded[molecule] = !forces.col(molecule).isZero(0);
-  }
-  for (const Support& support : model.supports)
+  ExportedBody test;
+  set_test(scene, test);
+  std::vector<char> loaded(static_cast<std::size_t>(scene.specimen.body.size()), 0);
+  for (std::size_t molecule = 0; molecule < loaded.size(); ++molecule)
+    loaded[molecule] = !test.forces.col(static_cast<Eigen::Index>(molecule)).isZero(0);
+  for (const Support& support : test.supports)
     if (support.displacement.isZero(0))
       groups["held"].push_back(support.molecule);
     else
       loaded[support.molecule] = 1;
-  for (int molecule = 0; molecule < body.size(); ++molecule)
-    if (loaded[molecule]) groups["loaded"].push_back(molecule);
+  for (std::size_t molecule = 0; molecule < loaded.size(); ++molecule)
+    if (loaded[molecule]) groups["loaded"].push_back(static_cast<int>(molecule));
   for (auto& [name, molecules] : groups) std::sort(molecules.begin(), molecules.end());
   return groups;
 }
@@ -62,6 +57,7 @@ const elastin::Table<ExportFormat>& export_formats() {
               gmsh_text_of});
     rows.add(
         {{"vtu", "VTK's XML of unstructured grids, for ParaView: the body", "VTK File Formats"}, ".vtu", vtu_text_of});
+    add_engine_formats(rows);
     return rows;
   }();
   return table;

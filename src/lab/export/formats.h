@@ -6,20 +6,42 @@
 #include <vector>
 
 #include "elastin/core/base/table.h"
+#include "lab/export/engine_run.h"
+#include "lab/export/exported_body.h"
 #include "lab/export/problem.h"
 #include "lab/scene/scene.h"
 
 namespace elastin::lab {
 
+struct ExportedFile {
+  std::string name, text;
+};
+
 /// What `elastin export` writes: a row a format.
 struct ExportFormat : Descriptor {
-  std::string ending;  ///< of its files: ".inp"
+  std::string ending;  ///< of its one file: ".inp"; of an engine, which gets a folder, ""
   /// The file of a scene with its own strategy. Throws InputError for what the format cannot say. `notes` gets what a
   /// user must know of it.
   std::string (*text)(const Scene& scene, std::vector<std::string>& notes) = nullptr;
+  /// Of an engine: the files of its folder.
+  std::vector<ExportedFile> (*files)(const ExportedBody& body) = nullptr;
+  enum class Takes { connections, either } takes = Takes::either;  ///< either: cells where there are no springs
+  bool takes_negative = true;                                      ///< spring constants
+  /// Sentences of the folder's README.md: what the constants are there, and what to know of its solver.
+  std::string constants = {}, advice = {};
 };
 
 const elastin::Table<ExportFormat>& export_formats();
+
+/// Adds the rows of engines: their files are made of the body with its constants alone.
+void add_engine_formats(elastin::Table<ExportFormat>& rows);
+
+/// The folder of an engine: its files and a README.md. Throws InputError for what the engine cannot take.
+std::vector<ExportedFile> engine_files(const ExportFormat& format, const ExportedBody& body);
+
+/// The body as one JSON object, with a line for each molecule, connection and cell: the file of --to json, and what
+/// engines are given in a comparison.
+std::string json_of_body(const ExportedBody& body);
 
 /// The problem as an input of CalculiX (and, but for its output requests, of Abaqus): cells, materials, supports, loads
 /// and steps. Laws: `neo_hookean`, `neo_hookean_log` and `st_venant_kirchhoff` under small displacements, where they
@@ -60,12 +82,6 @@ inline constexpr const char* kCalculix = "calculix";
 
 /// Throws InputError unless `ccx` can be started.
 void check_calculix();
-
-/// What another program made of a scene.
-struct OtherRun {
-  std::unique_ptr<Scene> scene;  ///< as it was given to the program: its own body
-  Run run;                       ///< measured as a run of Elastin is, off the displacements and forces that it printed
-};
 
 /// Solves the scene's problem by CalculiX, on the scene's cells with second order (tetrahedra of 10 nodes; of a lattice
 /// the hexahedra of 20 in its boxes), with the material's own law: where CalculiX has none the nearest, which is said.

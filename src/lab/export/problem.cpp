@@ -41,12 +41,6 @@ std::string trouble(const Scene& scene) {
   return strategy.unsuited(body);
 }
 
-int material_of(const Body& body, int cell, CellRange Part::*range) {
-  for (const Part& part : body.parts)
-    if (cell >= (part.*range).first && cell < (part.*range).first + (part.*range).count) return part.material;
-  return 0;
-}
-
 std::vector<ExportedCells> cells_of(const Body& body) {
   std::vector<ExportedCells> all;
   if (!has_blocks(body, 3)) {
@@ -118,6 +112,12 @@ class ProblemReading {
 };
 
 }  // namespace
+
+int material_of(const Body& body, int cell, CellRange Part::*range) {
+  for (const Part& part : body.parts)
+    if (cell >= (part.*range).first && cell < (part.*range).first + (part.*range).count) return part.material;
+  return 0;
+}
 
 StaticProblem problem_of(const Scene& scene) {
   if (const std::string why = trouble(scene); !why.empty()) refuse(scene, why);

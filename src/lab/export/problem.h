@@ -45,6 +45,9 @@ struct StaticProblem {
 /// that follow the body, runs in time.
 StaticProblem problem_of(const Scene& scene);
 
+/// Number of the material of a cell, by its number in one of the body's lists.
+int material_of(const Body& body, int cell, CellRange Part::*range);
+
 /// Components that hold the whole body in those of its three translations and three rotations that the problem leaves
 /// free; they bear no force. Programs that factor the stiffness need them.
 std::vector<DrivenComponent> missing_supports(const StaticProblem& problem);

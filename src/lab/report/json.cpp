@@ -310,6 +310,17 @@ void time_fields(Io& io, Time& time) {
   io.optional("budget", time.budget, [](auto& inner, auto& budget) { budget_fields(inner, budget); });
 }
 
+template <class Io, class Engine>
+void engine_fields(Io& io, Engine& engine) {
+  io.field("version", engine.version);
+  io.field("constants", engine.constants);
+  io.field("time_step", engine.time_step);
+  io.field("iterations", engine.iterations);
+  io.field("steps", engine.steps);
+  io.field("seconds_per_step", engine.seconds_per_step);
+  io.field("name", engine.name);
+}
+
 template <class Io, class Contact, class Names>
 void contact_fields(Io& io, Contact& contact, Names& obstacles) {
   io.field("pairs", contact.pairs);
@@ -414,6 +425,8 @@ void record_fields(Io& io, AnyRecord& record) {
   io.field("scene", record.scene);
   io.field("title", record.title);
   io.field("strategy", run.strategy);
+  io.derived(run.engine.has_value(), "engine", run.strategy);
+  io.optional("engine_run", run.engine, [](auto& inner, auto& engine) { engine_fields(inner, engine); });
   io.field("solver", run.solver);
   io.field("solver_reason", run.solver_reason);
   outcome_fields(io, run);

@@ -81,6 +81,17 @@ struct Snapshot {
   Positions elastic_forces = {};              ///< [N]; only where the body has blocks
 };
 
+/// What another program says of a run that it made.
+struct EngineReport {
+  std::string version;          ///< in its own words
+  std::string constants;        ///< the strategy whose constants it was given; empty: none
+  double time_step = 0;         ///< [s]; 0: it has none
+  int iterations = 0;           ///< of a step; 0: its own number, which it did not say
+  int steps = 0;                ///< to rest
+  double seconds_per_step = 0;  ///< by its own clock
+  std::string name = {};
+};
+
 /// Result of one strategy on one specimen. Everything in SI units.
 struct Run {
   std::string strategy;
@@ -104,14 +115,15 @@ struct Run {
   double residual = 0;
   int zero_energy_modes = 0;
   std::vector<std::string> warnings;
-  std::string remark;                ///< of the experiment on what its measures mean here; empty = nothing to say
-  bool restarted_from_rest = false;  ///< the start led nowhere: measured from the equilibrium that there is from rest
-  bool unstable = false;             ///< an equilibrium was found that is no minimum
-  bool uses_cells = false;           ///< the strategy could not run without the body's triangles or tetrahedra
-  bool suited = true;                ///< false: the strategy cannot run on this body; cause says why
-  std::optional<TimeReport> time;    ///< of a run in time
-  Measures law;                      ///< what the law itself shows in this test, see measure_law; may be empty
-  double law_strain = 0;             ///< at which it does
+  std::string remark;                  ///< of the experiment on what its measures mean here; empty = nothing to say
+  bool restarted_from_rest = false;    ///< the start led nowhere: measured from the equilibrium that there is from rest
+  bool unstable = false;               ///< an equilibrium was found that is no minimum
+  bool uses_cells = false;             ///< the strategy could not run without the body's triangles or tetrahedra
+  bool suited = true;                  ///< false: the strategy cannot run on this body; cause says why
+  std::optional<TimeReport> time;      ///< of a run in time
+  std::optional<EngineReport> engine;  ///< of a run by another program, which `strategy` names too
+  Measures law;                        ///< what the law itself shows in this test, see measure_law; may be empty
+  double law_strain = 0;               ///< at which it does
   std::optional<contact::ContactReport> contact;  ///< of the last state, where there is contact
 };
 

@@ -15,7 +15,7 @@
 
 #include "elastin/core/base/error.h"
 #include "elastin/core/parallel/threads.h"
-#include "lab/export/formats.h"
+#include "lab/export/engine_run.h"
 #include "lab/report/comparison.h"
 #include "lab/report/files.h"
 #include "lab/report/machine.h"
@@ -51,7 +51,8 @@ class Comparison {
                        std::size_t first_row, int repeat);
   Record run_one(Scene& scene, const StrategyChoice& choice, const PlannedRow& row);
   void add_directions(const Scene& scene, const StrategyChoice& choice, const RunOptions& options, Record& record);
-  Record run_elsewhere(const Scene& scene, const PlannedRow& row);
+  Record run_elsewhere(const Engine& engine, Scene& scene, const PlannedRow& row);
+  const Engine* engine_of(const std::string& name) const;
   Record failed_run(const PlannedRow& row, const std::string& why) const;
   void tell_missing_files(const ScenePlan& plan, const Record& record, int repeat) const;
   void finish_run(const ScenePlan& plan, const std::string& key, Record record, const Scene* scene, int repeat);
@@ -189,10 +190,18 @@ void Comparison::add_directions(const Scene& scene, const StrategyChoice& choice
   record.directions = measure_directions(scene, choice, options, record.run);
 }
 
-Record Comparison::run_elsewhere(const Scene& scene, const PlannedRow& row) {
+/// The one that runs a row; null: a strategy does.
+const Engine* Comparison::engine_of(const std::string& name) const {
+  if (name == request_.against) return engines().find(name).get();
+  for (const Engine& engine : request_.engines)
+    if (engine.name == name) return &engine;
+  return nullptr;
+}
+
+Record Comparison::run_elsewhere(const Engine& engine, Scene& scene, const PlannedRow& row) {
   progress_.set(scene.name + ", " + row.strategy);
-  OtherRun other =
-      run_calculix(scene, catalog_, overrides_of(request_.overrides, *row.combination), request_.interrupted);
+  OtherRun other = run_engine(engine, scene, catalog_, overrides_of(request_.overrides, *row.combination),
+                              request_.engine_settings, request_.interrupted);
   const Scene& solved = other.scene ? *other.scene : scene;
   measure_law(solved.specimen, *solved.experiment, solved.stiffness, {.statics = solved.statics}, other.run);
   Record record = make_record(solved, std::move(other.run));
@@ -235,8 +244,9 @@ void Comparison::run_combination(ScenePlan& plan, const std::vector<std::pair<st
       if (count > 0) set_threads(count);
       Record record;
       const StrategyChoice* choice = find_strategy(choices, strategy);
-      if (scene && !choice && strategy == request_.against) {
-        record = run_elsewhere(*scene, row);
+      const Engine* engine = choice ? nullptr : engine_of(strategy);
+      if (scene && engine) {
+        record = run_elsewhere(*engine, *scene, row);
       } else if (!choice) {
         record = failed_run(row, trouble.empty() ? "the changed scene has no such strategy" : trouble);
       } else if (plan.varied()) {

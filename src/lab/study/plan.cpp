@@ -44,6 +44,7 @@ ScenePlan plan_scene(const Request& request, const Catalog& catalog, const Scene
   for (const StrategyChoice& choice : chosen_strategies(request, catalog, *plan.scene))
     plan.strategies.push_back(choice.label);
   if (!request.against.empty()) plan.strategies.push_back(request.against);
+  for (const Engine& engine : request.engines) plan.strategies.push_back(engine.name);
   plan.own_reference = study.own_reference;
   if (!study.axes.empty()) load_scene(source, catalog, overrides_of(request.overrides, plan.combinations.front()));
   return plan;

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "lab/export/engine_run.h"
 #include "lab/report/page.h"
 #include "lab/report/records.h"
 #include "lab/run/config_names.h"
@@ -32,10 +33,12 @@ struct Request : Output {
   std::vector<SceneSource> scenes;
   std::vector<std::string> overrides, vary;
   std::string strategies, steppers, restart;
-  std::string against;    ///< another program that runs each scene too, "calculix"; empty: none
-  std::string reference;  ///< "computed" or "none" for all scenes; empty: as each scene says
-  Shard shard = {};       ///< of the runs of a comparison: what is run here
-  int repeats = 0;        ///< 0 = as the scene says
+  std::string against;                  ///< "calculix": one of the engines, which must be installed; empty: none
+  std::vector<Engine> engines = {};     ///< other programs that run each scene too
+  EngineSettings engine_settings = {};  ///< of them
+  std::string reference;                ///< "computed" or "none" for all scenes; empty: as each scene says
+  Shard shard = {};                     ///< of the runs of a comparison: what is run here
+  int repeats = 0;                      ///< 0 = as the scene says
   bool compare = false, resume = false, live = false;
   std::function<bool()> interrupted = {};  ///< called after each run
 };

@@ -1,0 +1,155 @@
+#include "lab/export/exported_body.h"
+
+#include <fmt/format.h>
+
+#include "elastin/core/base/text.h"
+#include "elastin/core/shapes/orders.h"
+#include "lab/export/problem.h"
+
+namespace elastin::lab {
+namespace {
+
+using Cell = ExportedBody::Cell;
+
+/// Its part's material, with the numbers of the middle of its nodes.
+Cell cell_of(const Specimen& specimen, const CellKind& kind, std::vector<int> nodes, std::size_t number,
+             CellRange Part::*range) {
+  const Material& material = specimen.materials.empty()
+                                 ? specimen.material
+                                 : specimen.materials[material_of(specimen.body, static_cast<int>(number), range)];
+  Vector3 middle = Vector3::Zero();
+  for (const int node : nodes) middle += specimen.body.rest.col(node) / static_cast<double>(nodes.size());
+  const auto cell = [&](const Material& own) {
+    return Cell{&kind, std::move(nodes), own.youngs_modulus, own.poissons_ratio, own.density};
+  };
+  return material.field ? cell(local_material(material, middle)) : cell(material);
+}
+
+std::vector<Cell> simplices(const Specimen& specimen, const Body& body) {
+  std::vector<Cell> cells;
+  for (std::size_t i = 0; i < body.tetrahedra.size(); ++i)
+    cells.push_back(cell_of(specimen, cell_kind("tetrahedron4"), {body.tetrahedra[i].begin(), body.tetrahedra[i].end()},
+                            i, &Part::tetrahedra));
+  return cells;
+}
+
+void set_cells(const Specimen& specimen, ExportedBody& result) {
+  const Body& body = specimen.body;
+  for (std::size_t block = 0; block < body.blocks.size(); ++block)
+    for (int i = 0; i < body.blocks[block].size(); ++i) {
+      const auto nodes = body.blocks[block].cell(i);
+      result.cells.push_back(
+          cell_of(specimen, *body.blocks[block].kind, {nodes.begin(), nodes.end()}, block, &Part::blocks));
+      if (body.blocks[block].stiffness.size()) result.cells.back().youngs_modulus *= body.blocks[block].stiffness[i];
+    }
+  const bool of_boxes = body.blocks.empty() && body.tetrahedra.empty() && !body.cubes.empty();
+  result.tetrahedra =
+      simplices(specimen, of_boxes && body.parts.empty() ? with_cells(body, cell_kind("hexahedron8")) : body);
+  for (std::size_t i = 0; of_boxes && i < body.cubes.size(); ++i) {
+    const auto& box = body.cubes[i];
+    result.cells.push_back(cell_of(specimen, cell_kind("hexahedron8"),
+                                   {box[0], box[1], box[3], box[2], box[4], box[5], box[7], box[6]}, i, &Part::cubes));
+  }
+  if (of_boxes || !body.blocks.empty()) return;
+  for (Eigen::Index i = 0; i < body.cell_stiffness.size(); ++i)
+    result.tetrahedra[i].youngs_modulus *= body.cell_stiffness[i];
+  result.cells = result.tetrahedra;
+  if (result.cells.empty())
+    for (std::size_t i = 0; i < body.triangles.size(); ++i)
+      result.cells.push_back(cell_of(specimen, cell_kind("triangle3"),
+                                     {body.triangles[i].begin(), body.triangles[i].end()}, i, &Part::triangles));
+}
+
+void set_connections(const Body& body, const VectorX& constants, ExportedBody& result) {
+  int without = 0;
+  for (int i = 0; i < std::min<int>(body.connections.proper(), static_cast<int>(constants.size())); ++i)
+    if (constants[i] == 0)
+      ++without;
+    else
+      result.connections.push_back(
+          {body.connections.ends[i][0], body.connections.ends[i][1], body.connections.rest_length[i], constants[i]});
+  if (without > 0) result.notes.push_back(counted(without, "connection") + " without stiffness left out");
+}
+
+/// What engines lack of the scene.
+void add_notes(const Scene& scene, const Run& run, ExportedBody& result) {
+  const Specimen& specimen = scene.specimen;
+  const Strategy& strategy = scene.stiffness.strategy;
+  const auto say = [&](bool is_so, std::string what) {
+    if (is_so) result.notes.push_back(std::move(what));
+  };
+  const bool springs = run.constants.size() > 0;
+  say(springs && run.volume_modulus > 0,
+      fmt::format(
+          "the volume term, {:.6g} Pa, is not in the connections: without it the body is softer against changes "
+          "of volume",
+          run.volume_modulus));
+  say(!springs && strategy.volume_modulus, "the pressures of the cells, which prevent locking, are not written");
+  say(strategy.kind == StrategyKind::updated_spring_rule,
+      "the constants are those at rest: '" + scene.stiffness.label + "' updates them as the body deforms");
+  say(strategy.kind == StrategyKind::cell_law && !scene.stiffness.strategy.law.empty(),
+      "of the law '" + strategy.law + "' there are E and nu at small strain");
+  bool curve = false, fibres = false, bends = false;
+  for (const Material& material : materials_of(specimen)) {
+    curve |= material.curve.has_value();
+    fibres |= material.fibre || material.active;
+    bends |= material.bending_rigidity > 0;
+  }
+  say(curve, "the springs are straight: the material's curve is not written, only its slope at no strain");
+  say(fibres, "fibres and muscle are not written");
+  say(bends, "the bending stiffness is not written");
+  say(strategy.has_history, "relaxation and softening are not written");
+  say(!specimen.body.cables.empty(), "cables are not written");
+  say(!specimen.body.ties.empty(), "ties between bodies are not written");
+  say(specimen.contact.has_value(), "contact is not written");
+  say(!scene.experiment->at_rest(), "the experiment runs in time: its supports and loads are not written");
+}
+
+}  // namespace
+
+void set_test(const Scene& scene, ExportedBody& result) {
+  const Specimen& specimen = scene.specimen;
+  result.forces = Positions::Zero(3, specimen.body.size());
+  if (!scene.experiment->at_rest()) return;
+  Model model(specimen.body);
+  for (const SpecimenLoad& load : specimen.loads) load.add(model);
+  const auto rig = scene.experiment->at_rest()->static_rig(model);
+  rig->set_load(1);
+  if (!specimen.contact) result.forces = model.load_forces(state_at_rest(specimen.body));
+  for (const auto& load : model.loads())
+    if (load->changes() && load->acts_at_rest()) {
+      result.notes.emplace_back("loads that follow the body are written as the forces that they have at rest");
+      break;
+    }
+  result.supports = model.supports;
+}
+
+ExportedBody exported_body(const Scene& scene) {
+  Specimen specimen = scene.specimen;
+  const StrategyChoice& choice = scene.stiffness;
+  prepare(specimen, choice.strategy);
+  Run run;
+  RunOptions options;
+  options.statics = scene.statics;
+  run.cause = unsuited(specimen, *scene.experiment, choice);
+  if (!run.cause.empty() || !make_elasticity(specimen, *scene.experiment, choice, options, run))
+    throw InputError(SourceLocation{scene.source.path()}, "'" + choice.label + "': " + run.cause);
+  if (choice.strategy.constants_at)
+    run.constants = choice.strategy.constants_at(specimen.body, specimen.material, choice.values)(specimen.body.rest);
+  ExportedBody result;
+  result.name = scene.name;
+  result.title = scene.title;
+  result.strategy = choice.label;
+  result.positions = specimen.body.rest;
+  result.masses = specimen.body.mass;
+  result.radii = specimen.body.radius;
+  result.thickness = specimen.material.thickness;
+  result.notes = run.warnings;
+  set_connections(specimen.body, run.constants, result);
+  set_cells(scene.specimen, result);
+  set_test(scene, result);
+  add_notes(scene, run, result);
+  return result;
+}
+
+}  // namespace elastin::lab

@@ -1,0 +1,42 @@
+#pragma once
+#include <string>
+#include <vector>
+
+#include "elastin/core/geometry/cell_kind.h"
+#include "lab/scene/scene.h"
+
+namespace elastin::lab {
+
+/// A body with the constants of one strategy, in SI units and without anything of Elastin's in it: what engines take.
+struct ExportedBody {
+  struct Connection {
+    int a = 0, b = 0;
+    double rest_length = 0, stiffness = 0;  ///< [m]; [N/m], not 0
+  };
+  struct Cell {
+    const CellKind* kind = nullptr;
+    std::vector<int> nodes;
+    double youngs_modulus = 0, poissons_ratio = 0, density = 0;  ///< [Pa], –, [kg/m³]
+  };
+  std::string name, title, strategy;
+  Positions positions;    ///< at rest [m]
+  VectorX masses, radii;  ///< [kg], [m]
+  /// Those with a constant; none where the strategy is a law of cells.
+  std::vector<Connection> connections;
+  std::vector<Cell> cells;  ///< as the body has them
+  std::vector<Cell>
+      tetrahedra;        ///< of four nodes, that fill the same; none of a body without cells of three dimensions
+  double thickness = 0;  ///< of triangles and quadrilaterals [m]
+  std::vector<Support> supports;   ///< of the experiment under its whole load
+  Positions forces;                ///< of all loads on the molecules at rest [N]
+  std::vector<std::string> notes;  ///< what of the scene is not here, a sentence each
+};
+
+/// The supports and the forces of a scene's experiment under its whole load; none of an experiment that runs in time.
+void set_test(const Scene& scene, ExportedBody& body);
+
+/// The scene's body with the constants of its own strategy. Throws InputError where the strategy does not suit the
+/// body, or its calibration fails.
+ExportedBody exported_body(const Scene& scene);
+
+}  // namespace elastin::lab

@@ -1,0 +1,298 @@
+"""engines_test.py COMMAND: constants that are exported for engines, read again by parsers that are not Elastin's, and
+engines as rows of a comparison.
+
+LAMMPS, and node with its packages, take part where they are installed.
+"""
+
+import csv
+import json
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+import xml.etree.ElementTree as ElementTree
+
+COMMAND = sys.argv[1]
+BAR = """title: a bar
+body: {lattice: {kind: cubic, molecules: [4, 4, 6], spacing: 10 mm, connections: [axis, face]}}
+material: {youngs_modulus: 100 kPa, poissons_ratio: 0.25, density: 1000 kg/m3}
+stiffness: lattice
+strategies: [lattice]
+experiment: {kind: tension, axis: z, force: 0.9 mN}
+reference: none
+"""
+# One connection of a bar of E = 5 kPa, A = 9 cm2, L = 15 mm: k = E A / L = 300 N/m.
+ONE = """body:
+  lattice: {kind: cubic, molecules: [1, 1, 2], spacing: 15 mm, connections: [axis]}
+  radius: 15 mm
+material: {youngs_modulus: 5 kPa}
+stiffness: standard
+experiment: {kind: tension, axis: z, force: 1 N, fixed_grip: clamped, cross_section: 9 cm2, gauge_length: 15 mm}
+reference: none
+"""
+
+
+def node_has(package):
+    return f"node -e 'require(\"module\").createRequire(process.cwd() + \"/\").resolve(\"{package}\")'"
+
+
+ENGINES = {"jolt": node_has("jolt-physics"), "rapier": node_has("@dimforge/rapier3d-compat"),
+           "mujoco": node_has("@mujoco/mujoco"), "lammps": "command -v lmp"}
+
+
+def near(got, expected, tolerance=1e-9):
+    assert abs(got - expected) <= tolerance * abs(expected), f"{got}, and not {expected}"
+
+
+def elastin(*arguments, status=0):
+    done = subprocess.run([COMMAND, *map(str, arguments)], capture_output=True, text=True)
+    assert done.returncode == status, f"{arguments}: {done.returncode} {done.stderr}"
+    return done.stdout + done.stderr
+
+
+def export(scene, name, *more):
+    folder = scene.parent / f"{scene.stem}-{name}"
+    elastin("export", scene, "--to", name, "--out", folder, *more)
+    readme = (folder / "README.md").read_text()
+    assert "Units: m, kg, s, N, Pa" in readme and "not in these files" in readme.lower(), readme
+    return folder
+
+
+def body_of(scene, *more):
+    (path,) = export(scene, "json", *more).glob("*.json")
+    return json.loads(path.read_text())
+
+
+def check_schema(one):
+    body = body_of(one)
+    (spring,) = body["connections"]
+    assert (spring["a"], spring["b"]) == (0, 1)
+    near(spring["stiffness"], 300)
+    near(spring["rest_length"], 0.015)
+    assert body["supports"] == [{"molecule": 0, "fixed": [True] * 3, "displacement": [0, 0, 0]}]
+    assert body["forces"] == [{"molecule": 1, "force": [0, 0, 1]}]
+
+
+def check_parsers(bar):
+    """Counts, masses and the sum of all spring constants."""
+    body = body_of(bar)
+    count, springs = len(body["positions"]), body["connections"]
+    mass, stiffness = sum(body["masses"]), sum(one["stiffness"] for one in springs)
+    near(mass, 1000 * 30e-3 * 30e-3 * 50e-3)
+    assert count == 96 and len(body["cells"]) == 45
+
+    def agree(molecules, masses, constants):
+        constants = list(constants)
+        assert (molecules, len(constants)) == (count, len(springs))
+        near(sum(masses), mass, 1e-6)
+        near(sum(constants), stiffness, 1e-6)
+
+    folder = export(bar, "csv")
+    rows = list(csv.DictReader((folder / "connections.csv").open()))
+    molecules = list(csv.DictReader((folder / "molecules.csv").open()))
+    agree(len(molecules), (float(one["mass_kg"]) for one in molecules),
+          (1 / float(one["compliance_m_per_N"]) for one in rows))
+
+    text = (export(bar, "lammps") / "body.data").read_text()
+    part = {name: [row.split() for row in rows.strip().splitlines()]
+            for name, rows in re.findall(r"\n(Bond Coeffs|Atoms|Bonds)[^\n]*\n\n(.*?)(?=\n\n|\Z)", text, re.S)}
+    of_type = {row[0]: 2 * float(row[1]) for row in part["Bond Coeffs"]}
+    sphere = [(float(row[6]), float(row[7])) for row in part["Atoms"]]
+    agree(len(part["Atoms"]), (3.141592653589793 / 6 * d**3 * density for d, density in sphere),
+          (of_type[row[1]] for row in part["Bonds"]))
+
+    tree = ElementTree.parse(export(bar, "mujoco") / "body.xml")
+    agree(len(tree.findall(".//body")), (float(one.get("mass")) for one in tree.iter("inertial")),
+          (float(one.get("stiffness")) for one in tree.iter("spatial")))
+    # Sliding grips: 16 molecules do not move along z; 2 and 1 more components keep the body from moving as a whole.
+    assert len(list(tree.iter("joint"))) <= 3 * count - 16
+
+    tree = ElementTree.parse(export(bar, "sofa") / "body.scn")
+    numbers = tree.find(".//SpringForceField").get("spring").split()
+    agree(len(tree.find(".//MechanicalObject").get("position").split()) // 3,
+          map(float, tree.find(".//DiagonalMass").get("vertexMass").split()), map(float, numbers[2::5]))
+
+    class Builder:
+        masses, constants = [], []
+
+        def add_particle(self, pos, vel, mass):
+            self.masses.append(mass)
+            return len(self.masses) - 1
+
+        def add_spring(self, i, j, ke, kd, control):
+            self.constants.append(ke)
+
+    folder = export(bar, "newton")
+    sys.path.insert(0, str(folder))
+    import newton_body
+
+    builder = Builder()
+    free = dict(json.loads((folder / "body.json").read_text()), supports=[])
+    assert newton_body.add_to(builder, free) == 0
+    agree(len(builder.masses), builder.masses, builder.constants)
+
+    text = (export(bar, "bullet") / "body.cpp").read_text()
+    molecules = re.search(r"molecules\[\] = \{(.*?)\n\};", text, re.S)[1].strip().splitlines()
+    links = re.search(r"connections\[\] = \{(.*?)\n\};", text, re.S)[1].strip().splitlines()
+    last = lambda row: float(row.strip(" {},").split(",")[-1])
+    agree(len(molecules), map(last, molecules), map(last, links))
+
+    text = (export(bar, "usd") / "body.usda").read_text()
+    array = lambda name: json.loads("[" + re.search(re.escape(name) + r" = \[(.*)\]", text)[1] + "]")
+    agree(len(array("elastin:mass")), array("elastin:mass"), array("elastin:stiffness"))
+
+
+def check_cells(bar):
+    """A law of cells gives E and nu, and no springs."""
+    cells = "--strategy", "neo_hookean", "--set", "body.lattice={kind: cubic, molecules: [4, 4, 6], spacing: 10 mm, order: 1}"
+    body = body_of(bar, *cells)
+    assert not body["connections"] and body["cells"][0]["shape"] == "hexahedron8"
+    near(body["tetrahedra"][0]["youngs_modulus"], 100e3)
+    tree = ElementTree.parse(export(bar, "mujoco", *cells) / "body.xml")
+    near(float(tree.find(".//elasticity").get("young")), 100e3)
+    assert len(tree.find(".//flex").get("element").split()) == 4 * len(body["tetrahedra"])
+
+
+def check_refusals(bar):
+    order = "--set", "body.lattice={kind: cubic, molecules: [2, 2, 2], spacing: 10 mm, order: 1}"
+    for arguments, words in [
+        (("jolt", "--strategy", "neo_hookean", *order), "jolt takes spring constants, and this strategy has none"),
+        (("jolt", "--strategy", "latice"), "lattice"),
+        (("jold",), "jolt"),
+        (("jolt", "--strategy", "lattice+volume", "--set", "material.poissons_ratio=0.3"), ""),
+    ]:
+        said = elastin("export", bar, "--to", *arguments, "--out", bar.parent / "refused", status=2 if words else 0)
+        assert words in said, said
+        assert words or "the volume term" in said, said
+    assert "a folder is needed" in elastin("export", bar, "--to", "csv", "--out", "-", status=2)
+
+
+def check_lammps(bar):
+    """The equilibrium that LAMMPS finds with the constants has Elastin's modulus."""
+    folder = export(bar, "lammps")
+    subprocess.run(["lmp", "-in", "in.body", "-log", "none"], cwd=folder, check=True, stdout=subprocess.DEVNULL)
+    rows = [list(map(float, row.split())) for row in (folder / "forces.dump").read_text().splitlines()[9:]]
+    body = body_of(bar)
+    top = [i for i, place in enumerate(body["positions"]) if place[2] > 0.0499]
+    drawn = sum(rows[i][3] - body["positions"][i][2] for i in top) / len(top)
+    elastin("run", bar, "--json", bar.parent / "run.json", "--quiet")
+    (run,) = json.loads((bar.parent / "run.json").read_text())["runs"]
+    near(0.9e-3 / 30e-3**2 / (drawn / 50e-3), modulus_of(run), 1e-4)
+    near(sum(row[6] for i, row in enumerate(rows) if body["positions"][i][2] == 0), 0.9e-3, 1e-6)
+
+
+def modulus_of(run):
+    value = run["measures"]["effective_modulus"]
+    return value["value"] if isinstance(value, dict) else value
+
+
+def compare(scene, *arguments, status=0):
+    """The rows of a comparison, by strategy."""
+    path = scene.parent / "runs.json"
+    elastin("compare", scene, *arguments, "--json", path, "--quiet", status=status)
+    return {run["strategy"]: run for run in json.loads(path.read_text())["runs"]}
+
+
+def check_engines(folder):
+    """Engines find with Elastin's constants the modulus that Elastin finds, where nothing limits them."""
+    examples = pathlib.Path(__file__).parents[3] / "scenes" / "engines"
+    commands = [f"'{sys.executable}' '{examples}/own_engine.py'"]
+    own = ["own_engine"]
+    bar = folder / "drawn.yaml"
+    bar.write_text(BAR.replace("0.9 mN", "0.9 N, fixed_grip: clamped"))
+    if shutil.which("node"):
+        (folder / "script.mjs").write_bytes((examples / "own_engine.mjs").read_bytes())
+        commands.append(f"node '{folder}/script.mjs'")
+        own.append("script")
+    named = [name for name, test in ENGINES.items()
+             if subprocess.run(test, shell=True, capture_output=True).returncode == 0]
+    # Steps of 0.2 ms: the largest k dt^2 / m is 0.01, where position-based solvers converge in one pass.
+    rows = compare(bar, *(word for one in commands for word in ("--engine", one)), "--engines", ",".join(named),
+                   "--engine-dt", "0.0002")
+    assert rows["lattice"].get("engine") is None
+    for name in own + named:
+        assert rows[name]["engine"] == name and rows[name]["engine_run"]["constants"] == "lattice", rows[name]
+        assert rows[name]["engine_run"]["steps"] > 0, rows[name]
+        near(modulus_of(rows[name]), modulus_of(rows["lattice"]), 1e-4 if name in own + ["lammps"] else 0.02)
+    # Displacements are prescribed where an engine gives the reactions.
+    bar.write_text(BAR.replace("force: 0.9 mN", "strain: 1 %"))
+    rows = compare(bar, "--engine", commands[0])
+    near(modulus_of(rows["own_engine"]), modulus_of(rows["lattice"]), 1e-4)
+
+
+def check_faults(bar):
+    """Whatever an engine does, its row says it, and the others are there."""
+    python = f"'{sys.executable}' -c"
+    positions = "import json, sys; p = json.loads(sys.stdin.readline())['body']['positions']; "
+    for name, command, outcome, words in [
+        ("absent", "no-such-program absent", "diverged", "status 127"),
+        ("crashing", f"{python} 'raise SystemError(42)' crashing", "diverged", "status 1: SystemError: 42"),
+        ("killed", "kill -SEGV $$; : killed", "diverged", "signal: Segmentation fault"),
+        ("hanging", "sleep 60; : hanging", "diverged", "no answer in 0.5 s"),
+        ("silent", "true silent", "diverged", "no line with a JSON object"),
+        ("empty", "echo {}; : empty", "diverged", "neither 'positions' nor 'error'"),
+        ("few", f'{python} "{positions}print(json.dumps({{\'positions\': p[1:]}}))" few', "diverged", "95 of 96"),
+        ("nan", f'{python} "{positions}p[7][2] = float(\'nan\'); print(json.dumps({{\'positions\': p}}))" nan', "diverged",
+         "molecule 7 are not finite"),
+        ("moving", f'{python} "{positions}print(json.dumps({{\'positions\': p, \'at_rest\': False, \'steps\': 9}}))" moving',
+         "diverged", "not at rest after 9 steps"),
+        ("unable", "echo '{\"error\": \"no sliding grips\"}'; : unable", "unsuited", "no sliding grips"),
+    ]:
+        rows = compare(bar, "--engine", command, "--engine-seconds", "0.5" if name == "hanging" else "60",
+                       status=0 if outcome == "unsuited" else 1)
+        row = rows[name]
+        assert rows["lattice"]["outcome"] == "converged", rows["lattice"]
+        assert row["outcome"] == outcome and words in row["cause"], (name, row["outcome"], row["cause"])
+        assert "NaN" not in (bar.parent / "runs.json").read_text()
+    row = compare(bar, "--engines", "jolt", "--set", "experiment.force=0.9 N", *("--engine-dt", "0.001"))["jolt"]
+    assert row["outcome"] == "unsuited", row  # not installed, or for the grips that slide
+    assert "npm install jolt-physics" in row["cause"] or "fixed_grip: clamped" in row["cause"], row
+    for arguments, words in [
+        (("--engines", "jold"), "engine 'jold' is not known here; did you mean 'jolt'?"),
+        (("--engine", "python3 lattice.py"), "'lattice' is a strategy"),
+        (("--engine", "a.py", "--engine", "b/a.py"), "'a' is there twice"),
+        (("--engine-iterations", "0"), "1"),
+    ]:
+        assert words in elastin("compare", bar, *arguments, status=2)
+
+
+def check_calibration(folder):
+    """One factor mends an engine that is too soft; of one that cannot be stiffer the limit is said."""
+    examples = pathlib.Path(__file__).parents[3] / "scenes" / "engines"
+    bar = folder / "calibrated.yaml"
+    bar.write_text(BAR.replace("0.9 mN", "0.9 N, fixed_grip: clamped").replace("[4, 4, 6]", "[2, 2, 3]"))
+    weakest = min(one["stiffness"] for one in body_of(bar)["connections"])
+    for law, status in [("k / 3", 0), (f"min(k, {weakest / 2})", 1)]:
+        (folder / "softer.py").write_text(
+            "import json, sys\nrequest = json.loads(sys.stdin.readline())\n"
+            "for one in request['body']['connections']:\n    k = one['stiffness']\n"
+            f"    one['stiffness'] = {law}\nprint(json.dumps(request))\n")
+        command = f"'{sys.executable}' '{folder}/softer.py' | '{sys.executable}' '{examples}/own_engine.py'"
+        rows = compare(bar, "--engine", command, "--engine-calibrate", status=status)
+        row, wanted = rows["own_engine"], modulus_of(rows["lattice"])
+        if status:
+            assert row["outcome"] == "limit_reached" and "saturated" in row["cause"], row
+            continue
+        near(modulus_of(row), wanted, 2e-3)
+        assert any("constants are 3 times" in warning for warning in row["warnings"]), row["warnings"]
+
+
+def main():
+    with tempfile.TemporaryDirectory() as name:
+        bar, one = pathlib.Path(name, "bar.yaml"), pathlib.Path(name, "one.yaml")
+        bar.write_text(BAR)
+        one.write_text(ONE)
+        check_schema(one)
+        check_parsers(bar)
+        check_cells(bar)
+        check_refusals(bar)
+        check_engines(bar.parent)
+        check_faults(bar)
+        check_calibration(bar.parent)
+        if shutil.which("lmp"):
+            check_lammps(bar)
+
+
+main()
