@@ -57,7 +57,7 @@ TEST_CASE("a mistake on the command line is answered from that command's options
            {"new strip organ", "'organ' is one argument too many; write elastin new [SPECIMEN] [OPTIONS]\n"},
            {"lab a.yaml", "--out FILE is missing; write elastin lab SCENE --out FILE [OPTIONS]\n"},
            {"lab a.yaml b.yaml --out o", "'b.yaml' is one argument too many; write elastin lab SCENE "},
-           {"export a.yaml --out o", "--to FORMAT is missing; write elastin export SCENE --to FORMAT --out FILE "},
+           {"export a.yaml --out o", "--to FORMAT is missing; write elastin export SCENE --to FORMAT --out PATH "},
            {"export a.yaml --to vtk --out o", "format 'vtk' is not known here; did you mean 'vtu'?"},
            {"compare a.yaml --dry", "unknown option '--dry'; "},
            {"check a.yaml --out o",
