@@ -83,16 +83,19 @@ class Values(unittest.TestCase):
         for read in (lambda: elastin.run("no/such.yaml"), lambda: elastin.read_mesh("no_such.msh", "mm"),
                      lambda: elastin.body({"mesh": {"file": "no_such.vtk", "length_unit": "mm"}}),
                      lambda: elastin.identify({"identify": {"tests": [{"name": "pull", "kind": "uniaxial", "file": "no_such.csv"}]},
-                                               "material": {"law": "yeoh"}})):
+                                               "material": {"law": "yeoh", "terms": ["1 kPa"]}})):
             with self.assertRaises(FileNotFoundError) as raised:
                 read()
             self.assertIsInstance(raised.exception, elastin.InputError)
             self.assertIn("no_such" if "no_such" in str(raised.exception) else "no/such", str(raised.exception))
 
     def test_formulas_in_dicts(self):
-        scene = {"values": {"stiff": "10 kPa"}, "body": LATTICE, "material": {"youngs_modulus": "2 * stiff", "poissons_ratio": 0.25},
-                 "stiffness": "lattice", "experiment": {"kind": "tension", "force": "1 mN / 2"}}
+        scene = {"values": {"stiff": "10 kPa"}, "body": LATTICE, "material": {"youngs_modulus": "= max(stiff, 2 * stiff)"},
+                 "stiffness": "lattice", "experiment": {"kind": "tension", "force": "= 1 mN / 2"}}
         self.assertEqual(elastin.Laboratory(scene).material.youngs_modulus, 2e4)
+        self.assertEqual(elastin.Laboratory(scene, set={"values.stiff": "5 kPa"}).material.youngs_modulus, 1e4)
+        with self.assertRaisesRegex(elastin.InputError, r"scene\['material'\]\['youngs_modulus'\].*no value 'stif'"):
+            elastin.Laboratory({**scene, "material": {"youngs_modulus": "= 2 * stif"}})
 
 
 class Warnings(unittest.TestCase):
@@ -128,9 +131,9 @@ class DecimalComma(unittest.TestCase):
 import elastin, locale, pickle
 locale.setlocale(locale.LC_ALL, "de_DE.UTF-8")
 assert locale.localeconv()["decimal_point"] == ","
-scene = {{"values": {{"half": "1 / 2"}}, "body": elastin.lattice((3, 3, 3), 1e-3),
-         "material": {{"youngs_modulus": "half * 3 kPa", "poissons_ratio": 0.25}}, "stiffness": "lattice",
-         "experiment": {{"kind": "tension", "force": "half * 1 mN"}}}}
+scene = {{"values": {{"half": "= 1 / 2"}}, "body": elastin.lattice((3, 3, 3), 1e-3),
+         "material": {{"youngs_modulus": "= half * 3 kPa", "poissons_ratio": 0.25}}, "stiffness": "lattice",
+         "experiment": {{"kind": "tension", "force": "= half * 1 mN"}}}}
 laboratory = elastin.Laboratory(scene)
 assert laboratory.material.youngs_modulus == 1500, laboratory.material
 assert laboratory.run().good

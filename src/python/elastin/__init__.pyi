@@ -15,6 +15,8 @@ Ints = NDArray[np.int32]
 
 class InputError(ValueError):
     """Wrong use or wrong input: file:line:column, the key, what was given, what is allowed, the nearest name."""
+class MissingFileError(InputError, FileNotFoundError):
+    """A file that is not there: InputError and FileNotFoundError."""
 class StepError(RuntimeError):
     """A step that failed, or an equilibrium that was not found: outcome and cause. `result` is the StepResult or
     StaticResult."""
@@ -278,6 +280,10 @@ class Simulation:
     def settle(self, *, check: bool = True) -> StaticResult:
         """Goes to the equilibrium of all that acts now, at rest: a start. Raises StepError where none is found, unless
         check=False."""
+    @property
+    def warnings(self) -> list[str]:
+        """What makes its results doubtful, a sentence each: pieces, cells given twice, mechanisms, cells that lock, a
+        missing thickness, a budget that is not kept. Looks at the whole body: not for every step."""
     def observe(self, see: Callable[[Simulation], object], every: int = 1) -> None:
         """Calls see(simulation) after every `every` steps that succeeded. It must not step; what it raises ends the
         step() that it came from."""
@@ -315,7 +321,8 @@ class Simulation:
         """A rigid thing that one moves, an instrument: its position [m] and its rotation, a 3 x 3 matrix. Gives its
         number, which obstacles of add_contact take as their tool."""
     def move_tool(self, tool: int, position: ArrayLike, turn: ArrayLike | None = None) -> None:
-        """Where a tool is to be at the end of the next step [m]: it goes there at constant speed, and stays."""
+        """Where a tool is to be at the end of the next step [m]: it goes there at constant speed, and stays. Without a
+        turn it keeps its own."""
     def add_contact(self, stiffness: float, obstacles: Sequence[Mapping[str, Any]] = ..., *, friction: float = 0.0,
                     restitution: float = 1.0, penetration: float = 0.0,
                     surface: Literal["triangles", "spheres"] = "triangles", self_contact: bool = False) -> None:
@@ -517,7 +524,8 @@ class Sweep(list[Result]):
 def body(description: Mapping[str, Any] | str, material: Material | None = None) -> Body:
     """A body as a scene has it under `body:`: elastin.body({"lattice": {"kind": "cubic", "molecules": [5, 5, 5],
     "spacing": 1e-3}}), a dict or its YAML. Every shape of the scenes is there, with the same keys and messages;
-    files are named from the working directory. The material, by default one of 1000 kg/m^3, gives it its mass."""
+    files are named from the working directory. The material, by default one of 1000 kg/m^3, gives it its mass. What
+    makes results doubtful is a warning; how a file was read goes to the logger "elastin"."""
 def order_in_space(positions: ArrayLike) -> Ints:
     """The order in which points (n, 3) lie along a curve that fills space, (n,): a large body whose molecules are
     numbered like this, positions[order], is passed over several times as fast as one numbered at random."""

@@ -47,7 +47,8 @@ class Held:
                 self._write(item, f"{place}[{number}]", "", "," if number < len(value) - 1 else "")
             self._line(place, "]" + after)
         elif isinstance(value, str):
-            self._line(place, before + json.dumps(value, ensure_ascii=False) + after)
+            formula = "!formula " if value.startswith("=") else ""  # a text in quotes alone is none
+            self._line(place, before + formula + json.dumps(value, ensure_ascii=False) + after)
         else:
             self._line(place, before + _yaml.text(value) + after)
 
