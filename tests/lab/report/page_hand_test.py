@@ -294,7 +294,7 @@ identify:
                 with open(f"{folder}/{name}.yaml", "w", encoding="utf8") as file:
                     file.write(text)
             with open(folder + "/pull.csv", "w", encoding="utf8") as file:
-                file.write("strain,nominal stress [kPa]\n")
+                file.write("nominal_strain,nominal_stress [kPa]\n")
                 for step in range(1, 13):  # incompressible Mooney-Rivlin, c1 = 100 kPa, c2 = 10 kPa
                     stretch = 1 + 0.05 * step
                     file.write(f"{stretch - 1},{2 * (stretch - stretch ** -2) * (100 + 10 / stretch)}\n")
