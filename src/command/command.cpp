@@ -114,9 +114,10 @@ int run_command(int argc, const char* const* argv, const Catalog& catalog) {
     lab::say(fmt::format("{}: standard output could not be written: {}\n", name, std::strerror(errno)));
     return 2;
   } catch (const std::filesystem::filesystem_error& error) {
-    const bool temporary = error.path1().empty() || !std::getenv("TMPDIR") || error.path1() == std::getenv("TMPDIR");
-    lab::say(fmt::format("{}: {}{}: {}\n", name, temporary ? "the folder of temporary files (TMPDIR) " : "",
-                         error.path1().string(), error.code().message()));
+    const char* temporary = std::getenv("TMPDIR");  // a folder that is not there comes without its name
+    const std::string path = error.path1().empty() && temporary ? temporary : error.path1().string();
+    lab::say(fmt::format("{}: {}{}: {}\n", name, path, temporary && path == temporary ? " (TMPDIR)" : "",
+                         error.code().message()));
     return 2;
   } catch (const std::system_error& error) {  // of a print
     lab::say(fmt::format("{}: standard output could not be written: {}\n", name, error.code().message()));

@@ -7,6 +7,7 @@
 
 #include "core/base/archive.h"
 #include "elastin/core/base/error.h"
+#include "elastin/core/base/text.h"
 #include "lab/format/vtu.h"
 #include "lab/live/live.h"
 #include "lab/report/page.h"
@@ -74,6 +75,11 @@ std::string scene_json(const Scene& scene, const Catalog& catalog, const Parcel&
             {"no_error", make_tension(body, parcel.tension)->no_reference()},
             {"own_test", tension_setup(*scene.experiment) != nullptr},
             {"settings", settings_json(scene, parcel)}};
+  json["dropped"] = Json::array();
+  if (scene.specimen.contact) json["dropped"].push_back("contact and its obstacles");
+  if (const std::size_t kept = parcel.loads.size(), all = scene.specimen.loads.size(); kept < all)
+    json["dropped"].push_back(counted(static_cast<std::ptrdiff_t>(all - kept), "load") +
+                              " that no row of the core's table is");
   json["strategies"] = Json::array();
   for (const Parcel::Strategy& strategy : parcel.strategies)
     json["strategies"].push_back(row(strategy.label, choose_strategy(catalog, strategy.name).strategy.summary));

@@ -77,7 +77,8 @@ class Lab {
     const counted = (count, name) => `${count.toLocaleString('en')} ${name}${count === 1 ? '' : 's'}`;
     part('about').textContent = [counted(scene.molecules, 'molecule'), counted(scene.connections, 'connection'),
       ...(scene.cells ? [counted(scene.cells, 'cell')] : [])].join(', ') +
-      `; its material has Young's modulus E = ${with_prefix(first.E, 'Pa')} and Poisson's ratio ν = ${+first.nu.toPrecision(4)}.`;
+      `; its material has Young's modulus E = ${with_prefix(first.E, 'Pa')} and Poisson's ratio ν = ${+first.nu.toPrecision(4)}.` +
+      (scene.dropped.length ? ` Of the scene this page leaves out ${scene.dropped.join(' and ')}.` : '');
     part('test-note').textContent = 'How stiff is the whole body? ' + (scene.own_test ? "It is pulled as in the scene's own test, where its E and ν are read, "
       : 'It is pulled by a strain of 10⁻⁴ along its longest side, where its E and ν are read, ') + 'and then on to the strain that you set.';
     this.curves.energy.set([], 'Energy over time');
@@ -253,7 +254,7 @@ class Lab {
   /** New settings; the bodies go on from where they are. Several changes in one picture are one. */
   change(rebuild, restart) {
     this.show_choices();
-    this.rebuild = {rebuild: rebuild || this.rebuild?.rebuild, keep: !restart && this.rebuild?.keep !== false};
+    this.rebuild = {rebuild: rebuild || this.rebuild?.rebuild, keep: !restart && !this.complained && this.rebuild?.keep !== false};  // what stands still goes on from rest
     this.keep_address();
   }
 
