@@ -10,6 +10,7 @@
 #include "core/model/block_geometry.h"
 #include "core/model/ends.h"
 #include "elastin/core/base/error.h"
+#include "elastin/core/base/text.h"
 #include "elastin/core/model/share.h"
 
 namespace elastin {
@@ -152,6 +153,9 @@ Vector3 middle_of(const Body& body, const Face& face, const Positions& positions
   return middle;
 }
 
+/// Cosine of the angle, 1°, by which a side of a box may be tilted.
+constexpr double kStraight = 0.99985;
+
 BoxSides find_box(const Body& body, const Matrix3& axes, double depth) {
   const Positions along = axes.transpose() * body.rest;
   BoxSides box;
@@ -159,11 +163,16 @@ BoxSides find_box(const Body& body, const Matrix3& axes, double depth) {
     box.size[k] = largest_over(body, along.row(k).maxCoeff()) - least_over(body, along.row(k).minCoeff());
   for (int side = 0; side < 6; ++side) {
     const int axis = side / 2;
-    box.sides[side] = end_face(body, (side % 2 ? 1 : -1) * axes.col(axis), depth);
-    const double whole = box.size.prod() / box.size[axis];
-    if (!(box.sides[side].area >= 0.5 * whole))
-      throw InputError("the body is no box: its molecules at the end of " + std::string(side % 2 ? "+" : "-") +
-                       "xyz"[axis] + " span less than half of that side (give grip_depth if they lie behind it)");
+    const Vector3 outward = (side % 2 ? 1 : -1) * axes.col(axis);
+    const std::string end = std::string("the end of ") + (side % 2 ? '+' : '-') + "xyz"[axis];
+    box.sides[side] = end_face(body, outward, depth);
+    const Vector3& tilted = box.sides[side].tilted;
+    if (!tilted.isZero(0) && tilted.dot(outward) < kStraight)
+      throw InputError("the body is no box along these axes: its side at " + end + " is tilted by " +
+                       number(std::acos(tilted.dot(outward)) * 180 / EIGEN_PI, 2) + "°");
+    if (!(box.sides[side].area >= 0.5 * box.size.prod() / box.size[axis]))
+      throw InputError("the body is no box: its molecules at " + end +
+                       " span less than half of that side (give grip_depth if they lie behind it)");
   }
   return box;
 }

@@ -649,7 +649,8 @@ class Experiment:
 
 class Tension(Experiment):
     """A bar is pulled along its axis: effective modulus, Poisson's ratio, stress–strain curve.
-    axis: axis of the bar, from the fixed end to the loaded one (direction; default: z).
+    axis: axis of the bar, from the fixed end to the loaded one; `longest`: the principal axis of inertia along which
+    the body extends furthest (direction, or longest; default: z).
     force [N]: force on the loaded end; not 0 (quantity; default: one of four needed).
     displacement [m]: displacement of the loaded end; not 0 (quantity; default: one of four needed).
     strain: that displacement over the distance of the end layers; not 0 (number; default: one of four needed).
@@ -665,22 +666,29 @@ class Tension(Experiment):
     gauge_length [m]: length l₀ to which the strain refers (quantity; default: between the end layers).
     gauge [m]: planes, measured from the fixed end, between which an extensometer reads (two quantities; default:
     none).
-    grip_depth [m]: molecules that are so near to an end belong to it (quantity; default: the end plane).
+    fixed: molecules that are held in place of the fixed end (list of molecules, or [pick](#picked-molecules);
+    default: the end).
+    loaded: molecules that are held in place of the loaded end (list of molecules, or [pick](#picked-molecules);
+    default: the end).
+    grip_depth [m]: molecules that are so near to the furthest one of an end belong to it (quantity; default: the
+    whole end: its plane, or, where it is rough or tilted, the sides of the cells that look outward).
     load_steps: equal steps in which the load grows (whole; default: 1).
     cycle: parts of the load that are reached one after the other, each in `load_steps`: [1, 0, 1] (list of numbers;
     default: [1])."""
     def __init__(self, *, axis: Any = None, force: Any = None, displacement: Any = None, strain: Any = None, gravity:
                  Any = None, fixed_grip: Any = None, loaded_grip: Any = None, load_sharing: Any = None, reading: Any =
-                 None, cross_section: Any = None, gauge_length: Any = None, gauge: Any = None, grip_depth: Any = None,
-                 load_steps: Any = None, cycle: Any = None, grips: Any = None) -> None: ...
+                 None, cross_section: Any = None, gauge_length: Any = None, gauge: Any = None, fixed: Any = None,
+                 loaded: Any = None, grip_depth: Any = None, load_steps: Any = None, cycle: Any = None, grips: Any =
+                 None) -> None: ...
 
 class Compression(Experiment):
     """A bar is pressed along its axis and measured as in tension.
     The keys are those of Tension."""
     def __init__(self, *, axis: Any = None, force: Any = None, displacement: Any = None, strain: Any = None, gravity:
                  Any = None, fixed_grip: Any = None, loaded_grip: Any = None, load_sharing: Any = None, reading: Any =
-                 None, cross_section: Any = None, gauge_length: Any = None, gauge: Any = None, grip_depth: Any = None,
-                 load_steps: Any = None, cycle: Any = None, grips: Any = None) -> None: ...
+                 None, cross_section: Any = None, gauge_length: Any = None, gauge: Any = None, fixed: Any = None,
+                 loaded: Any = None, grip_depth: Any = None, load_steps: Any = None, cycle: Any = None, grips: Any =
+                 None) -> None: ...
 
 class Biaxial(Experiment):
     """A block or sheet is stretched along two directions between smooth grips, free along the third. [Timoshenko &
@@ -688,7 +696,8 @@ class Biaxial(Experiment):
     axis: first direction, in which the body is stretched (direction; default: x).
     across: second direction, perpendicular to it (direction; default: y).
     strain: nominal strain along both, or along each; the first is not 0 (number, or two numbers; default: needed).
-    grip_depth [m]: molecules that are so near to an end belong to it (quantity; default: the end plane).
+    grip_depth [m]: molecules that are so near to the furthest one of an end belong to it (quantity; default: the
+    whole end: its plane, or, where it is rough or tilted, the sides of the cells that look outward).
     load_steps: equal steps in which the load grows (whole; default: 1)."""
     def __init__(self, *, axis: Any = None, across: Any = None, strain: Any = None, grip_depth: Any = None, load_steps:
                  Any = None) -> None: ...
@@ -699,43 +708,58 @@ class Planar(Experiment):
     axis: first direction, in which the body is stretched (direction; default: x).
     across: second direction, perpendicular to it (direction; default: y).
     strain: nominal strain along `axis`; not 0 (number; default: needed).
-    grip_depth [m]: molecules that are so near to an end belong to it (quantity; default: the end plane).
+    grip_depth [m]: molecules that are so near to the furthest one of an end belong to it (quantity; default: the
+    whole end: its plane, or, where it is rough or tilted, the sides of the cells that look outward).
     load_steps: equal steps in which the load grows (whole; default: 1)."""
     def __init__(self, *, axis: Any = None, across: Any = None, strain: Any = None, grip_depth: Any = None, load_steps:
                  Any = None) -> None: ...
 
 class Shear(Experiment):
     """Planes across the axis slide along a direction, at constant height: shear modulus.
-    axis: axis of the body, from the fixed end to the loaded one (direction; default: z).
-    direction: direction of the displacement, perpendicular to `axis` (direction; default: needed).
+    axis: axis of the body, from the fixed end to the loaded one; `longest`: the principal axis of inertia along
+    which the body extends furthest (direction, or longest; default: z).
+    direction: direction of the displacement, perpendicular to `axis`; of `axis: longest` the part that is counts
+    (direction; default: needed).
     displacement [m]: displacement of the loaded end; not 0 (quantity; default: one of three needed).
     strain: displacement over height; not 0 (number; default: one of three needed).
     angle: angle of shear; not 0 (angle; default: one of three needed).
     sides: whether two rigid plates carry the shear, or the whole surface follows it (free, affine; default: free).
     cross_section [m^2]: section A that carries the load (quantity; default: volume over length of the cells, between
     the planes of gauge if there are any; without cells the hull of the molecules along the axis).
-    grip_depth [m]: molecules that are so near to an end belong to it (quantity; default: the end plane).
+    fixed: molecules that are held in place of the fixed end (list of molecules, or [pick](#picked-molecules);
+    default: the end).
+    loaded: molecules that are held in place of the loaded end (list of molecules, or [pick](#picked-molecules);
+    default: the end).
+    grip_depth [m]: molecules that are so near to the furthest one of an end belong to it (quantity; default: the
+    whole end: its plane, or, where it is rough or tilted, the sides of the cells that look outward).
     load_steps: equal steps in which the load grows (whole; default: 1)."""
     def __init__(self, *, axis: Any = None, direction: Any = None, displacement: Any = None, strain: Any = None, angle:
-                 Any = None, sides: Any = None, cross_section: Any = None, grip_depth: Any = None, load_steps: Any =
-                 None) -> None: ...
+                 Any = None, sides: Any = None, cross_section: Any = None, fixed: Any = None, loaded: Any = None,
+                 grip_depth: Any = None, load_steps: Any = None) -> None: ...
 
 class Torsion(Experiment):
     """One end of a clamped bar is turned about its axis at constant height: torque, shear modulus of a rectangle.
     [Timoshenko & Goodier 1970, section 109]
-    axis: axis of the body, from the fixed end to the loaded one (direction; default: z).
+    axis: axis of the body, from the fixed end to the loaded one; `longest`: the principal axis of inertia along
+    which the body extends furthest (direction, or longest; default: z).
     angle: rotation of the turned end; not 0 (angle; default: needed).
-    grip_depth [m]: molecules that are so near to an end belong to it (quantity; default: the end plane).
+    fixed: molecules that are held in place of the fixed end (list of molecules, or [pick](#picked-molecules);
+    default: the end).
+    loaded: molecules that are held in place of the loaded end (list of molecules, or [pick](#picked-molecules);
+    default: the end).
+    grip_depth [m]: molecules that are so near to the furthest one of an end belong to it (quantity; default: the
+    whole end: its plane, or, where it is rough or tilted, the sides of the cells that look outward).
     load_steps: equal steps in which the load grows (whole; default: 1)."""
-    def __init__(self, *, axis: Any = None, angle: Any = None, grip_depth: Any = None, load_steps: Any =
-                 None) -> None: ...
+    def __init__(self, *, axis: Any = None, angle: Any = None, fixed: Any = None, loaded: Any = None, grip_depth: Any =
+                 None, load_steps: Any = None) -> None: ...
 
 class Hydrostatic(Experiment):
     """Equal strain along all directions: bulk modulus.
     strain: strain of each side; negative compresses; not 0 (number; default: needed).
     sides: whether six smooth walls carry the strain, or the whole surface follows it (sliding, affine; default:
     sliding).
-    grip_depth [m]: molecules that are so near to an end belong to it (quantity; default: the end plane).
+    grip_depth [m]: molecules that are so near to the furthest one of an end belong to it (quantity; default: the
+    whole end: its plane, or, where it is rough or tilted, the sides of the cells that look outward).
     load_steps: equal steps in which the load grows (whole; default: 1)."""
     def __init__(self, *, strain: Any = None, sides: Any = None, grip_depth: Any = None, load_steps: Any =
                  None) -> None: ...
@@ -743,14 +767,21 @@ class Hydrostatic(Experiment):
 class Bending(Experiment):
     """A cantilever bends under its own weight or a force on its tip: effective modulus, deflection. [Timoshenko 1921,
     Cowper 1966]
-    axis: from the clamped root to the tip (direction; default: x).
-    direction: direction of the load, perpendicular to `axis` (direction; default: needed).
+    axis: from the clamped root to the tip; `longest`: the principal axis of inertia along which the body extends
+    furthest (direction, or longest; default: x).
+    direction: direction of the load, perpendicular to `axis`; of `axis: longest` the part that is counts (direction;
+    default: needed).
     gravity [m/s^2]: acceleration that gives the weight; not 0 (quantity; default: this, force or both).
     force [N]: force on the tip; not 0 (quantity; default: this, gravity or both).
-    grip_depth [m]: molecules that are so near to an end belong to it (quantity; default: the end plane).
+    fixed: molecules that are held in place of the fixed end (list of molecules, or [pick](#picked-molecules);
+    default: the end).
+    loaded: molecules that are held in place of the loaded end (list of molecules, or [pick](#picked-molecules);
+    default: the end).
+    grip_depth [m]: molecules that are so near to the furthest one of an end belong to it (quantity; default: the
+    whole end: its plane, or, where it is rough or tilted, the sides of the cells that look outward).
     load_steps: equal steps in which the load grows (whole; default: 1)."""
-    def __init__(self, *, axis: Any = None, direction: Any = None, gravity: Any = None, force: Any = None, grip_depth:
-                 Any = None, load_steps: Any = None) -> None: ...
+    def __init__(self, *, axis: Any = None, direction: Any = None, gravity: Any = None, force: Any = None, fixed: Any =
+                 None, loaded: Any = None, grip_depth: Any = None, load_steps: Any = None) -> None: ...
 
 class Inflation(Experiment):
     """A closed membrane is inflated by pressure, by volume or by gas: radius, wall stress.
@@ -765,7 +796,8 @@ class Inflation(Experiment):
 
 class MaterialExperiment(Experiment):
     """Six small strains of the surface: the body's 6 × 6 stiffness matrix and its isotropic means.
-    grip_depth [m]: molecules that are so near to an end belong to it (quantity; default: the end plane)."""
+    grip_depth [m]: molecules that are so near to the furthest one of an end belong to it (quantity; default: the
+    whole end: its plane, or, where it is rough or tilted, the sides of the cells that look outward)."""
     def __init__(self, *, grip_depth: Any = None) -> None: ...
 
 class Bubble(Experiment):
@@ -796,13 +828,16 @@ class Indentation(Experiment):
     needed).
     at [m]: a position on the indenter's axis; not of an obstacle (vector; default: the middle).
     bottom: how the far end is fixed (clamped, sliding; default: clamped).
-    grip_depth [m]: molecules that are so near to an end belong to it (quantity; default: the end plane).
+    fixed: molecules that are held in place of the far end (list of molecules, or [pick](#picked-molecules); default:
+    the end).
+    grip_depth [m]: molecules that are so near to the furthest one of an end belong to it (quantity; default: the
+    whole end: its plane, or, where it is rough or tilted, the sides of the cells that look outward).
     symmetry: normals of planes through the origin that cut the body, each perpendicular to the others (list of
     directions; default: none).
     load_steps: equal steps in which the load grows (whole; default: 1)."""
     def __init__(self, *, axis: Any = None, indenter: Any = None, depth: Any = None, strain: Any = None, force: Any =
-                 None, at: Any = None, bottom: Any = None, grip_depth: Any = None, symmetry: Any = None, load_steps: Any
-                 = None) -> None: ...
+                 None, at: Any = None, bottom: Any = None, fixed: Any = None, grip_depth: Any = None, symmetry: Any =
+                 None, load_steps: Any = None) -> None: ...
 
 class Press(Experiment):
     """A body, or the near end of one, is pressed onto what lies before it: force, contact area; needs `contact`.
@@ -811,10 +846,11 @@ class Press(Experiment):
     strain: `displacement` over the height along the axis of the body, of all bodies together (number; default: one
     of three needed).
     force [N]: force that ends the motion (quantity; default: one of three needed).
-    move: what is moved (a body's name; default: the near end).
-    fix: what is fixed (a body's name; default: the far end, or rigid bodies).
+    move: what is moved (a body's name, or [pick](#picked-molecules); default: the near end).
+    fix: what is fixed (a body's name, or [pick](#picked-molecules); default: the far end, or rigid bodies).
     grip: how both are fixed across the axis (clamped, sliding; default: clamped).
-    grip_depth [m]: molecules that are so near to an end belong to it (quantity; default: the end plane).
+    grip_depth [m]: molecules that are so near to the furthest one of an end belong to it (quantity; default: the
+    whole end: its plane, or, where it is rough or tilted, the sides of the cells that look outward).
     load_steps: equal steps in which the load grows (whole; default: 1)."""
     def __init__(self, *, axis: Any = None, displacement: Any = None, strain: Any = None, force: Any = None, move: Any =
                  None, fix: Any = None, grip: Any = None, grip_depth: Any = None, load_steps: Any = None) -> None: ...
@@ -831,6 +867,21 @@ class Sliding(Experiment):
     threshold.rate [1/s]: rate at which the slope grows (quantity; default: needed with from)."""
     def __init__(self, *, up: Any = None, along: Any = None, gravity: Any = None, floor: Any = None, incline: Any =
                  None, sled: Any = None, threshold: Any = None) -> None: ...
+
+class Loads(Experiment):
+    """The scene's own `loads` and `supports` grow together: displacements, reactions of named sets.
+    read: sets that are measured: for the name `top`, `top_displacement` (the largest), `top_x` (the mean) and
+    `top_reaction_x` (the sum), and so along y and z (list of maps; default: none).
+    read.name: letters, digits and _: the measures begin with it (text; default: needed).
+    read.molecules: whose displacements and supports' forces are measured (list of molecules, or
+    [pick](#picked-molecules); default: needed).
+    moved: molecules that are moved, in addition to `supports` (list of maps; default: none).
+    moved.molecules: which molecules are moved (list of molecules, or [pick](#picked-molecules); default: needed).
+    moved.displacement [m]: their displacement (vector; default: needed).
+    moved.fix: perpendicular directions along which the displacement is prescribed; they are free along the others
+    (list of directions, or all; default: all).
+    load_steps: equal steps in which the load grows (whole; default: 1)."""
+    def __init__(self, *, read: Any = None, moved: Any = None, load_steps: Any = None) -> None: ...
 
 class Motion(Experiment):
     """A body, free or fixed and loaded by a fixture, is observed as it moves.
@@ -864,15 +915,21 @@ class Cyclic(Experiment):
 
 class Shake(Experiment):
     """The clamped end of a body oscillates: amplitude ratio and phase of the far end.
-    axis: from the clamped end to the far one (direction; default: x).
+    axis: from the clamped end to the far one; `longest`: the principal axis of inertia along which the body extends
+    furthest (direction, or longest; default: x).
     direction: direction of the oscillation (direction; default: axis).
     amplitude [m]: amplitude of the clamped end (quantity; default: this, or strain).
     strain: `amplitude` over the height along the axis of the body, of all bodies together (number; default: this, or
     amplitude).
     frequency [1/s]: frequency of the oscillation (quantity; default: needed).
-    grip_depth [m]: molecules that are so near to an end belong to it (quantity; default: the end plane)."""
+    fixed: molecules that are held in place of the fixed end (list of molecules, or [pick](#picked-molecules);
+    default: the end).
+    loaded: molecules that are held in place of the loaded end (list of molecules, or [pick](#picked-molecules);
+    default: the end).
+    grip_depth [m]: molecules that are so near to the furthest one of an end belong to it (quantity; default: the
+    whole end: its plane, or, where it is rough or tilted, the sides of the cells that look outward)."""
     def __init__(self, *, axis: Any = None, direction: Any = None, amplitude: Any = None, strain: Any = None, frequency:
-                 Any = None, grip_depth: Any = None) -> None: ...
+                 Any = None, fixed: Any = None, loaded: Any = None, grip_depth: Any = None) -> None: ...
 
 class Drop(Experiment):
     """A free body falls on a floor, or on the scene's obstacles: restitution, duration of contact.

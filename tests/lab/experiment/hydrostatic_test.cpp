@@ -82,7 +82,7 @@ TEST_CASE("walls need a box", "[hydrostatic]") {
   Body wedge = tetrahedral_block(BlockKind::kuhn, {3, 3, 3}, {1, 1, 1});
   for (int i = 0; i < wedge.size(); ++i) wedge.rest(0, i) *= 1 - 0.8 * wedge.rest(2, i);
   CHECK_THROWS_WITH(make_hydrostatic(wedge, setup, Matrix3::Identity()),
-                    Catch::Contains("no box: its molecules at the end of +x span less than half"));
+                    Catch::Contains("no box along these axes: its side at the end of +x is tilted by 39°"));
   setup.walls = Walls::affine;  // its cells say what its surface is
   CHECK_NOTHROW(make_hydrostatic(wedge, setup, Matrix3::Identity()));
 }
