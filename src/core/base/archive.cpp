@@ -2,6 +2,7 @@
 
 #include <charconv>
 #include <cmath>
+#include <cstdio>
 #include <cstdlib>
 #include <cstring>
 
@@ -50,9 +51,14 @@ void ByteReader::word(std::string& value) {
 void TextWriter::numbers(double* values, std::size_t count) {
   char text[40];  // "-0x1.8p+1", whatever the locale
   for (std::size_t i = 0; i < count; ++i) {
+#ifdef __cpp_lib_to_chars
     const bool minus = std::signbit(values[i]), finite = std::isfinite(values[i]);
     text_ += std::string(minus ? "-" : "") + (finite ? "0x" : "");
     text_.append(text, std::to_chars(text, text + sizeof text, std::abs(values[i]), std::chars_format::hex).ptr) += ' ';
+#else  // as in text.cpp
+    std::snprintf(text, sizeof text, "%a ", values[i]);
+    text_ += text;
+#endif
   }
 }
 
@@ -84,12 +90,19 @@ void TextReader::numbers(double* values, std::size_t count) {
   std::string text;
   for (std::size_t i = 0; i < count; ++i) {
     word(text);
+#ifdef __cpp_lib_to_chars
     const bool minus = text.front() == '-', hex = text.find("0x") == (minus ? 1 : 0);
     const char *begin = text.data() + (minus ? 1 : 0) + (hex ? 2 : 0), *end = text.data() + text.size();
     const auto format = hex ? std::chars_format::hex : std::chars_format::general;
     const auto [read, problem] = std::from_chars(begin, end, values[i], format);
     if (minus) values[i] = -values[i];
-    if (problem != std::errc() || read != end) fail(what_ + " is damaged: '" + text + "' is no number");
+    const bool whole = problem == std::errc() && read == end;
+#else
+    char* end = nullptr;
+    values[i] = std::strtod(text.c_str(), &end);
+    const bool whole = end == text.c_str() + text.size();
+#endif
+    if (!whole) fail(what_ + " is damaged: '" + text + "' is no number");
   }
 }
 
