@@ -45,10 +45,10 @@ std::vector<std::string> comparison_head(const std::vector<MeasureColumns>& colu
   std::vector<std::string> head{"strategy"};
   for (const MeasureColumns& column : columns) {
     if (column.value) head.push_back(column.label() + (column.error ? " measured" : ""));
-    if (column.target) head.push_back(column.error ? "target at strain" : "its target");
     if (column.reference) head.push_back(column.label() + " to reference");
     if (column.error)
       head.push_back(column.reference ? "to the material's " + column.label() : "error of " + column.label());
+    if (column.target) head.push_back(column.error ? "target at strain" : "its target");
   }
   for (const char* name : {"iterations", "build", "solve", ""}) head.push_back(name);
   return head;
@@ -61,6 +61,9 @@ std::vector<TableCell> comparison_row(const Record& record, const std::vector<Me
     const std::string shown = row.size() > 1 || solved(record) ? value_text(run.measures.get(info.name), info) : "—";
     if (value) row.push_back(number_cell(shown, run.measures.get(info.name)));
     const double error = record.error(info.name), off = record.error(info.name + "_to_reference");
+    if (reference) row.push_back(number_cell(percent(off), std::abs(off), tone_of_error(off)));
+    if (with_error)
+      row.push_back(number_cell(percent(error), std::abs(error), reference ? Tone::faint : tone_of_error(error)));
     if (with_target) {
       const MainMeasure* target = record.law_target(info.name);
       row.push_back({!target      ? ""
@@ -68,9 +71,6 @@ std::vector<TableCell> comparison_row(const Record& record, const std::vector<Me
                                   : value_text(target->prescribed, info),
                      Tone::faint, true});
     }
-    if (reference) row.push_back(number_cell(percent(off), std::abs(off), tone_of_error(off)));
-    if (with_error)
-      row.push_back(number_cell(percent(error), std::abs(error), reference ? Tone::faint : tone_of_error(error)));
   }
   row.push_back(number_cell(run.suited ? fmt::format("{} / {}", run.newton_iterations, run.linear_iterations) : "",
                             run.linear_iterations));
