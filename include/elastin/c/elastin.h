@@ -261,7 +261,8 @@ ELASTIN_API elastin_status elastin_decouple(elastin_simulation*, int coupling);
 /* A rigid thing that the host moves, an instrument, by a number from 1. turn: rotation, row by row; null: none. */
 ELASTIN_API elastin_status elastin_add_tool(elastin_simulation*, const double position[3], const double turn[9],
                                             int* tool);
-/* Where it is to be at the end of the next step: it goes there at constant speed and spin, and stays; null: unturned. */
+/* Where it is to be at the end of the next step: it goes there at constant speed and spin, and stays; null: unturned.
+ */
 ELASTIN_API elastin_status elastin_move_tool(elastin_simulation*, int tool, const double position[3],
                                              const double turn[9]);
 
@@ -324,8 +325,8 @@ ELASTIN_API elastin_status elastin_origin(const elastin_simulation*, const int**
 /* A copy of the body as it is now, to be freed: what a renderer draws after a cut. */
 ELASTIN_API elastin_status elastin_current_body(const elastin_simulation*, elastin_body** body);
 
-/* What makes its results doubtful, a line each, "" for nothing: pieces, cells given twice, mechanisms, cells that lock, a
- * missing thickness, a budget that is not kept. Looks at the whole body: not for every step. */
+/* What makes its results doubtful, a line each, "" for nothing: pieces, cells given twice, mechanisms, cells that lock,
+ * a missing thickness, a budget that is not kept. Looks at the whole body: not for every step. */
 ELASTIN_API elastin_status elastin_warnings(elastin_simulation* simulation, const char** text);
 
 /* Calls `see` after every `every` steps that succeeded, with the simulation and the context; it must not step. */

@@ -8,8 +8,8 @@
 #include <cmath>
 #include <filesystem>
 
-#include "elastin/core/base/error.h"
 #include "core/simulation/warnings.h"
+#include "elastin/core/base/error.h"
 #include "elastin/core/base/text.h"
 #include "elastin/core/base/units.h"
 #include "elastin/mesh/mesh_file.h"
