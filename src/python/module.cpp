@@ -1,4 +1,5 @@
 #include "elastin/core/base/error.h"
+#include "elastin/core/base/text.h"
 #include "elastin/core/parallel/threads.h"
 #ifdef ELASTIN_FEBIO
 #include "elastin/febio/febio.h"
@@ -11,7 +12,11 @@ namespace elastin::python {
 using namespace lab;
 namespace {
 
-std::string readable_measure(const std::string& name, double value) { return value_text(value, find_measure(name)); }
+/// A measure of an experiment's own, which no table of all has, is a bare number.
+std::string readable_measure(const std::string& name, double value) {
+  const MeasureInfo* info = built_in_measures().find(name);
+  return info ? value_text(value, *info) : number(value);
+}
 
 std::string missing_measure(const std::string& name, const std::vector<std::string>& there) {
   return "no measure '" + name + "' here" + suggestion(name, there);

@@ -29,8 +29,8 @@ TableCell error_cell(double error) {
   return number_cell(text, size, size <= kSameModulus ? Tone::good : size <= kSameMotion ? Tone::plain : Tone::poor);
 }
 
-std::string readable_value(const std::string& measure, double value) {
-  return std::isfinite(value) ? readable(value, find_measure(measure)) : "";
+std::string readable_value(const MeasureInfo& measure, double value) {
+  return std::isfinite(value) ? readable(value, measure) : "";
 }
 
 std::string iterations_text(const StepperRow& row) {
@@ -46,7 +46,7 @@ std::string remark_of(const StepperRow& row) {
 
 Table table_of(const StepperComparison& comparison) {
   std::vector<std::string> head{"stepper", "iterations", "step"};
-  for (const std::string& measure : comparison.measures) head.push_back(find_measure(measure).label());
+  for (const MeasureInfo& measure : comparison.measures) head.push_back(measure.label());
   for (const char* name : {"error at rest", "of iterations", "of time", "energy", "a step", ""})
     head.emplace_back(name);
   Table table(head);
@@ -92,7 +92,7 @@ Plot plot_of(const StepperComparison& comparison, bool at_rest) {
   Plot plot;
   plot.title = comparison.title + (at_rest ? ": error at rest against time" : ": error of the motion against time");
   plot.x = {"time of one period", "s", true};
-  plot.y = {at_rest ? "error of " + find_measure(comparison.measures.front()).label() + " at rest"
+  plot.y = {at_rest ? "error of " + comparison.measures.front().label() + " at rest"
                     : "error of the motion to the limit of short steps",
             "%", true};
   std::map<std::string, int> colours;
@@ -117,7 +117,7 @@ nlohmann::ordered_json json_of(const StepperComparison& comparison) {
       {"machine", comparison.machine}, {"molecules", comparison.molecules}, {"connections", comparison.connections},
       {"cells", comparison.cells},     {"threads", comparison.threads},     {"period", comparison.period}};
   for (std::size_t i = 0; i < comparison.measures.size(); ++i)
-    out["equilibrium"][comparison.measures[i]] = comparison.equilibrium[i];
+    out["equilibrium"][comparison.measures[i].name] = comparison.equilibrium[i];
   out["rows"] = nlohmann::ordered_json::array();
   for (const StepperRow& row : comparison.rows) {
     nlohmann::ordered_json one{{"stepper", row.stepper},
@@ -128,7 +128,7 @@ nlohmann::ordered_json json_of(const StepperComparison& comparison) {
                                {"cause", row.cause},
                                {"settled", row.settled}};
     for (std::size_t i = 0; i < comparison.measures.size() && i < row.at_rest.size(); ++i)
-      one["at_rest"][comparison.measures[i]] = row.at_rest[i];
+      one["at_rest"][comparison.measures[i].name] = row.at_rest[i];
     one["rest_error"] = row.rest_error;
     one["iteration_error"] = row.iteration_error;
     one["time_error"] = row.time_error;
@@ -143,7 +143,7 @@ std::string heading_of(const StepperComparison& comparison) {
   std::string text = fmt::format("{}: {} molecules, {}, period {}", comparison.scene, comparison.molecules,
                                  comparison.strategy, readable(comparison.period, dimension::time, 3));
   for (std::size_t i = 0; i < comparison.measures.size(); ++i)
-    text += fmt::format(", {} {} at equilibrium", find_measure(comparison.measures[i]).label(),
+    text += fmt::format(", {} {} at equilibrium", comparison.measures[i].label(),
                         readable_value(comparison.measures[i], comparison.equilibrium[i]));
   return text;
 }

@@ -31,7 +31,7 @@ struct StepperComparison {
   std::string scene, title, strategy, machine;
   int molecules = 0, connections = 0, cells = 0, threads = 1;
   double period = 0;                  ///< of the loaded shape, by Rayleigh's quotient [s]
-  std::vector<std::string> measures;  ///< of the fixture, the most telling first
+  std::vector<MeasureInfo> measures;  ///< of the fixture, the most telling first
   std::vector<double> equilibrium;    ///< the same, of the static solution
   std::vector<StepperRow> rows;
   std::vector<std::string> warnings;

@@ -198,7 +198,7 @@ class StepperRuns {
     for (const MainMeasure& measure : fixture_->main_measures(scene_.specimen.material, measures_)) {
       const double value = measures_.get(std::string(measure.name));
       if (result_.measures.size() == 2 || !std::isfinite(value)) continue;
-      result_.measures.emplace_back(measure.name);
+      result_.measures.push_back(scene_.measures->at(measure.name));
       result_.equilibrium.push_back(value);
     }
     if (result_.measures.empty()) throw InputError("a " + fixture_->name() + " experiment measures nothing at rest");
@@ -323,13 +323,13 @@ class StepperRuns {
       for (int i = 0; i < between && result.outcome == Outcome::converged; ++i, time += step)
         result = advance(*stepper, model, state, step, substeps);
       if (result.outcome != Outcome::converged) return result;
-      const double now = loaded_->measure(state).get(result_.measures.front());
+      const double now = loaded_->measure(state).get(result_.measures.front().name);
       resting = std::abs(now - last) <= kResting * std::abs(now) ? resting + 1 : 0;
       last = now;
     }
     row.settled = resting >= 2;
     const Measures measures = loaded_->measure(state);
-    for (const std::string& name : result_.measures) row.at_rest.push_back(measures.get(name));
+    for (const MeasureInfo& info : result_.measures) row.at_rest.push_back(measures.get(info.name));
     row.rest_error = row.at_rest.front() / result_.equilibrium.front() - 1;
     return result;
   }

@@ -92,8 +92,8 @@ const Verdict* tightest(const std::vector<Verdict>& verdicts) {
 }
 
 /// "E +0.001 %": how far off, as a difference where the answer is zero.
-std::string error_text(const Verdict& verdict) {
-  const std::string label = find_measure(verdict.expectation.measure).label() + " ";
+std::string error_text(const MeasureList& measures, const Verdict& verdict) {
+  const std::string label = measures.at(verdict.expectation.measure).label() + " ";
   if (!std::isfinite(verdict.measured)) return label + "not measured";
   if (verdict.expectation.value == 0) return label + fmt::format("{:.1e}", verdict.measured);
   const double off = verdict.difference;
@@ -120,7 +120,7 @@ std::string choice_text(const Scene& scene, const Run& run) {
                : "no expectation";
   const bool good =
       std::all_of(verdicts.begin(), verdicts.end(), [](const Verdict& v) { return v.passed || !v.judged; });
-  if (!good) return "failed: " + error_text(*tightest(verdicts));
+  if (!good) return "failed: " + error_text(*scene.measures, *tightest(verdicts));
   return run.restarted_from_rest ? "passed: restarted from rest" : "passed";
 }
 
@@ -178,7 +178,7 @@ std::string detail_text(const Case& a_case) {
   if (own.run.outcome != Outcome::converged || !own.run.suited) return own.run.cause;
   const Verdict* verdict = tightest(own.verdicts);
   if (!verdict) return own.verdicts.empty() ? "" : own.verdicts.front().expectation.not_reproduced;
-  return error_text(*verdict) + (own.run.restarted_from_rest ? "; restarted from rest" : "");
+  return error_text(*own.measures, *verdict) + (own.run.restarted_from_rest ? "; restarted from rest" : "");
 }
 
 Tone tone_of(CaseResult result) {

@@ -157,3 +157,9 @@ TEST_CASE("verdicts: an expected stop passes, an unexpected answer or stop fails
   CHECK_THAT(verdict_of("standard", "{measure: effective_modulus, value: 1 kPa, not_reproduced: why not, source: me}"),
              Contains("not reproduced") && Contains("why not") && Contains("1 not judged"));
 }
+
+TEST_CASE("a measure that a scene names itself has a verdict under its name", "[hard]") {
+  const std::string scene = std::string(ELASTIN_SOURCE_DIR) + "/scenes/tissue/artery-ring.yaml";
+  CHECK_THAT(verdicts_text(verify_scene(scene, kCatalog, {}), false, false),
+             Contains("lumen displacement") && Contains("1 of 1 passed"));
+}
