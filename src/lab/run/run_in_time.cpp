@@ -44,7 +44,7 @@ double largest_strain(const Model& model, const State& state) {
 class TimedRun {
  public:
   TimedRun(Model& model, const TimedExperiment& experiment, const TimedRig& rig, const RunOptions& options, Run& run,
-           State start, const Scheme& scheme, const std::string& identity)
+           State start, const Scheme& scheme, const std::string& identity, bool muscles)
       : model_(model),
         experiment_(experiment),
         rig_(rig),
@@ -52,6 +52,7 @@ class TimedRun {
         run_(run),
         state_(std::move(start)),
         identity_(identity),
+        muscles_(muscles),
         begin_(state_.positions),
         ledger_(model, state_),
         control_(model, state_, *options.time, scheme, options.statics),
@@ -192,8 +193,10 @@ class TimedRun {
 
   /// Energy stored [J]; of laws that have none 0.
   static double stored(const Measures& m) { return std::isfinite(m.get("energy")) ? m.get("energy") : 0; }
-  /// What laws without an energy have given since the start [J]: what is in no other account. 0 where they took some.
+  /// What muscles and laws without an energy have given since the start [J]: what is in no other account. 0 where they
+  /// took some.
   double given_by_laws(const Measures& m) const {
+    if (muscles_ && model_.has_energy()) return std::max(0., -m.get("dissipated_energy"));
     if (model_.has_energy()) return 0;
     const Measures& first = first_measures(m);
     return std::max(0., m.get("kinetic_energy") + m.get("potential_energy") + m.get("dissipated_energy") -
@@ -325,6 +328,7 @@ class TimedRun {
   Run& run_;
   State state_;
   std::string identity_;
+  bool muscles_;  ///< whose work is in no other account either: dissipation below zero
   Positions begin_;
   std::vector<CurvePoint> history_;  ///< the frames, and steps between them
   Ledger ledger_;
@@ -383,7 +387,10 @@ void run_in_time(Model& model, const TimedExperiment& experiment, TimedRig& rig,
     return;
   }
   const std::string identity = restart_identity(model.body(), run.strategy, *options.time, run.time->scheme);
-  TimedRun timed_run(model, experiment, rig, options, run, std::move(state), scheme, identity);
+  const std::vector<Material> materials = materials_of(specimen);
+  const bool muscles =
+      std::any_of(materials.begin(), materials.end(), [](const Material& own) { return own.active.has_value(); });
+  TimedRun timed_run(model, experiment, rig, options, run, std::move(state), scheme, identity, muscles);
   if (run.time->resumed) timed_run.resume();
   timed_run.go();
 }

@@ -163,3 +163,8 @@ TEST_CASE("a measure that a scene names itself has a verdict under its name", "[
   CHECK_THAT(verdicts_text(verify_scene(scene, kCatalog, {}), false, false),
              Contains("lumen displacement") && Contains("1 of 1 passed"));
 }
+
+TEST_CASE("what a muscle does is no energy from nothing", "[hard]") {
+  const std::string scene = std::string(ELASTIN_SOURCE_DIR) + "/scenes/tissue/muscle.yaml";
+  CHECK_THAT(verdicts_text(verify_scene(scene, kCatalog, {}), false, false), Contains("1 of 1 passed"));
+}
