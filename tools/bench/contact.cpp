@@ -96,14 +96,13 @@ struct Ours {
     there.row(0).array() += (anew ? 2 : 1e-3) * scene.spacing;
   }
   static ContactSearch make(const Scene& scene, bool triangles) {
-    const Cells<3> surface = triangles ? surface_triangles(scene.body) : Cells<3>{};
-    return {
-        scene.body,
-        triangles ? triangle_samples(scene.body, surface) : sphere_samples(scene.body, surface_molecules(scene.body)),
-        surface,
-        !triangles,
-        scene.obstacles,
-        false};
+    const SurfaceSides surface = triangles ? surface_sides(scene.body) : SurfaceSides{};
+    return {scene.body,
+            triangles ? side_samples(scene.body, surface) : sphere_samples(scene.body, surface_molecules(scene.body)),
+            surface,
+            !triangles,
+            scene.obstacles,
+            false};
   }
   std::size_t find() {
     search.find(back ? there : here, poses, 0, found);
