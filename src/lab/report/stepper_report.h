@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "elastin/core/solve/statics.h"
+#include "elastin/lab/run/measures.h"
 
 namespace elastin::lab {
 

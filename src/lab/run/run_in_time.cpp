@@ -12,6 +12,7 @@
 #include "elastin/core/solve/energies.h"
 #include "elastin/lab/run/experiment.h"
 #include "lab/run/contact_measures.h"
+#include "lab/run/specimen.h"
 #include "lab/run/step_control.h"
 
 namespace elastin::lab {
