@@ -178,12 +178,9 @@ class Motion final : public TimedExperiment {
     return info && !(released() && is_property(info->role));
   }
 
-  /// Behind the first row: what a body shows at once is elastic.
+  /// Behind the first hundredth: what a body shows at once is elastic, and takes some short steps.
   void read_creep(const std::vector<CurvePoint>& history, Measures& measures) const {
-    const Series all = series_of(history, response_.displacement);
-    const Eigen::Index behind = all.times.size() - 1;
-    if (behind < 1) return;
-    const auto fit = fit_exponential({all.times.tail(behind), all.values.tail(behind)});
+    const auto fit = fit_exponential(series_of(history, response_.displacement, history.back().time / 100));
     if (!fit) return;
     measures.set("fit_misfit", fit->misfit);
     if (fit->misfit <= kMostForTime) measures.set("retardation_time", fit->time);
