@@ -324,6 +324,13 @@ bool is_judged(const std::string& name) {
   return !others.contains(name);
 }
 
+/// A run that says so may have ended in another equilibrium than the next.
+bool at_saddle(const Run& run) {
+  return std::any_of(run.warnings.begin(), run.warnings.end(), [](const std::string& warning) {
+    return warning.find("the equilibrium is not stable") != std::string::npos;
+  });
+}
+
 struct Checked {
   Drawn drawn;
   Units units;
@@ -336,7 +343,7 @@ struct Checked {
     REQUIRE(other);
     INFO(other->cause);
     REQUIRE(other->outcome == run.outcome);
-    if (run.outcome != Outcome::converged) return;
+    if (run.outcome != Outcome::converged || at_saddle(run) || at_saddle(*other)) return;
     for (const auto& [name, value] : run.measures.all()) {
       const MeasureInfo* info = measures->find(name);
       if (!info || !is_judged(name) || name == but_for) continue;
