@@ -117,7 +117,8 @@ VectorX numbers_or_none(const py::handle& given, const char* name) {
 
 Body body_from_arrays(const py::object& positions, const py::object& connections, const py::object& triangles,
                       const py::object& tetrahedra, const py::dict& cells, const py::object& rest_lengths,
-                      const py::object& masses, const py::object& radii, double density, double thickness) {
+                      const py::object& masses, const py::object& radii, std::optional<double> density,
+                      double thickness) {
   BodyArrays arrays;
   arrays.positions = positions_from(positions, "positions");
   arrays.connections = rows_from<2>(connections, "connections");
@@ -306,11 +307,12 @@ void add_bodies(py::module_& module) {
           py::init(&body_from_arrays), py::arg("positions"), py::arg("connections") = py::none(), py::kw_only(),
           py::arg("triangles") = py::none(), py::arg("tetrahedra") = py::none(), py::arg("cells") = py::dict(),
           py::arg("rest_lengths") = py::none(), py::arg("masses") = py::none(), py::arg("radii") = py::none(),
-          py::arg("density") = 1000., py::arg("thickness") = 0.,
+          py::arg("density") = py::none(), py::arg("thickness") = 0.,
           "positions (n, 3) [m]; connections (m, 2), numbers of molecules, by default the sides of the cells; "
           "triangles (k, 3); tetrahedra (k, 4); cells of other shapes by name, {'hexahedron8': (k, 8), …}, nodes as in "
           "VTK; rest_lengths (m,) [m], by default the distances; masses (n,) [kg], by "
-          "default from density [kg/m^3] and the cells (triangles: thickness [m]) or the convex hull; radii (n,) [m], "
+          "default from density [kg/m^3], by default that of the material with which the body is used, and the cells "
+          "(triangles: thickness [m]) or the convex hull; radii (n,) [m], "
           "by default half the shortest connection. Arrays are copied.")
       .def_property_readonly("positions", part_of_body([](const Body& b) -> auto& { return b.rest; }),
                              "Positions at rest [m], (n, 3).")
@@ -378,19 +380,24 @@ void add_bodies(py::module_& module) {
       "_material_of_scene", [](const lab::HeldScene& held) { return lab::make_material(held); }, py::arg("held"));
   module.def(
       "_material_of_scene", [](const std::string& yaml) { return lab::make_material(yaml); }, py::arg("yaml"));
-  const auto body_of = [](const auto& scene, const Material& material) {
+  const auto body_of = [](const auto& scene, const Material& material, bool assumed) {
     std::vector<std::string> warnings, notes;
     Body body = lab::make_body(scene, material, warnings, notes);
+    if (assumed) body.assumed_density = material.density;
     return std::tuple(std::make_shared<Body>(std::move(body)), warnings, notes);
   };
   module.def(
       "_body_of_scene",
-      [body_of](const lab::HeldScene& held, const Material& material) { return body_of(held, material); },
-      py::arg("held"), py::arg("material"));
+      [body_of](const lab::HeldScene& held, const Material& material, bool assumed) {
+        return body_of(held, material, assumed);
+      },
+      py::arg("held"), py::arg("material"), py::arg("assumed"));
   module.def(
       "_body_of_scene",
-      [body_of](const std::string& yaml, const Material& material) { return body_of(yaml, material); }, py::arg("yaml"),
-      py::arg("material"));
+      [body_of](const std::string& yaml, const Material& material, bool assumed) {
+        return body_of(yaml, material, assumed);
+      },
+      py::arg("yaml"), py::arg("material"), py::arg("assumed"));
 }
 
 }  // namespace elastin::python

@@ -53,7 +53,9 @@ std::shared_ptr<Moving> make_simulation(const std::shared_ptr<Body>& body, const
                      " for a body without parts, which has one; of_parts makes bodies that have several");
   const Strategy at_work = of_parts ? in_parts(chosen, *body, *of_parts) : chosen;
   const Material& first = of_parts ? of_parts->front() : std::get<Material>(material);
-  auto made = std::make_shared<Moving>(Simulation(*body, at_work, first, options));
+  Body own = *body;
+  if (of_parts) take_density(own, *of_parts);
+  auto made = std::make_shared<Moving>(Simulation(std::move(own), at_work, first, options));
   made->recipe = recipe;
   const std::vector<std::string> warnings = made->simulation.warnings(false);
   const py::gil_scoped_acquire locked;

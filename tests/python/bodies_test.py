@@ -77,6 +77,18 @@ class Bodies(unittest.TestCase):
         flat = CORNERS * (1, 1, 0)
         self.assertEqual(said(flat, tetrahedra=[[0, 1, 2, 3]]), "tetrahedra[0]: is flat")
 
+    def test_the_materials_density_where_none_is_stated(self):
+        heavy = elastin.Material(1e4, 0.25, density=1200)
+        arrays = {"positions": CORNERS, "tetrahedra": [[0, 1, 2, 3]]}
+        for make, volume in ((lambda **d: elastin.Body(**arrays, **d), 1e-6 / 6),
+                             (lambda **d: elastin.lattice((3, 3, 3), 1e-2, **d), 8e-6)):
+            for density, expected in (({}, 1200), ({"density": 900}, 900)):
+                body = make(**density)
+                moved = elastin.Simulation(body, "standard", heavy)
+                self.assertAlmostEqual(moved.body.masses.sum() / (expected * volume), 1, 12)
+                again = elastin.Simulation(moved.body, "standard", elastin.Material(1e4, 0.25, density=1))
+                self.assertEqual(list(again.body.masses), list(moved.body.masses))
+
     def test_a_lattice_is_the_scenes(self):
         body = elastin.lattice((3, 3, 3), 7.5e-3)
         scene = elastin.Laboratory(CUBE).body

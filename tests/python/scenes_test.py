@@ -154,13 +154,14 @@ class Bodies(unittest.TestCase):
         self.assertIn("effective_modulus_to_reference", comparison["neo_hookean"].errors)
 
     def test_masses(self):
-        """A Body keeps its own; arrays get those of the scene's material."""
+        """Those that a Body states are kept; without masses and density it gets those of the scene's material."""
         arrays = {"positions": [[0, 0, 0], [1e-2, 0, 0], [0, 1e-2, 0], [0, 0, 1e-2]], "tetrahedra": [[0, 1, 2, 3]]}
         scene = {"material": elastin.Material(5e3, density=500), "stiffness": "neo_hookean",
                  "experiment": elastin.Tension(displacement=1e-5, loaded=[3], cross_section=1e-5)}
         volume = 1e-6 / 6
-        for body, density in ((arrays, 500), (elastin.Body(**arrays), 1000), ({**arrays, "density": 700}, 700),
-                              ({"given": elastin.Body(**arrays), "radius": 1e-3}, 1000)):
+        for body, density in ((arrays, 500), (elastin.Body(**arrays), 500), ({**arrays, "density": 700}, 700),
+                              (elastin.Body(**arrays, density=1000), 1000),
+                              ({"given": elastin.Body(**arrays), "radius": 1e-3}, 500)):
             made = elastin.Laboratory({**scene, "body": body}).body
             self.assertAlmostEqual(made.masses.sum() / (density * volume), 1, 12)
         self.assertEqual(list(made.radii), [1e-3] * 4)

@@ -83,6 +83,8 @@ void add_part(Body& whole, const Body& body, Part what) {
     if (other.name == what.name) throw InputError("there is a body '" + what.name + "' already");
   append_stiffness(whole, body);
   what.first = whole.size(), what.count = body.size();
+  if (whole.parts.empty()) whole.assumed_density = body.assumed_density;
+  if (body.assumed_density != whole.assumed_density) whole.assumed_density = 0;
   const int shift = what.first, cable_shift = whole.connections.proper();
   append_connections(whole, body, shift);
   for (Cable cable : body.cables) cable.connection += cable_shift, whole.cables.push_back(cable);

@@ -122,6 +122,7 @@ void visit(Archive& archive, Body& body) {
   visit(archive, body.parts);
   visit(archive, body.ties);
   visit(archive, body.between);
+  visit(archive, body.assumed_density);
 }
 
 template <class Archive>

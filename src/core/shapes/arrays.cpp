@@ -115,9 +115,12 @@ Body make_body(const BodyArrays& arrays) {
   set_cells(arrays, body);
   set_connections(arrays, body);
   if (arrays.masses.size() == 0 || arrays.radii.size() == 0)
-    set_matter(body, arrays.density, arrays.thickness,
+    set_matter(body, arrays.density.value_or(Material{}.density), arrays.thickness,
                arrays.radii.size() ? std::optional(arrays.radii.mean()) : std::nullopt);
-  if (arrays.masses.size()) body.mass = arrays.masses;
+  if (arrays.masses.size())
+    body.mass = arrays.masses;
+  else if (!arrays.density)
+    body.assumed_density = Material{}.density;
   if (arrays.radii.size()) body.radius = arrays.radii;
   check_array("masses", body.mass, static_cast<std::size_t>(molecules), "molecule",
               "kg (from density, thickness and the cells that the molecule belongs to)");
@@ -134,6 +137,7 @@ double shortest_connection(const Body& body) {
 }
 
 void set_matter(Body& body, double density, double thickness, std::optional<double> radius) {
+  body.assumed_density = 0;
   double shortest = shortest_connection(body);
   if (body.share) {  // 0 where it has none
     constexpr double none = std::numeric_limits<double>::infinity();

@@ -55,6 +55,15 @@ bool lacks_voronoi(const Body& body, const Strategy& strategy, const std::vector
                      [&](const Part& part) { return lacks_voronoi(body, part, strategy, materials); });
 }
 
+void take_density(Body& body, const std::vector<Material>& materials) {
+  if (!(body.assumed_density > 0)) return;
+  if (body.parts.empty()) body.mass *= material_of(materials, 0, "the body").density / body.assumed_density;
+  for (const Part& part : body.parts)
+    body.mass.segment(part.first, part.count) *=
+        material_of(materials, part.material, "part '" + part.name + "'").density / body.assumed_density;
+  body.assumed_density = 0;
+}
+
 void prepare_bending(Body& body, const Material& material) {
   if (!(material.bending_rigidity > 0)) return;
   const std::string why = unsuited_for_bending(body);
@@ -65,6 +74,7 @@ void prepare_bending(Body& body, const Material& material) {
 void prepare(Body& body, const Strategy& strategy, const std::vector<Material>& materials,
              const MakeVoronoi& make_voronoi) {
   check_indices(body);
+  if (!strategy.by_parts) take_density(body, materials);
   prepare_bending(body, material_of(materials, 0, "the body"));
   prepare_cell_sides(body, strategy);
   if (!make_voronoi) return;

@@ -5,6 +5,7 @@
 #include <bit>
 #include <cerrno>
 #include <cmath>
+#include <map>
 #include <numbers>
 #include <stdexcept>
 #include <system_error>
@@ -179,14 +180,6 @@ Triangulation triangulated(const contact::shape::Convex& convex, double) {
 
 Triangulation triangulated(const contact::shape::Mesh& mesh, double) { return {mesh.points, mesh.triangles}; }
 
-/// The place on a plane that is nearest to a body, so that the square that is drawn lies under it.
-contact::Pose drawn_pose(const contact::Obstacle& obstacle, contact::Pose pose, const Vector3& middle) {
-  if (!std::holds_alternative<contact::shape::Plane>(obstacle.shape)) return pose;
-  const Vector3 normal = pose.turn.col(2);
-  pose.position = middle - normal.dot(middle - pose.position) * normal;
-  return pose;
-}
-
 void add_cells(VtuArrays& arrays, std::string& out, const Cells<3>& triangles) {
   const int count = static_cast<int>(triangles.size());
   out += "<Cells>\n";
@@ -241,6 +234,41 @@ std::string surface_vtu_text(const Body& body, const Cells<3>& triangles, const 
   out += "</PointData>\n";
   add_cells(arrays, out, renumbered);
   return out + kVtuEnd;
+}
+
+contact::Pose drawn_pose(const contact::Obstacle& obstacle, contact::Pose pose, const Vector3& middle) {
+  if (!std::holds_alternative<contact::shape::Plane>(obstacle.shape)) return pose;
+  const Vector3 normal = pose.turn.col(2);
+  pose.position = middle - normal.dot(middle - pose.position) * normal;
+  return pose;
+}
+
+std::vector<std::array<Vector3, 2>> outline_of(const contact::ObstacleShape& shape, double wide) {
+  const Triangulation form = std::visit([&](const auto& own) { return triangulated(own, wide); }, shape);
+  const auto corner = [&](int point) -> Vector3 { return form.points.col(point); };
+  std::map<std::pair<int, int>, std::vector<Vector3>> normals;  // of the triangles at an edge
+  for (const auto& triangle : form.triangles)
+    for (int k = 0; k < 3; ++k)
+      normals[std::minmax(triangle[k], triangle[(k + 1) % 3])].push_back(
+          area_vector(form.points, triangle).normalized());
+  std::vector<std::array<Vector3, 2>> lines;
+  constexpr double smooth = 0.9;  // cosine of 26 degrees
+  for (const auto& [edge, sides] : normals)
+    if (sides.size() != 2 || sides[0].dot(sides[1]) < smooth)
+      lines.push_back({corner(edge.first), corner(edge.second)});
+  if (!lines.empty()) return lines;
+  const Vector3 middle = (form.points.rowwise().minCoeff() + form.points.rowwise().maxCoeff()) / 2;
+  for (int axis = 0; axis < 3; ++axis)
+    for (const auto& triangle : form.triangles) {
+      std::vector<Vector3> met;
+      for (int k = 0; k < 3; ++k) {
+        const Vector3 a = corner(triangle[k]), b = corner(triangle[(k + 1) % 3]);
+        const double before = a[axis] - middle[axis], after = b[axis] - middle[axis];
+        if ((before < 0) != (after < 0)) met.push_back(a + before / (before - after) * (b - a));
+      }
+      if (met.size() == 2) lines.push_back({met[0], met[1]});
+    }
+  return lines;
 }
 
 std::string obstacles_vtu_text(const std::vector<contact::Obstacle>& obstacles, const std::vector<contact::Pose>& poses,

@@ -1,6 +1,7 @@
 #pragma once
 #include <fmt/format.h>
 
+#include <array>
 #include <cstdint>
 #include <ostream>
 #include <string>
@@ -111,5 +112,13 @@ std::string surface_vtu_text(const Body& body, const Cells<3>& triangles, const 
 /// for.
 std::string obstacles_vtu_text(const std::vector<contact::Obstacle>& obstacles, const std::vector<contact::Pose>& poses,
                                const Vector3& low, const Vector3& high);
+
+/// What draws an obstacle by lines, pairs of points [m] in its own frame: its sharp edges, or of a round one where its
+/// middle planes meet it; of a plane a square 2 `wide` across.
+std::vector<std::array<Vector3, 2>> outline_of(const contact::ObstacleShape& shape, double wide);
+
+/// The place on a plane that is nearest to the middle of a body, so that the square that is drawn lies under it; of any
+/// other obstacle its own pose.
+contact::Pose drawn_pose(const contact::Obstacle& obstacle, contact::Pose pose, const Vector3& middle);
 
 }  // namespace elastin::lab

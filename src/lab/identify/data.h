@@ -1,4 +1,5 @@
 #pragma once
+#include <algorithm>
 #include <string>
 
 #include "elastin/core/base/types.h"
@@ -18,6 +19,9 @@ struct MeasuredData {
   double zero = 0;                         ///< what was subtracted from x as the point where the load begins
   std::vector<std::string> notes = {};     ///< what was recognised in the file and done with its rows
   std::vector<std::string> warnings = {};  ///< what may change the numbers
+  /// Under which readings are too near zero for differences over themselves: 1 % of the largest, or a hundred times the
+  /// noise where that is more.
+  double least_scale() const { return std::max(100 * noise, 0.01 * y.cwiseAbs().maxCoeff()); }
 };
 
 /// Reads the columns that a test takes, of its rows between `from` and `to`, and of them the branch that the scene

@@ -320,7 +320,7 @@ SearchEnd searched(const UnknownMaterial& unknown, Residuals& residuals, const F
 VectorX WeightedTest::scale() const {
   const VectorX& measured = test->data().y;
   if (stated->residuals == ResidualScale::automatic)
-    return measured.unaryExpr([noise = test->data().noise](double y) { return std::hypot(y, 100 * noise); });
+    return measured.unaryExpr([least = test->data().least_scale()](double y) { return std::hypot(y, least); });
   if (stated->residuals == ResidualScale::relative) return measured;
   return VectorX::Constant(measured.size(), measured.cwiseAbs().maxCoeff());
 }

@@ -43,8 +43,8 @@ Table number_table(const Answer& answer) {
 
 std::string scale_text(const TestAnswer& test) {
   if (test.residuals == ResidualScale::absolute) return "the largest value";
-  if (test.residuals == ResidualScale::relative || test.data.noise == 0) return "each value";
-  return "each value and 100 x the noise of " + readable(test.data.noise, test.data.up->unit, 2);
+  if (test.residuals == ResidualScale::relative) return "each value";
+  return "each value and " + readable(test.data.least_scale(), test.data.up->unit, 2);
 }
 
 Table modulus_table(const Answer& answer) {

@@ -31,6 +31,8 @@ Machine this_machine() {
           std::string(kCompiler) + __VERSION__, ELASTIN_FLAGS};
 }
 
+std::string program_text() { return "Elastin " ELASTIN_VERSION; }
+
 std::string Machine::text() const {
   return fmt::format("{}, {} cores, load {:.1f} before; {}; {}", processor, cores, load, compiler, flags);
 }

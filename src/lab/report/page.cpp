@@ -12,6 +12,7 @@
 
 #include "lab/format/vtu.h"
 #include "lab/report/comparison.h"
+#include "lab/report/machine.h"
 
 namespace elastin::lab {
 namespace {
@@ -33,7 +34,7 @@ std::string page_end(const std::string& machine, const std::string& command, con
   std::tm time{};
   gmtime_r(&now, &time);
   std::string out =
-      fmt::format("</main>\n<footer><p id=\"made\">Elastin " ELASTIN_VERSION ", {:04}-{:02}-{:02} {:02}:{:02} UTC",
+      fmt::format("</main>\n<footer><p id=\"made\">{}, {:04}-{:02}-{:02} {:02}:{:02} UTC", program_text(),
                   time.tm_year + 1900, time.tm_mon + 1, time.tm_mday, time.tm_hour, time.tm_min);
   if (!machine.empty()) out += "; " + escaped(machine);
   out += "</p><p><code>" + escaped(command) + "</code></p>" + note + "</footer>\n" + data;

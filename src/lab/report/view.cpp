@@ -199,6 +199,31 @@ std::vector<double> outer_forces_of(const Shown& shown, const Body& body, const 
   return forces;
 }
 
+/// Of each obstacle the twelve numbers that take its own frame to space: the axes, one after the other, and the place.
+Json poses_of(const std::vector<contact::Obstacle>& obstacles, const Snapshot& snapshot) {
+  const Vector3 middle = (snapshot.positions.rowwise().minCoeff() + snapshot.positions.rowwise().maxCoeff()) / 2;
+  Json poses = Json::array();
+  for (std::size_t i = 0; i < obstacles.size(); ++i) {
+    const contact::Pose pose = drawn_pose(obstacles[i], snapshot.obstacles[i], middle);
+    Eigen::Matrix<float, 3, 4> numbers;
+    numbers << pose.turn.cast<float>(), pose.position.cast<float>();
+    poses.push_back(std::vector<float>(numbers.data(), numbers.data() + 12));
+  }
+  return poses;
+}
+
+Json outlines_of(const std::vector<contact::Obstacle>& obstacles, const Body& body) {
+  const double wide = (body.rest.rowwise().maxCoeff() - body.rest.rowwise().minCoeff()).norm() / 2;
+  Json outlines = Json::array();
+  for (const contact::Obstacle& obstacle : obstacles) {
+    std::vector<float> numbers;
+    for (const auto& line : outline_of(obstacle.shape, wide))
+      for (const Vector3& end : line) numbers.insert(numbers.end(), {float(end.x()), float(end.y()), float(end.z())});
+    outlines.push_back({{"name", obstacle.name}, {"lines", bytes_text(numbers)}});
+  }
+  return outlines;
+}
+
 Json frame_of(const Shown& shown, const Body& body, const Snapshot& snapshot) {
   std::vector<double> displacements, pressures;
   for (const int molecule : shown.molecules) {
@@ -241,6 +266,7 @@ std::string body_view(const Scene& scene, const Record& record) {
   json["surface"] = bytes_text(surface);
   json["cells"] = bytes_text(shown.cells);
   json["numbers"] = shown.note.empty() ? "" : bytes_text(shown.molecules);
+  if (scene.specimen.contact) json["obstacles"] = outlines_of(scene.specimen.contact->obstacles, body);
   return line_of(json);
 }
 
@@ -257,6 +283,8 @@ std::string states_view(const Scene& scene, const Record& record) {
   for (std::size_t i = 0; i < count; ++i) {
     const Snapshot& snapshot = snapshots[count > 1 ? i * (snapshots.size() - 1) / (count - 1) : snapshots.size() - 1];
     json["frames"].push_back(frame_of(shown, body, snapshot));
+    if (!snapshot.obstacles.empty())
+      json["frames"].back()["poses"] = poses_of(scene.specimen.contact->obstacles, snapshot);
   }
   return line_of(json);
 }

@@ -80,6 +80,7 @@ class TimedRun {
 
   void go() {
     const Clock::time_point start = Clock::now();
+    began_ = start, began_at_ = state_.time;
     const TimeOptions& time = *options_.time;
     const double critical = control_.memory.critical;
     if (time.choice == StepChoice::fixed && critical > 0 && time.step > critical)
@@ -91,8 +92,6 @@ class TimedRun {
     const double first = state_.time;
     const int first_step = control_.memory.steps, first_frame = frame_;
     while (frame_ < time.frames && run_.outcome == Outcome::converged) {
-      if (options_.progress)
-        options_.progress("t = " + number(state_.time, 4) + " s of " + number(time.duration, 4) + " s");
       if (!advance_frame(time.time_of(frame_ + 1))) break;
       ++frame_;
       keep_snapshot();
@@ -121,6 +120,15 @@ class TimedRun {
     std::size_t history;
   };
 
+  /// Where the run is, and how long the rest takes at this pace: four times a second.
+  void tell(double now) {
+    if (!options_.progress || (told_ && seconds_since(*told_) < 0.25)) return;
+    const double left = (options_.time->duration - now) / (now - began_at_) * seconds_since(began_);
+    options_.progress("t = " + number(now, 4) + " s of " + number(options_.time->duration, 4) + " s, about " +
+                      number(left, 2) + " s left");
+    told_ = Clock::now();
+  }
+
   bool advance_frame(double until) {
     const int steps = control_.memory.steps;
     std::optional<Before> before;
@@ -128,6 +136,7 @@ class TimedRun {
     const StepResult stepped = control_.advance(model_, state_, until, [&](const State& now) {
       ledger_.record(model_, now);
       if (now.time < until && is_sampled()) history_.push_back(read({}));
+      tell(now.time);
       return now.time >= until || model_.body().share || !is_stopped();  // processes that share it stop at frames
     });
     if (stepped.outcome == Outcome::interrupted) {
@@ -335,7 +344,10 @@ class TimedRun {
   Ledger ledger_;
   double available_ = 0;  ///< the most energy that there has been [J]
   StepControl control_;
-  double mass_;  ///< of the whole [kg]
+  double mass_;              ///< of the whole [kg]
+  Clock::time_point began_;  // at began_at_ [s]
+  double began_at_ = 0;
+  std::optional<Clock::time_point> told_;
   int frame_ = 0;
 };
 

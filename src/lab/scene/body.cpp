@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "elastin/core/base/text.h"
 #include "elastin/core/shapes/arrays.h"
@@ -576,6 +577,7 @@ Body read_body(Reader reader, const Material& material, Remarks remarks,
     reader.located([&] { set_matter(body, material.density, material.thickness, setup.radius); });
   else if (setup.radius)
     body.radius.setConstant(*setup.radius);
+  if (body.assumed_density > 0) body.mass *= material.density / std::exchange(body.assumed_density, 0);
   if (context.volumes.size()) body.mass = material.density * context.volumes;
   if (const auto& regions = setup.regions) {
     if (material.curve || material.fibre) regions->fail("regions need a material without curve or fibre");

@@ -221,7 +221,8 @@ const Keys<IdentifySetup>& identify_map_keys() {
       residuals_key(
           &S::residuals,
           "differences are over each measured value (`relative`), over the largest one of the test (`absolute`), or "
-          "over each value and a hundred times the noise of readings near zero together (`automatic`)"),
+          "over each value and 1 % of the largest, or a hundred times the noise of readings near zero, together "
+          "(`automatic`)"),
       Key<S>({"tests", "list of maps", "", "", "", "the tests, below"}, read_tests).needed(),
       Key<S>(
           {"unknowns", "list, or map", "", "", "all numbers of the law but `bulk_modulus`; of E and ν, E",

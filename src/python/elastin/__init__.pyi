@@ -32,9 +32,9 @@ class Body:
                  thickness: float = 0.0) -> None:
         """positions (n, 3) [m]; connections (m, 2), numbers of molecules, by default the sides of the cells; triangles
         (k, 3); tetrahedra (k, 4); cells of other shapes by name, {'hexahedron8': (k, 8), …}, nodes as in VTK;
-        rest_lengths (m,) [m], by default the distances; masses (n,) [kg], by default from density [kg/m^3] and the
-        cells (triangles: thickness [m]) or the convex hull; radii (n,) [m], by default half the shortest connection.
-        Arrays are copied."""
+        rest_lengths (m,) [m], by default the distances; masses (n,) [kg], by default from density [kg/m^3], by
+        default that of the material with which the body is used, and the cells (triangles: thickness [m]) or the
+        convex hull; radii (n,) [m], by default half the shortest connection. Arrays are copied."""
     @property
     def positions(self) -> Floats:
         """Positions at rest [m], (n, 3)."""
@@ -524,8 +524,8 @@ class Sweep(list[Result]):
 def body(description: Mapping[str, Any] | str, material: Material | None = None) -> Body:
     """A body as a scene has it under `body:`: elastin.body({"lattice": {"kind": "cubic", "molecules": [5, 5, 5],
     "spacing": 1e-3}}), a dict or its YAML. Every shape of the scenes is there, with the same keys and messages;
-    files are named from the working directory. The material, by default one of 1000 kg/m^3, gives it its mass. What
-    makes results doubtful is a warning; how a file was read goes to the logger "elastin"."""
+    files are named from the working directory. The material gives it its mass, by default that with which the body
+    is used. What makes results doubtful is a warning; how a file was read goes to the logger "elastin"."""
 def order_in_space(positions: ArrayLike) -> Ints:
     """The order in which points (n, 3) lie along a curve that fills space, (n,): a large body whose molecules are
     numbered like this, positions[order], is passed over several times as fast as one numbered at random."""
@@ -548,11 +548,12 @@ def lattice(molecules: Sequence[int], spacing: float | Sequence[float],
             connections: Sequence[Literal["axis", "face", "space"]] = ("axis", "face"), *, radius: float | None = None,
             density: float = 1000.0) -> Body:
     """A cubic lattice of (nx, ny, nz) molecules, `spacing` [m] apart (a number, or one along x, y and z), joined along
-    "axis", "face" and "space" diagonals. radius [m], by default half the shortest connection; density [kg/m^3]."""
+    "axis", "face" and "space" diagonals. radius [m], by default half the shortest connection; density [kg/m^3], by
+    default that of the material with which the body is used."""
 def read_mesh(path: Path, length_unit: Literal["m", "cm", "mm", "um", "nm"], *, radius: float | None = None,
               density: float = 1000.0, thickness: float = 0.0) -> Body:
     """The body of a mesh file, .msh, .vtk or .vtu of tetrahedra or triangles, or .obj, .stl, .ply, whose numbers are in
-    length_unit "m", "cm", "mm", "um" or "nm"; triangles have a thickness [m]."""
+    length_unit "m", "cm", "mm", "um" or "nm"; triangles have a thickness [m]. radius and density as for lattice."""
 def law(name: str, energy: Callable[..., Any], *, summary: str = "", source: str = "",
         membrane: bool = False) -> Strategy:
     """A cell law of one's own for compare, run and Simulation, from its energy density W [J/m^3]:

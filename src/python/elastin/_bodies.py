@@ -13,15 +13,18 @@ _log = logging.getLogger("elastin")
 def body(description, material=None):
     """A body as a scene has it under `body:`: elastin.body({"lattice": {"kind": "cubic", "molecules": [5, 5, 5],
     "spacing": 1e-3}}), a dict or its YAML. Every shape of the scenes is there, with the same keys and messages; files are
-    named from the working directory. The material, by default one of 1000 kg/m^3, gives it its mass. What makes results doubtful is
-    a warning; how a file was read goes to the logger "elastin"."""
-    given = material or _elastin.Material(1.0)
+    named from the working directory. The material gives it its mass, by default that with which the body is used. What makes
+    results doubtful is a warning; how a file was read goes to the logger "elastin"."""
+    return _made(description, material or _elastin.Material(1.0), material is None)
+
+
+def _made(description, material, assumed):
     if isinstance(description, str):
-        made, remarks, notes = _elastin._body_of_scene(description, given)
+        made, remarks, notes = _elastin._body_of_scene(description, material, assumed)
     else:
         held = _scenes.Held(description, "body")
         with held.messages():
-            made, remarks, notes = _elastin._body_of_scene(held.source, given)
+            made, remarks, notes = _elastin._body_of_scene(held.source, material, assumed)
     for remark in remarks:
         warnings.warn(remark, stacklevel=2)
     for note in notes:
@@ -41,21 +44,26 @@ def material(description):
         return _elastin._material_of_scene(held.source)
 
 
-def lattice(molecules, spacing, connections=("axis", "face"), *, radius=None, density=1000.0):
+def lattice(molecules, spacing, connections=("axis", "face"), *, radius=None, density=None):
     """A cubic lattice of (nx, ny, nz) molecules, `spacing` [m] apart (a number, or one along x, y and z), joined along
-    "axis", "face" and "space" diagonals. radius [m], by default half the shortest connection; density [kg/m^3]."""
+    "axis", "face" and "space" diagonals. radius [m], by default half the shortest connection; density [kg/m^3], by default
+    that of the material with which the body is used."""
     shape = {"kind": "cubic", "molecules": list(molecules), "spacing": spacing, "connections": list(connections)}
     described = {"lattice": shape} if radius is None else {"lattice": shape, "radius": radius}
-    return body(described, _elastin.Material(1.0, density=density))
+    return _made(described, _with(density), density is None)
 
 
-def read_mesh(path, length_unit, *, radius=None, density=1000.0, thickness=0.0):
+def read_mesh(path, length_unit, *, radius=None, density=None, thickness=0.0):
     """The body of a mesh file, .msh, .vtk or .vtu of tetrahedra or triangles, or .obj, .stl, .ply, whose numbers are in
-    length_unit "m", "cm", "mm", "um" or "nm"; triangles have a thickness [m]."""
+    length_unit "m", "cm", "mm", "um" or "nm"; triangles have a thickness [m]. radius and density as for lattice."""
     described = {"mesh": {"file": os.fspath(path), "length_unit": length_unit}}
     if radius is not None:
         described["radius"] = radius
-    return body(described, _elastin.Material(1.0, density=density, thickness=thickness))
+    return _made(described, _with(density, thickness=thickness), density is None)
+
+
+def _with(density, **others):
+    return _elastin.Material(1.0, **others, **({} if density is None else {"density": density}))
 
 
 def _plot(body, ax=None, **options):

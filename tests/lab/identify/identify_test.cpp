@@ -255,6 +255,29 @@ TEST_CASE("95 per cent intervals hold the truth in 93 to 97 per cent of 400 tria
   }
 }
 
+TEST_CASE("one reading near zero does not widen the intervals of a curve", "[identify]") {
+  // 20 kPa (λ − 1/λ²) with scatter of 1 % of each value; the first reading is 0.9 Pa where 6 Pa were right.
+  const TemporaryFolder folder;
+  const auto width = [&](const std::string& first) {
+    Noise noise(3);
+    std::string data = "stretch,nominal_stress [Pa]\n" + first;
+    for (int i = 1; i <= 15; ++i) {
+      const double stretch = 1 + 0.02 * i;
+      data += std::to_string(stretch) + "," +
+              std::to_string(20e3 * (stretch - 1 / (stretch * stretch)) * (1 + 0.01 * noise.normal())) + "\n";
+    }
+    folder.write("data.csv", data);
+    const std::string scene = folder.write("scene.yaml",
+                                           "material: {law: mooney_rivlin, c1: 5 kPa, c2: 1 kPa}\nidentify: {tests: "
+                                           "[{kind: uniaxial, file: data.csv}]}\n");
+    const FoundNumber number = identify(scene, kCatalog, {}).front().numbers.front();
+    CHECK(number.low < 10e3);
+    CHECK(number.high > 10e3);
+    return number.high - number.low;
+  };
+  CHECK(width("1.0001,0.9\n") < 2 * width(""));
+}
+
 TEST_CASE("numbers that the data cannot tell apart are a flat valley, and named", "[identify]") {
   // Shear alone: Mooney and Rivlin's stress is 2 (c1 + c2) γ.
   const TemporaryFolder folder;

@@ -88,6 +88,9 @@ struct Body {
   Positions rest;  ///< places of the molecules, unstressed [m]
   VectorX mass;    ///< [kg], one a molecule
   VectorX radius;  ///< [m], one a molecule
+  /// Density [kg/m³] that the masses were made of for want of a stated one, until a material's replaces it (see
+  /// prepare); 0 where masses or a density were stated.
+  double assumed_density = 0;
   Connections connections;
   Cells<3> triangles;
   std::vector<Cable> cables;  ///< in addition to what the strategy does with its connections

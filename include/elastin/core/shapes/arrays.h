@@ -16,7 +16,7 @@ struct BodyArrays {
   VectorX rest_lengths;  ///< [m] > 0, one a connection; empty: the distances
   VectorX masses;        ///< [kg] > 0, one a molecule; empty: see set_matter below
   VectorX radii;         ///< [m] > 0, one a molecule; empty: as masses
-  double density = 1000;
+  std::optional<double> density;  ///< [kg/m³] > 0; none: that of the material that the body gets
   double thickness = 0;
 };
 

@@ -11,6 +11,7 @@ namespace elastin {
 using MakeVoronoi = std::function<VoronoiCells(const Body&)>;
 
 /// Adds to a body what it needs, and has not yet, for a strategy and its materials to work on it:
+///   * the materials' density where its masses are those of an assumed one (take_density), but for a strategy by parts;
 ///   * pairs of molecules between which bending acts (Material::bending_rigidity > 0), as sides of cells;
 ///   * sides of tetrahedra and triangles that are no connections, for a cell law or a volume term;
 ///   * Voronoi cells (Body::voronoi, those of each soft part in Part::voronoi), for a rule or fibres that need them,
@@ -23,7 +24,11 @@ using MakeVoronoi = std::function<VoronoiCells(const Body&)>;
 void prepare(Body& body, const Strategy& strategy, const std::vector<Material>& materials,
              const MakeVoronoi& make_voronoi);
 
-/// The first of these, which no strategy changes.
+/// Masses of the materials' densities in place of the assumed one (Body::assumed_density), if any. A molecule that
+/// several parts share goes by the part whose own it is.
+void take_density(Body& body, const std::vector<Material>& materials);
+
+/// The second, which no strategy changes.
 void prepare_bending(Body& body, const Material& material);
 
 /// Whether a body lacks Voronoi cells that strategy or fibres need.

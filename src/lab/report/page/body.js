@@ -19,7 +19,8 @@ async function unpacked(text) {
 function body_from(json) {
   const body = {rest: new Float32Array(bytes_of(json.rest)), radius: new Float32Array(bytes_of(json.radius)),
     ends: new Uint32Array(bytes_of(json.ends)), surface: new Uint32Array(bytes_of(json.surface)), cells: new Int32Array(bytes_of(json.cells)),
-    numbers: json.numbers && new Int32Array(bytes_of(json.numbers)), membrane: json.membrane, note: json.shown};
+    numbers: json.numbers && new Int32Array(bytes_of(json.numbers)), membrane: json.membrane, note: json.shown,
+    obstacles: (json.obstacles ?? []).map(({name, lines}) => ({name, lines: new Float32Array(bytes_of(lines))}))};
   return Object.assign(body, {size: diagonal_of(body.rest)});
 }
 
@@ -35,11 +36,11 @@ function numbers_from({most, steps, planes}, count) {
 }
 
 /** States from the JSON of states_view: at [s] or share of the load, displacements [m], tensions [N], outer forces [N],
- *  stresses of faces [Pa] and contact pressures [Pa] where there are any. */
+ *  stresses of faces [Pa] and contact pressures [Pa] where there are any; `pose i` of the obstacles: three axes and a place [m]. */
 function states_from(json, body) {
   const molecules = body.radius.length, faces = body.surface.length / 3;
   const counts = {displacements: 3 * molecules, tensions: body.ends.length / 2, forces: molecules, stresses: faces, pressures: molecules};
-  return json.frames.map(frame => Object.fromEntries([['at', frame.at],
+  return json.frames.map(frame => Object.fromEntries([['at', frame.at], ...(frame.poses ?? []).map((pose, i) => [`pose ${i}`, pose]),
     ...Object.entries(counts).filter(([name]) => frame[name]).map(([name, count]) => [name, numbers_from(frame[name], count)])]));
 }
 
@@ -61,6 +62,11 @@ function state_at(frames, position) {
   const mixed = (x, y) => x.map((v, i) => v + share * ((y?.[i] ?? v) - v));
   const names = Object.keys(b).filter(name => name !== 'at');
   return Object.fromEntries([['at', a.at + share * (b.at - a.at)], ...names.map(name => [name, mixed(a[name] ?? b[name].map(() => 0), b[name])])]);
+}
+
+/** Ends of an obstacle's lines [m] in space, three numbers a point. */
+function lines_in_space(lines, pose) {
+  return lines.map((_, i) => pose[9 + i % 3] + [0, 1, 2].reduce((sum, axis) => sum + pose[3 * axis + i % 3] * lines[i - i % 3 + axis], 0));
 }
 
 /** Positions [m] with the displacements taken so many times. */

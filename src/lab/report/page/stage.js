@@ -46,7 +46,10 @@ class Stage {
     const has = field => [...this.runs.values()].some(({frames}) => frames.some(frame => frame[field]?.length));
     for (const [kind, {field}] of Object.entries(colour_kinds))
       if (kind === 'error' ? known : !field || has(field)) this.part('colour').append(new Option(colour_kinds[kind].title, kind));
-    const shown = {connections: true, molecules: !this.body.membrane, surface: this.body.membrane};
+    // Solids are seen by the stress on their surface, graphs of springs by their connections.
+    const solid = !this.body.membrane && has('stresses');
+    if (solid) this.part('colour').value = 'stress';
+    const shown = {connections: !solid, molecules: !solid && !this.body.membrane, surface: solid || this.body.membrane};
     for (const [name, on] of Object.entries(shown)) {
       this.part(name).checked = on;
       this.part(name).disabled = name === 'surface' && !this.body.surface.length;
@@ -219,6 +222,9 @@ class Stage {
     const colours = numbers => numbers && colours_of(map, numbers.map(v => map === 'signed' ? v / high : (v - low) / (high - low || 1)));
     viewer.set_state(positions_of(this.body, state.displacements, +this.part('scale').value),
       {connections: colours(values.connections), molecules: colours(values.molecules), faces: colours(values.faces)});
+    // Displacements that are drawn enlarged do not meet what the body touches.
+    const to_scale = +this.part('scale').value === 1;
+    viewer.set_lines(to_scale ? this.body.obstacles.map(({lines}, i) => state[`pose ${i}`] ? lines_in_space(lines, state[`pose ${i}`]) : []) : []);
     this.state = {...state, values};
     this.tell();
     this.part('at').textContent = in_time ? with_prefix(state.at, 's') : `${(100 * state.at).toFixed(0)} % of the load`;

@@ -44,6 +44,12 @@ class Viewer {
     this.request();
   }
 
+  /** Lines in front of the body, arrays of three floats a point, two points a line [m]: the obstacles. */
+  set_lines(lines) {
+    this.lines = lines;
+    this.request();
+  }
+
   /** What is drawn: connections, molecules, surface, each true or false. */
   set_look(look) {
     this.look = look;
@@ -165,7 +171,7 @@ class Viewer {
     this.draw_marks(this.marks, full, style);
   }
 
-  /** Axes and scale bar on a canvas of the same size; the bar's length holds at the distance of the point one turns about. */
+  /** Obstacles, axes and scale bar on a canvas of the same size; the bar's length holds at the distance of the point one turns about. */
   draw_marks(canvas, scale, style) {
     const {camera} = this, [width, height] = [this.canvas.clientWidth, this.canvas.clientHeight];
     const paper = canvas.getContext('2d'), ink = style.getPropertyValue('--faint').trim() || '#666';
@@ -177,12 +183,15 @@ class Viewer {
     draw_axes(paper, [0, 1, 2].map(axis => [turn[4 * axis], turn[4 * axis + 1], turn[4 * axis + 2]]), 44, height - 44, 26, ink);
     const metres = 2 * Math.tan(camera.fov * Math.PI / 360) * camera.position.distanceTo(this.controls.target) / height;
     draw_scale_bar(paper, metres, width - 16, height - 14, Math.min(0.3 * width, 160), ink);
+    const on_paper = (positions, point) => {
+      const at = new THREE.Vector3(...positions.slice(3 * point, 3 * point + 3)).project(camera);
+      return [(at.x + 1) / 2 * width, (1 - at.y) / 2 * height];
+    };
+    for (const ends of this.lines ?? [])
+      draw_lines(paper, Array.from({length: ends.length / 3}, (_, point) => on_paper(ends, point)), ink);
     if (!this.picked) return;
     const molecules = this.picked.molecule >= 0 ? [this.picked.molecule] : [...this.body.surface.slice(3 * this.picked.face, 3 * this.picked.face + 3)];
-    draw_picked(paper, molecules.map(molecule => {
-      const at = new THREE.Vector3(...this.positions.slice(3 * molecule, 3 * molecule + 3)).project(camera);
-      return [(at.x + 1) / 2 * width, (1 - at.y) / 2 * height];
-    }));
+    draw_picked(paper, molecules.map(molecule => on_paper(this.positions, molecule)));
   }
 
   /** What is seen, with axes, bar and legend, as a canvas of its own. */
