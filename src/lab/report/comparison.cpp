@@ -215,6 +215,12 @@ std::string advice_text(const Ranking& ranking, bool colours) {
   const Record* best = ranking.best;
   if (!ranking.no_reference.empty()) return "\n  no reference: " + ranking.no_reference + "\n";
   if (!best) return "\n  no recommendation: each strategy failed or has a warning" + warned_text(ranking) + "\n";
+  if (!ranking.rival_targets.empty()) {
+    std::string laws = best->run.strategy;
+    for (const Record* record : ranking.tied) laws += ", " + record->run.strategy;
+    return "\n  no recommendation: " + laws + " each meet their own target, " + ranking.rival_targets +
+           " at this strain, and the material states E and nu alone; state its `law` or `curve`\n";
+  }
   std::string found = errors_text(ranking, *best), goal;
   for (const std::string& name : ranking.measures) goal += (goal.empty() ? "" : ", ") + best->measure(name).label();
   if (ranking.by_reference) found += " to the reference";

@@ -31,6 +31,9 @@ struct Ranking {
   const Record* best = nullptr;     ///< points into the records; null if each one failed or has a warning
   const Record* warned = nullptr;   ///< the nearest of those that came to their end with a warning
   std::vector<const Record*> tied;  ///< others that the measures do not distinguish from the best
+  /// "E 8.75 kPa (neo_hookean) to 13.2 kPa (st_venant_kirchhoff)": where the best and those tied with it are laws that
+  /// each meet their own target, of a material that states none, and the targets are further apart than what is near.
+  std::string rival_targets;
   /// Those that are both nearer and faster than the best, and why they are not the best.
   std::vector<std::pair<const Record*, std::string>> passed_over;
 
@@ -40,14 +43,15 @@ struct Ranking {
   /// reference the difference counts.
   double error(const Record& record) const;
   /// Whether the best comes near enough to be recommended.
-  bool recommends() const { return best && error(*best) <= kNear; }
+  bool recommends() const { return best && rival_targets.empty() && error(*best) <= kNear; }
 };
 
 /// The best is near enough (0.1 %, or within a tenth of the least error), with nothing to warn of; of those the nearest
 /// in what else the material prescribes; then the fastest. Where one that comes near is near in every direction, those
 /// that are known not to be are passed over. Where errors differ by less than the measures carry (1e-5,
 /// the solver's residual, the reference's uncertainty) time does not count: they are tied, and the simplest strategy is
-/// the best. What was calibrated to the reference meets it by construction and is never the best.
+/// the best; but laws that say different things of the material are no ties. What was calibrated to the reference meets
+/// it by construction and is never the best.
 Ranking rank_strategies(const std::vector<Record>& records);
 
 Tone tone_of_error(double error);
@@ -201,8 +205,10 @@ Plot error_plot(const std::vector<Record>& records, const Ranking& ranking, cons
                 const std::vector<Peer>& peers = {});
 
 /// The response curve of each record: the stress–strain curve, torque over angle, a deflection over load or time; of a
-/// study with more than 24 runs the finest of each curve. No series where there is no such measure.
-Plot response_plot(const std::vector<Record>& records, const std::map<std::string, int>& colours);
+/// study with more than 24 runs the finest of each curve. Further ones (number 1, 2 …) of measure over measure, as
+/// force over elongation. No series where there is no such measure, or no further one.
+Plot response_plot(const std::vector<Record>& records, const std::map<std::string, int>& colours,
+                   std::size_t number = 0);
 
 /// Of a study, each measure that counts over each key that has numbers, and its error over the same key; a series a
 /// strategy and value of the keys that change by themselves. Of keys with lists (a lattice's molecules) the number of

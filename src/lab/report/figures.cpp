@@ -39,10 +39,20 @@ bool measured(const std::vector<Record>& records, const std::string& name) {
   });
 }
 
-ResponseAxes response_axes_of(const std::vector<Record>& records) {
+/// Those of the first figure, and of others that show measure over measure, by number; none beyond them.
+ResponseAxes response_axes_of(const std::vector<Record>& records, std::size_t number) {
   const Record& first = records.front();
-  return choose_response(first.measures ? first.measures->response : usual_response(first.run.time.has_value()),
-                         [&](const std::string& name) { return measured(records, name); });
+  std::vector<ResponseAxes> axes =
+      first.measures ? first.measures->response : usual_response(first.run.time.has_value());
+  const auto has = [&](const std::string& name) { return measured(records, name); };
+  if (number > 0) {
+    const ResponseAxes drawn = choose_response(axes, has);
+    std::erase_if(axes, [&](const ResponseAxes& one) {
+      return one.x == "load" || one.x == "time" || (one.x == drawn.x && one.y == drawn.y) || !has(one.x) || !has(one.y);
+    });
+    axes.erase(axes.begin(), axes.begin() + static_cast<std::ptrdiff_t>(std::min(number - 1, axes.size())));
+  }
+  return choose_response(axes, has);
 }
 
 /// Whether the points of a time history lie decades apart.
@@ -199,9 +209,9 @@ Plot error_plot(const std::vector<Record>& records, const Ranking& ranking, cons
   return plot;
 }
 
-Plot response_plot(const std::vector<Record>& records, const std::map<std::string, int>& colours) {
+Plot response_plot(const std::vector<Record>& records, const std::map<std::string, int>& colours, std::size_t number) {
   Plot plot;
-  const ResponseAxes response = response_axes_of(records);
+  const ResponseAxes response = response_axes_of(records, number);
   if (response.x.empty()) return plot;
   plot.x = axis_of(records.front(), response.x);
   plot.x.logarithmic = response.x == "time" && std::all_of(records.begin(), records.end(), [](const Record& record) {

@@ -33,9 +33,8 @@ std::string page_end(const std::string& machine, const std::string& command, con
   const std::time_t now = std::time(nullptr);
   std::tm time{};
   gmtime_r(&now, &time);
-  std::string out =
-      fmt::format("</main>\n<footer><p id=\"made\">{}, {:04}-{:02}-{:02} {:02}:{:02} UTC", program_text(),
-                  time.tm_year + 1900, time.tm_mon + 1, time.tm_mday, time.tm_hour, time.tm_min);
+  std::string out = fmt::format("</main>\n<footer><p id=\"made\">{}, {:04}-{:02}-{:02} {:02}:{:02} UTC", program_text(),
+                                time.tm_year + 1900, time.tm_mon + 1, time.tm_mday, time.tm_hour, time.tm_min);
   if (!machine.empty()) out += "; " + escaped(machine);
   out += "</p><p><code>" + escaped(command) + "</code></p>" + note + "</footer>\n" + data;
   for (const char* script : {"body.js", "colours.js", "marks.js", "graphics_painter.js", "processor_painter.js",
@@ -317,10 +316,14 @@ std::string scene_html(const Scenery& scene, std::size_t number, const Colours& 
   out += head_html(scene);
   const std::string error = figure_html(error_plot(scene.records, scene.ranking, colours, matter.peers),
                                         "Error against time", first.scene + "-error");
-  const Plot response = response_plot(scene.records, colours);
-  out += "<div class=\"pair\">" + error +
-         figure_html(response, response.y.title + "–" + response.x.title + " curve", first.scene + "-response") +
-         "</div>\n";
+  out += "<div class=\"pair\">" + error;
+  for (std::size_t i = 0;; ++i) {
+    const Plot response = response_plot(scene.records, colours, i);
+    if (response.series.empty()) break;
+    out += figure_html(response, response.y.title + "–" + response.x.title + " curve",
+                       first.scene + "-response" + (i ? fmt::format("-{}", i + 1) : ""));
+  }
+  out += "</div>\n";
   if (scene.study) {
     out += "<div class=\"pair\">";
     int number_of_plot = 0;

@@ -80,6 +80,26 @@ void find_ties(const std::vector<const Record*>& candidates, Ranking& ranking) {
   ranking.tied.assign(tied.begin() + 1, tied.end());
 }
 
+/// A law's own target says nothing against another law's.
+void find_rival_targets(Ranking& ranking) {
+  if (ranking.by_reference) return;
+  const std::string& measure = ranking.measures.front();
+  std::vector<std::pair<double, const Record*>> targets;
+  const auto add = [&](const Record* record) {
+    if (const MainMeasure* target = record->law_target(measure)) targets.emplace_back(target->prescribed, record);
+  };
+  add(ranking.best);
+  std::for_each(ranking.tied.begin(), ranking.tied.end(), add);
+  if (targets.empty()) return;
+  const auto [low, high] = std::minmax_element(targets.begin(), targets.end());
+  if (high->first - low->first <= kNear * std::abs(high->first)) return;
+  const MeasureInfo& info = ranking.best->measure(measure);
+  const auto text = [&](const auto& target) {
+    return value_text(target.first, info) + " (" + target.second->run.strategy + ")";
+  };
+  ranking.rival_targets = info.label() + " " + text(*low) + " to " + text(*high);
+}
+
 /// Those that a plot of error against time has to the left of the best and below it.
 void find_passed_over(const std::vector<Record>& records, const std::function<bool(const Record&)>& true_elsewhere,
                       Ranking& ranking) {
@@ -173,6 +193,7 @@ Ranking rank_strategies(const std::vector<Record>& records) {
         (!ranking.warned || ranking.error(record) < ranking.error(*ranking.warned)))
       ranking.warned = &record;
   if (ranking.best) find_ties(candidates, ranking);
+  if (ranking.best) find_rival_targets(ranking);
   if (ranking.best) find_passed_over(records, true_elsewhere, ranking);
   return ranking;
 }

@@ -213,7 +213,8 @@ Json poses_of(const std::vector<contact::Obstacle>& obstacles, const Snapshot& s
 }
 
 Json outlines_of(const std::vector<contact::Obstacle>& obstacles, const Body& body) {
-  const double wide = (body.rest.rowwise().maxCoeff() - body.rest.rowwise().minCoeff()).norm() / 2;
+  const double wide =
+      (body.rest.rowwise().maxCoeff() - body.rest.rowwise().minCoeff()).norm() / 2 + body.radius.maxCoeff();
   Json outlines = Json::array();
   for (const contact::Obstacle& obstacle : obstacles) {
     std::vector<float> numbers;

@@ -103,6 +103,14 @@ TEST_CASE("cyclic loading shows the loop of stress and strain", "[figures]") {
   CHECK(plot.x.title == "strain");
   CHECK(plot.series[0].points[10].x == Approx(0.1 * std::sin(0.5)));
   CHECK(plot.series[0].points[10].y == Approx(100 * std::sin(0.8)));
+  CHECK(plot.y.title == "nominal stress");
+  const auto colours = strategy_colours({record});
+  CHECK(response_plot({record}, colours, 1).series.empty());  // no force yet
+  for (CurvePoint& point : record.run.curve) point.measures.set("force", 2 * point.measures.get("stress"));
+  const Plot force = response_plot({record}, colours, 1);
+  CHECK(force.x.title == "elongation");
+  CHECK(force.y.title == "force");
+  CHECK(response_plot({record}, colours, 2).series.empty());
 }
 
 TEST_CASE("relaxation shows the force, over the logarithm of time where it spans decades", "[figures]") {

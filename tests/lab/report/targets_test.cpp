@@ -136,3 +136,21 @@ TEST_CASE("what is nearer and faster than the recommended strategy is named, wit
   REQUIRE(ranking.best == &records[1]);
   CHECK_THAT(advice_text(ranking, false), Contains("not standard, which is nearer and faster: it has a warning"));
 }
+
+TEST_CASE("laws that each meet their own target are no recommendation where the material states none", "[targets]") {
+  const auto advice = [](double strain, const std::string& material) {
+    const std::string pulled = "{kind: tension, axis: x, load_steps: 3, strain: " + std::to_string(strain) + "}";
+    std::vector<Record> records;
+    for (const std::string law : {"st_venant_kirchhoff", "neo_hookean"})
+      records.push_back(record_of(*scene_of(pulled, "{strategy: " + law + ", volume: none}", material)));
+    const Ranking ranking = rank_strategies(records);
+    REQUIRE(ranking.best);
+    return advice_text(ranking, false);
+  };
+  const std::string moduli = "{youngs_modulus: 120 kPa, poissons_ratio: 0.3}";
+  // At λ = 1.3 St. Venant and Kirchhoff's secant is E λ (λ + 1)/2.
+  CHECK_THAT(advice(0.3, moduli),
+             Contains("no recommendation: st_venant_kirchhoff, neo_hookean each meet their own target") &&
+                 Contains("to 179.40 kPa (st_venant_kirchhoff)") && Contains("state its `law` or `curve`"));
+  CHECK_THAT(advice(0.001, moduli), Contains("recommended: st_venant_kirchhoff (tied with neo_hookean)"));
+}

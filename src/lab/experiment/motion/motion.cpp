@@ -111,8 +111,10 @@ class Motion final : public TimedExperiment {
     if (setup_.fixture) list.add(setup_.fixture->measures());
     std::vector<ResponseAxes> axes;
     if (setup_.kind == MotionKind::relaxation) axes.push_back({"time", response_.resistance});
-    if (setup_.kind == MotionKind::cyclic)
+    if (setup_.kind == MotionKind::cyclic) {
       axes.push_back({list.named(MeasureRole::strain), list.named(MeasureRole::stress)});
+      axes.push_back({response_.displacement, response_.resistance});
+    }
     for (const ResponseAxes& of_fixture : list.response)
       if (of_fixture.x == "load") axes.push_back({"time", of_fixture.y});
     list.response = std::move(axes);

@@ -54,11 +54,11 @@ class Stage {
       this.part(name).checked = on;
       this.part(name).disabled = name === 'surface' && !this.body.surface.length;
     }
-    // Displacements are enlarged to an eighth of the body where nobody could see them otherwise.
+    // Displacements are enlarged to an eighth of the body where nobody could see them otherwise, unless the body touches something.
     let longest = 0;
     for (const {frames} of this.runs.values())
       for (const frame of frames) longest = lengths_of(frame.displacements).reduce((a, b) => Math.max(a, b), longest);
-    const most = longest > 0 ? Math.max(1, round_down(0.12 * this.body.size / longest)) : 1, scale = this.part('scale');
+    const most = longest > 0 && !this.body.obstacles.length ? Math.max(1, round_down(0.12 * this.body.size / longest)) : 1, scale = this.part('scale');
     for (const times of [...new Set([1, round_down(Math.sqrt(most)), most])])
       scale.append(new Option(times === 1 ? 'true to scale' : `× ${times.toLocaleString('en')}`, times));
     scale.value = longest < 0.03 * this.body.size ? most : 1;
