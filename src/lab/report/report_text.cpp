@@ -181,7 +181,7 @@ std::string run_text(const Record& record, bool colours, bool whole_curve) {
     out += "  " + painted("warning: " + warning, Tone::poor, colours) + "\n";
   if (!run.remark.empty()) out += "  " + painted("remark: " + run.remark, Tone::poor, colours) + "\n";
   out += references_text({record}, colours);
-  std::vector<std::string> head{"measure", "value", "error"};
+  std::vector<std::string> head{"measure", "value", record.references.empty() ? "error" : "to the material"};
   if (!record.references.empty()) head.push_back("to reference");
   head.emplace_back();
   Table table(head);
