@@ -256,7 +256,8 @@ std::vector<std::array<Vector3, 2>> outline_of(const contact::ObstacleShape& sha
   for (const auto& [edge, sides] : normals)
     if (sides.size() != 2 || sides[0].dot(sides[1]) < smooth)
       lines.push_back({corner(edge.first), corner(edge.second)});
-  if (!lines.empty()) return lines;
+  const bool round = lines.empty() || std::holds_alternative<contact::shape::Cylinder>(shape);
+  if (!round) return lines;
   const Vector3 middle = (form.points.rowwise().minCoeff() + form.points.rowwise().maxCoeff()) / 2;
   for (int axis = 0; axis < 3; ++axis)
     for (const auto& triangle : form.triangles) {

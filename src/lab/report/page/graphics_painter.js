@@ -127,11 +127,13 @@ class GraphicsPainter {
       connections: new THREE.Mesh(new THREE.BufferGeometry(), material(shader_parts.rod_vertex, shader_parts.rod_fragment)),
       surface: new THREE.Mesh(new THREE.BufferGeometry(), paint),
     };
+    this.outlines = new THREE.LineSegments(new THREE.BufferGeometry(), new THREE.LineBasicMaterial());
+    this.outlines.frustumCulled = false;
     for (const part of Object.values(this.parts)) part.frustumCulled = false;
     const lamp = new THREE.DirectionalLight(0xffffff, 0.55);
     lamp.position.set(...towards_lamp);
     this.camera.add(lamp, lamp.target);
-    this.scene.add(this.camera, new THREE.AmbientLight(0xffffff, 0.6), ...Object.values(this.parts));
+    this.scene.add(this.camera, new THREE.AmbientLight(0xffffff, 0.6), this.outlines, ...Object.values(this.parts));
   }
 
   /** {radius, ends, surface}, see body.js. */
@@ -203,6 +205,11 @@ class GraphicsPainter {
     this.fill('surface', 'color', colours.faces ? gather(surface.map((_, i) => Math.floor(i / 3)), colours.faces) : gather(surface, colours.molecules));
   }
 
+  set_lines(lines) {
+    this.outlines.geometry.dispose();
+    this.outlines.geometry = new THREE.BufferGeometry().setAttribute('position', new THREE.BufferAttribute(new Float32Array(lines), 3));
+  }
+
   /** cut: {x, y, z, w}, see viewer.js; shaders without a cut are other ones. */
   set_cut(cut, is_cut) {
     this.uniforms.cut.value.copy(cut);
@@ -215,7 +222,7 @@ class GraphicsPainter {
   }
 
   /** view: the canvas {width, height} [px], its `scale` in pixels of the screen, `share` of a molecule's radius that is drawn,
-   *  the depth [m] of what is seen from `near_side` on, `ground` as a colour, and whether parts are drawn: molecules,
+   *  the depth [m] of what is seen from `near_side` on, `ground` and `ink` as colours, and whether parts are drawn: molecules,
    *  connections, surface. */
   paint(view) {
     const {renderer, camera, parts} = this, {width, height, scale, share, near_side, depth, ground} = view;
@@ -229,6 +236,8 @@ class GraphicsPainter {
     Object.entries({near_side, depth, share, near: camera.near, width: 0.05 * this.mean_radius,
       pixel: 2 * Math.tan(camera.fov * Math.PI / 360) / (height * scale)}).forEach(([name, value]) => { this.uniforms[name].value = value; });
     this.uniforms.ground.value.set(ground);
+    this.outlines.material.color.set(view.ink);
+    this.outlines.visible = this.outlines.geometry.attributes.position?.count > 0;
     this.uniforms.canvas.value.set(width * scale, height * scale);
     renderer.render(this.scene, camera);
   }

@@ -60,15 +60,6 @@ function draw_legend(paper, legend, x, y, width, ink) {
   }
 }
 
-/** Lines between each two of these points [px]. */
-function draw_lines(paper, points, ink) {
-  paper.strokeStyle = ink;
-  paper.lineWidth = 1;
-  paper.beginPath();
-  points.forEach((point, i) => i % 2 ? paper.lineTo(...point) : paper.moveTo(...point));
-  paper.stroke();
-}
-
 /** Marks what is read: a ring around one point, an outline of several [px]. */
 function draw_picked(paper, points) {
   for (const [style, width] of [['#fff', 5], ['#111827', 2.5]]) {

@@ -14,6 +14,7 @@ class ProcessorPainter {
     this.cut = {x: 0, y: 0, z: 0, w: 1};
     this.ground = new THREE.Color();
     this.inks = new Uint32Array(rod_shades.length);
+    this.lines = this.lines_seen = new Float32Array(0);
   }
 
   set_body(body) {
@@ -25,6 +26,11 @@ class ProcessorPainter {
   set_state(positions, colours) {
     this.positions = positions;
     this.colours = colours;
+  }
+
+  set_lines(lines) {
+    this.lines = lines;
+    this.lines_seen = new Float32Array(4 * lines.length / 3);
   }
 
   set_cut(cut) { this.cut = cut; }
@@ -42,16 +48,18 @@ class ProcessorPainter {
     this.view = view;
     this.ground.set(view.ground);
     this.scale = height / 2 / Math.tan(camera.fov * Math.PI / 360);  // pixels of a metre that is a metre away
-    this.look_at_molecules();
+    this.camera.updateMatrixWorld();
+    this.look_at(this.positions, this.seen, this.cut);
+    this.look_at(this.lines, this.lines_seen, {x: 0, y: 0, z: 0, w: 1});
     if (view.surface) for (let face = 0; 3 * face < surface.length; ++face) this.paint_face(face);
     if (view.connections) for (let rod = 0; 2 * rod < ends.length; ++rod) this.paint_rod(rod);
     if (view.molecules) for (let molecule = 0; molecule < radius.length; ++molecule) this.paint_molecule(molecule);
+    const {r, g, b} = new THREE.Color(view.ink);
+    for (let from = 0; from < this.lines_seen.length; from += 8) this.paint_line(this.lines_seen, from, from + 4, 0, r, g, b);
     this.paper.putImageData(this.image, 0, 0);
   }
 
-  look_at_molecules() {
-    const {positions, seen, cut} = this;
-    this.camera.updateMatrixWorld();
+  look_at(positions, seen, cut) {
     const m = this.camera.matrixWorldInverse.elements;
     for (let from = 0, to = 0; from < positions.length; from += 3, to += 4) {
       const x = positions[from], y = positions[from + 1], z = positions[from + 2];
@@ -92,8 +100,17 @@ class ProcessorPainter {
 
   // Thousands of rods a picture: numbers alone, for what is allocated must be collected.
   paint_rod(rod) {
-    const {seen, scale, colours: {connections, molecules}, body: {ends}, image: {width, height}, inks} = this, least = this.camera.near;
-    const a = ends[2 * rod], b = ends[2 * rod + 1], p = 4 * a, q = 4 * b, before = seen[p + 2] - least, behind = seen[q + 2] - least;
+    const {colours: {connections, molecules}, body: {ends}} = this, a = ends[2 * rod], b = ends[2 * rod + 1];
+    const red = connections ? connections[3 * rod] : (molecules[3 * a] + molecules[3 * b]) / 2;
+    const green = connections ? connections[3 * rod + 1] : (molecules[3 * a + 1] + molecules[3 * b + 1]) / 2;
+    const blue = connections ? connections[3 * rod + 2] : (molecules[3 * a + 2] + molecules[3 * b + 2]) / 2;
+    this.paint_line(this.seen, 4 * a, 4 * b, 0.05 * this.mean_radius, red, green, blue);
+  }
+
+  /** Between two points whose numbers in `seen` begin at p and q, so thick [m]. */
+  paint_line(seen, p, q, radius, red, green, blue) {
+    const {scale, image: {width, height}, inks} = this, least = this.camera.near;
+    const before = seen[p + 2] - least, behind = seen[q + 2] - least;
     if (!(before >= 0 || behind >= 0) || !(seen[p + 3] >= 0 || seen[q + 3] >= 0)) return;
     // The range of the rod that is before the eye and not cut away.
     const eye = before / (before - behind), cut = seen[p + 3] / (seen[p + 3] - seen[q + 3]);
@@ -103,10 +120,7 @@ class ProcessorPainter {
     const near0 = 1 / (seen[p + 2] + from * away), near1 = 1 / (seen[p + 2] + to * away), near = (near0 + near1) / 2;
     const x0 = width / 2 + scale * near0 * (seen[p] + from * along), y0 = height / 2 - scale * near0 * (seen[p + 1] + from * upward);
     const x1 = width / 2 + scale * near1 * (seen[p] + to * along), y1 = height / 2 - scale * near1 * (seen[p + 1] + to * upward);
-    const half = Math.max(0.05 * scale * this.mean_radius * near, 0.6, this.view.scale), share = this.fading(1 / near);
-    const red = connections ? connections[3 * rod] : (molecules[3 * a] + molecules[3 * b]) / 2;
-    const green = connections ? connections[3 * rod + 1] : (molecules[3 * a + 1] + molecules[3 * b + 1]) / 2;
-    const blue = connections ? connections[3 * rod + 2] : (molecules[3 * a + 2] + molecules[3 * b + 2]) / 2;
+    const half = Math.max(scale * radius * near, 0.6, this.view.scale), share = this.fading(1 / near);
     for (let i = 0; i < inks.length; ++i) inks[i] = this.ink(red, green, blue, rod_shades[i], share);
     if (Math.abs(x1 - x0) >= Math.abs(y1 - y0)) {
       if (x0 <= x1) this.paint_band(x0, y0, near0, x1, y1, near1, half, 1, width, width, height);

@@ -224,7 +224,7 @@ class Stage {
       {connections: colours(values.connections), molecules: colours(values.molecules), faces: colours(values.faces)});
     // Displacements that are drawn enlarged do not meet what the body touches.
     const to_scale = +this.part('scale').value === 1;
-    viewer.set_lines(to_scale ? this.body.obstacles.map(({lines}, i) => state[`pose ${i}`] ? lines_in_space(lines, state[`pose ${i}`]) : []) : []);
+    viewer.set_lines(to_scale ? this.body.obstacles.flatMap(({lines}, i) => state[`pose ${i}`] ? [...lines_in_space(lines, state[`pose ${i}`])] : []) : []);
     this.state = {...state, values};
     this.tell();
     this.part('at').textContent = in_time ? with_prefix(state.at, 's') : `${(100 * state.at).toFixed(0)} % of the load`;

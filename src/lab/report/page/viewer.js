@@ -13,7 +13,7 @@ function drawn_by_graphics_card() {
 
 class Viewer {
   /** Drawn by the graphics card where there is one, unless the page says otherwise: Painter(canvas, camera) has smooth,
-   *  set_body(body), set_state(positions, colours), set_cut(cut, is_cut), paint(view) and release(). */
+   *  set_body(body), set_state(positions, colours), set_lines(lines), set_cut(cut, is_cut), paint(view) and release(). */
   constructor(canvas, Painter = drawn_by_graphics_card() ? GraphicsPainter : ProcessorPainter) {
     this.canvas = canvas;
     this.camera = new THREE.PerspectiveCamera(24, 1, 1, 10);
@@ -26,6 +26,7 @@ class Viewer {
     this.direction = [-0.6, 0.35];  // from which bodies are seen first: about the z axis, and upwards [rad]
     this.finest = this.painter.smooth ? 1 : 2;  // pixels along a side for each that is seen: four make edges smooth
     this.sharpness = this.finest;
+    this.depth = 1.2;
     this.share = 1;  // of a molecule's radius that is drawn
     this.listen();
   }
@@ -44,9 +45,10 @@ class Viewer {
     this.request();
   }
 
-  /** Lines in front of the body, arrays of three floats a point, two points a line [m]: the obstacles. */
+  /** Lines beside the body, three floats a point, two points a line [m]: the outlines of obstacles. */
   set_lines(lines) {
-    this.lines = lines;
+    this.depth = lines.length ? 3 : 1.2;  // of what is drawn, in lengths from the middle
+    this.painter.set_lines(lines);
     this.request();
   }
 
@@ -160,18 +162,18 @@ class Viewer {
     if (this.unseen) return;
     const [width, height] = [canvas.clientWidth, canvas.clientHeight], distance = camera.position.distanceTo(this.middle);
     camera.aspect = width / height;
-    camera.near = Math.max(distance - 1.2 * this.reach, 0.01 * this.reach);
-    camera.far = distance + 1.2 * this.reach;
+    camera.near = Math.max(distance - this.depth * this.reach, 0.01 * this.reach);
+    camera.far = distance + this.depth * this.reach;
     camera.updateProjectionMatrix();
     const style = getComputedStyle(canvas);
     this.share = this.radius_share();
     this.painter.paint({width, height, scale, share: this.share, near_side: distance - this.reach, depth: 2 * this.reach,
-      ground: style.getPropertyValue('--paper').trim() || '#fff', molecules: look.molecules && body.radius.length > 0,
+      ground: style.getPropertyValue('--paper').trim() || '#fff', ink: style.getPropertyValue('--faint').trim() || '#666', molecules: look.molecules && body.radius.length > 0,
       connections: look.connections && body.ends.length > 0, surface: look.surface && body.surface.length > 0});
     this.draw_marks(this.marks, full, style);
   }
 
-  /** Obstacles, axes and scale bar on a canvas of the same size; the bar's length holds at the distance of the point one turns about. */
+  /** Axes and scale bar on a canvas of the same size; the bar's length holds at the distance of the point one turns about. */
   draw_marks(canvas, scale, style) {
     const {camera} = this, [width, height] = [this.canvas.clientWidth, this.canvas.clientHeight];
     const paper = canvas.getContext('2d'), ink = style.getPropertyValue('--faint').trim() || '#666';
@@ -183,15 +185,12 @@ class Viewer {
     draw_axes(paper, [0, 1, 2].map(axis => [turn[4 * axis], turn[4 * axis + 1], turn[4 * axis + 2]]), 44, height - 44, 26, ink);
     const metres = 2 * Math.tan(camera.fov * Math.PI / 360) * camera.position.distanceTo(this.controls.target) / height;
     draw_scale_bar(paper, metres, width - 16, height - 14, Math.min(0.3 * width, 160), ink);
-    const on_paper = (positions, point) => {
-      const at = new THREE.Vector3(...positions.slice(3 * point, 3 * point + 3)).project(camera);
-      return [(at.x + 1) / 2 * width, (1 - at.y) / 2 * height];
-    };
-    for (const ends of this.lines ?? [])
-      draw_lines(paper, Array.from({length: ends.length / 3}, (_, point) => on_paper(ends, point)), ink);
     if (!this.picked) return;
     const molecules = this.picked.molecule >= 0 ? [this.picked.molecule] : [...this.body.surface.slice(3 * this.picked.face, 3 * this.picked.face + 3)];
-    draw_picked(paper, molecules.map(molecule => on_paper(this.positions, molecule)));
+    draw_picked(paper, molecules.map(molecule => {
+      const at = new THREE.Vector3(...this.positions.slice(3 * molecule, 3 * molecule + 3)).project(camera);
+      return [(at.x + 1) / 2 * width, (1 - at.y) / 2 * height];
+    }));
   }
 
   /** What is seen, with axes, bar and legend, as a canvas of its own. */
