@@ -1,14 +1,14 @@
 // The body's part of a page: which strategy, which colour, which state, and its controls. Needs body.js, colours.js, viewer.js.
 'use strict';
 
-/** What can be coloured; `field`: of the states that have it. */
+/** What can be coloured; `field`: of the states that have it; `shape`: on what it stands. */
 const colour_kinds = {
-  tension: {title: 'tension of the connections', unit: 'N', field: 'tensions'},
+  tension: {title: 'tension of the connections', unit: 'N', field: 'tensions', shape: 'connections'},
   strain: {title: 'strain', unit: ''},
-  stress: {title: 'von Mises stress', unit: 'Pa', field: 'stresses', on_faces: true},
+  stress: {title: 'von Mises stress', unit: 'Pa', field: 'stresses', shape: 'surface'},
   displacement: {title: 'displacement', unit: 'm'},
   force: {title: 'reaction or load of a molecule', unit: 'N', field: 'forces'},
-  pressure: {title: 'contact pressure', unit: 'Pa', field: 'pressures', on_faces: true},
+  pressure: {title: 'contact pressure', unit: 'Pa', field: 'pressures', shape: 'surface'},
   error: {title: 'distance from the best', unit: 'm'},
 };
 
@@ -92,11 +92,12 @@ class Stage {
     this.choose();
   }
 
-  /** Faces are shown for what stands on faces. */
+  /** What the colour stands on is shown: faces, or connections without the faces that would hide them. */
   choose_colour() {
-    const box = this.part('surface');
-    if (colour_kinds[this.part('colour').value].on_faces && !box.disabled && !box.checked) {
+    const {shape} = colour_kinds[this.part('colour').value], box = shape && this.part(shape);
+    if (box && !box.disabled && !box.checked) {
       box.checked = true;
+      if (shape === 'connections') this.part('surface').checked = false;
       this.look();
     }
     this.show();
