@@ -116,10 +116,10 @@ class Hand(unittest.TestCase):
         shown = "[...document.querySelectorAll('svg.wide .series[data-series=standard]')].map(s => getComputedStyle(s).display)"
         key = "document.querySelector('svg.wide .key[data-series=standard]')"
         self.page.click(*self.page.place(key))
-        self.assertEqual(self.page.run(shown), ["none", "none"])
+        self.assertEqual(self.page.run(shown), ["none"] * 3)  # error, stress over strain, force over elongation
         self.assertEqual(self.page.run(key + ".getAttribute('aria-pressed')"), "false")
         self.page.click(*self.page.place(key))
-        self.assertEqual(self.page.run(shown), ["inline", "inline"])
+        self.assertEqual(self.page.run(shown), ["inline"] * 3)
 
     def test_a_click_on_a_curve_shows_its_body(self):
         for strategy in ("standard", "neo_hookean"):
@@ -257,6 +257,36 @@ class Run(unittest.TestCase):
                                     "([low, high], s) => [Math.min(low, s), Math.max(high, s)], [Infinity, 0])")
             for stress in stresses:
                 self.assertAlmostEqual(stress / wanted, 1, delta=1e-3)  # stresses are told in steps of 2^-12
+
+
+class Obstacles(unittest.TestCase):
+    def test_obstacles_are_drawn_where_they_are(self):
+        """Every shape: as far from its middle as it is large, and a plane's square in the plane."""
+        shapes = {"sphere: {radius: 3 mm}": 3e-3, "box: {size: [4 mm, 4 mm, 2 mm]}": 3e-3,
+                  "cylinder: {radius: 3 mm, length: 8 mm}": 5e-3, "capsule: {radius: 1 mm, length: 8 mm}": 5e-3}
+        obstacles = "".join(f"    - {{name: thing{i}, {shape}, at: [{20 * i} mm, -20 mm, 1 mm]}}\n" for i, shape in enumerate(shapes))
+        with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:
+            with open(folder + "/bar.yaml", "w", encoding="utf8") as file:
+                file.write(BAR + "contact:\n  obstacles:\n" + obstacles +
+                           "    - {name: floor, plane: {point: [0 mm, 0 mm, -1 mm], normal: [0, 0, 1]}}\n")
+            subprocess.run([ELASTIN, "run", folder + "/bar.yaml", "--quiet", "--out", folder], check=True)
+            with Page(CHROMIUM, folder + "/profile") as page:
+                page.open(folder + "/report.html")
+                stage = "document.querySelector('.scene').stage"
+                reach = page.run(f"(() => {{ const s = {stage}, pose = i => s.state[`pose ${{i}}`]; "
+                                 "return s.body.obstacles.map(({lines}, i) => { const at = lines_in_space(lines, pose(i)); let r = 0; "
+                                 "for (let k = 0; k < at.length; k += 3) r = Math.max(r, Math.hypot(at[k] - pose(i)[9], "
+                                 "at[k + 1] - pose(i)[10], at[k + 2] - pose(i)[11])); "
+                                 "return [r, pose(i)[9], Math.max(...at.filter((_, k) => k % 3 === 2))]; }); })()")
+                drawn = f"{stage}.viewer.painter.lines.length"
+                self.assertGreater(page.run(drawn), 0)
+                page.run(f"{stage}.part('scale').append(new Option('5', 5)), {stage}.part('scale').value = 5, {stage}.aim(), 0")
+                self.assertEqual(page.run(drawn), 0)  # enlarged, the body would not meet them
+                self.assertEqual(page.run("document.documentElement.dataset.errors ?? ''"), "")
+        for i, wanted in enumerate(shapes.values()):
+            self.assertAlmostEqual(reach[i][0] / wanted, 1, delta=0.01)
+            self.assertAlmostEqual(reach[i][1], 20e-3 * i, delta=1e-6)
+        self.assertAlmostEqual(reach[-1][2], -1e-3, delta=1e-7)
 
 
 class Kinds(unittest.TestCase):

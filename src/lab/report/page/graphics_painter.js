@@ -206,6 +206,7 @@ class GraphicsPainter {
   }
 
   set_lines(lines) {
+    this.lines = lines;
     this.outlines.geometry.dispose();
     this.outlines.geometry = new THREE.BufferGeometry().setAttribute('position', new THREE.BufferAttribute(new Float32Array(lines), 3));
   }
