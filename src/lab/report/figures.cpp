@@ -218,6 +218,7 @@ Plot response_plot(const std::vector<Record>& records, const std::map<std::strin
                          return spans_decades(record.run.curve);
                        });
   plot.y = axis_of(records.front(), response.y);
+  if (!response.y_title.empty()) plot.y.title = response.y_title;
   plot.title = records.front().title + ": " + plot.y.title + " over " + plot.x.title;
   std::vector<std::pair<std::string, const Record*>> drawn;  // every run, or of many that refine a body the finest
   constexpr std::size_t most_runs = 24;

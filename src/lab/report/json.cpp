@@ -233,7 +233,8 @@ void measure_fields(FieldWriter& io, const Record& record) {
                     info.symbol,
                     info.unit_name,
                     info.former});
-  for (const ResponseAxes& axes : record.measures->response) response.push_back({axes.x, axes.y, axes.from_zero});
+  for (const ResponseAxes& axes : record.measures->response)
+    response.push_back({axes.x, axes.y, axes.from_zero, axes.y_title});
   io.kept("measure_list", rows);
   io.kept("response", response);
 }
@@ -251,7 +252,8 @@ void measure_fields(FieldReader& io, Record& record) {
                           row.at(4),
                           row.at(5),
                           row.at(6)}});
-  for (const Json& axes : response) list.response.push_back({axes.at(0), axes.at(1), axes.at(2)});
+  for (const Json& axes : response)
+    list.response.push_back({axes.at(0), axes.at(1), axes.at(2), axes.size() > 3 ? axes.at(3) : Json("")});
   record.measures = std::make_shared<const MeasureList>(std::move(list));
 }
 

@@ -87,7 +87,7 @@ const std::vector<Broken> kBroken{
     {"empty", "", 1, "no head"},
     {"head alone", "stretch,nominal_stress [kPa]\n", 0, "has 0 points"},
     {"zero under relative residuals", "stretch,nominal_stress [kPa]\n1.05,0\n1.1,0.5\n1.2,1\n", 2,
-     "write residuals: absolute"},
+     "write residuals: absolute", "uniaxial", ", residuals: relative"},
     {"another test's column", "shear,nominal_stress [kPa]\n0.1,0.5\n0.2,1\n", 1, "'shear' does not"},
     {"no section", "stretch,force [N]\n1.1,0.5\n1.2,1\n", 0, "key 'cross_section' is missing"},
     {"fibres beside a law", kGood, 0, "the material's `fibre` would be left out", "uniaxial", "",

@@ -53,7 +53,8 @@ struct MeasureInfo {
 /// Axes of a response curve: two measures, or "load" or "time" in the place of the first.
 struct ResponseAxes {
   std::string x, y;
-  bool from_zero = false;  ///< whether the curve begins at 0, 0
+  bool from_zero = false;    ///< whether the curve begins at 0, 0
+  std::string y_title = {};  ///< where it says more than the measure's label
 };
 
 /// The measures of an experiment and the axes over which its response is drawn, the most telling first.

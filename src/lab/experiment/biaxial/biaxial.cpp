@@ -30,11 +30,11 @@ const MeasureList& biaxial_measures() {
         Role::youngs_modulus, "E"},
        {"poissons_ratio", none, "Poisson's ratio of that material", Role::poissons_ratio, "Poisson's ratio"},
        {"force", force, "force on the loaded end along the axis; beyond preload", Role::force},
-       {"stress", pressure, "nominal stress along the axis", Role::stress, "nominal stress"},
+       {"stress", pressure, "nominal stress along the axis", Role::stress},
        {"strain", none, "nominal strain along the axis", Role::strain},
        {"stress_across", pressure, "nominal stress along the second direction"},
        {"lateral_strain", none, "mean strain of the thickness", Role::history}},
-      {{"strain", "stress", true}, {"load", "strain"}}};
+      {{"strain", "stress", true, "nominal stress"}, {"load", "strain"}}};
   return list;
 }
 

@@ -112,7 +112,10 @@ class Motion final : public TimedExperiment {
     std::vector<ResponseAxes> axes;
     if (setup_.kind == MotionKind::relaxation) axes.push_back({"time", response_.resistance});
     if (setup_.kind == MotionKind::cyclic) {
-      axes.push_back({list.named(MeasureRole::strain), list.named(MeasureRole::stress)});
+      const std::string stress = list.named(MeasureRole::stress);
+      const auto own = std::find_if(list.response.begin(), list.response.end(),
+                                    [&](const ResponseAxes& one) { return one.y == stress; });
+      axes.push_back({list.named(MeasureRole::strain), stress, false, own == list.response.end() ? "" : own->y_title});
       axes.push_back({response_.displacement, response_.resistance});
     }
     for (const ResponseAxes& of_fixture : list.response)

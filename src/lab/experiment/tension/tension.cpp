@@ -454,12 +454,12 @@ const MeasureList& tension_measures() {
        {"elongation", length, "dl, read as the scene says; negative in compression; from the state under preload",
         Role::displacement},
        {"force", force, "F on the loaded end, along the axis; negative in compression; beyond preload", Role::force},
-       {"stress", pressure, "F / A", Role::stress, "nominal stress"},
+       {"stress", pressure, "F / A", Role::stress},
        {"strain", none, "dl / l0", Role::strain},
        {"lateral_strain", none, "mean in-plane strain of the molecules at mid height", Role::history},
        {"tangent_modulus", pressure, "d stress / d strain at the last load step, from a linear solve there",
         Role::modulus}},
-      {{"strain", "stress", true}, {"elongation", "force", true}, {"load", "elongation", true}}};
+      {{"strain", "stress", true, "nominal stress"}, {"elongation", "force", true}, {"load", "elongation", true}}};
   return list;
 }
 
