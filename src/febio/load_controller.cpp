@@ -20,6 +20,7 @@ double parabola(double time, const Point& a, const Point& b, const Point& c) {
 }  // namespace
 
 double LoadController::value(double time) const {
+  if (formula) return formula(time);
   const Point &first = points.front(), &last = points.back();
   if (points.size() == 1) return first[1];
   if (time >= first[0] && time <= last[0]) return inside(time);

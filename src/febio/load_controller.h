@@ -1,5 +1,6 @@
 #pragma once
 #include <array>
+#include <functional>
 #include <map>
 #include <memory>
 #include <vector>
@@ -8,13 +9,14 @@
 
 namespace elastin::febio {
 
-/// A load curve: a number over time through points.                                    [FEBio User's Manual, 3.17.1]
+/// A number over time: a load curve through points, or a formula.                       [FEBio User's Manual, 3.17.1]
 struct LoadController {
   enum class Interpolation { linear, step, smooth };
   enum class Extension { constant, extrapolate, repeat };
   Interpolation interpolation = Interpolation::linear;
   Extension extension = Extension::constant;
-  std::vector<std::array<double, 2>> points;  ///< time and value, ascending in time, at least one
+  std::vector<std::array<double, 2>> points = {};   ///< time and value, ascending in time, at least one
+  std::function<double(double time)> formula = {};  ///< in place of the points
 
   /// `step` is the value of the next point; `smooth` the mean of the parabolas through three points each.
   double value(double time) const;

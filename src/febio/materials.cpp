@@ -563,7 +563,7 @@ Material read_material(const Element& element, const MaterialTime& time) {
     element.fail("a material of type \"" + type + "\" is not supported" + suggestion(type, known));
   }
   Material material;
-  material.name = element.attribute("name");
+  material.name = element.attribute("name"), material.id = element.attribute("id");
   material.density = element.number("density", 1);
   if (!(material.density > 0)) element.at("density").fail("must be above 0");
   read->second(element, material, time);

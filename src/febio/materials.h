@@ -31,7 +31,9 @@ struct PointPlace {
 
 /// A material of a model file.
 struct Material {
-  std::string name;
+  std::string name, id;
+  bool rigid = false;                  ///< the body moves as a whole
+  std::optional<Vector3> centre = {};  ///< of a rigid body, about which it turns; none: its centre of mass
   double density = 1;
   double youngs_modulus = 1, poissons_ratio = 0;  ///< at rest, of the matrix
   bool has_energy = true;

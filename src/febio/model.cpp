@@ -5,6 +5,7 @@
 #include <limits>
 #include <map>
 #include <numbers>
+#include <set>
 #include <utility>
 
 #include "config/formula.h"
@@ -39,9 +40,11 @@ struct Built {
 
 const char* const kAxes[] = {"x", "y", "z"};
 
-/// An element's text as a formula of the position at rest, X, Y and Z: FEBio takes powers from the left, and its `log`
-/// is that to the base 10.                                                                  [FEBio User's Manual 4.0]
-std::function<double(const Vector3&)> formula_of(const Element& element) {
+using NamedValues = std::initializer_list<std::pair<const char*, double>>;
+
+/// An element's text as a formula of named values: FEBio takes powers from the left, and its `log` is that to the base
+/// 10.                                                                                   [FEBio User's Manual 4.0]
+double formula_value(const Element& element, NamedValues values) {
   static const config::FormulaLanguage language{.units = false,
                                                 .powers_from_left = true,
                                                 .functions = {{"ln", [](double x) { return std::log(x); }},
@@ -49,20 +52,33 @@ std::function<double(const Vector3&)> formula_of(const Element& element) {
                                                               {"asin", [](double x) { return std::asin(x); }},
                                                               {"acos", [](double x) { return std::acos(x); }},
                                                               {"atan", [](double x) { return std::atan(x); }}}};
-  return [element](const Vector3& position) {
-    const auto value_of = [&](const std::string& name) -> config::FormulaValue {
-      for (int axis = 0; axis < 3; ++axis)
-        if (name == std::string(1, "XYZ"[axis])) return {position[axis], {}};
-      if (name == "e") return {std::numbers::e, {}};
-      element.fail("the formula '" + element.text() + "': there is no value '" + name + "'" +
-                   suggestion(name, {"X", "Y", "Z", "e", "pi"}));
-    };
-    const double value =
-        element.located([&] { return config::formula_value(element.text(), value_of, language).number; });
-    if (!std::isfinite(value)) element.fail("the formula '" + element.text() + "' is not finite everywhere");
-    return value;
+  const auto value_of = [&](const std::string& name) -> config::FormulaValue {
+    std::vector<std::string> names{"e", "pi"};
+    if (name == "e") return {std::numbers::e, {}};
+    for (const auto& [known, value] : values) {
+      if (name == known) return {value, {}};
+      names.emplace_back(known);
+    }
+    element.fail("the formula '" + element.text() + "': there is no value '" + name + "'" + suggestion(name, names));
   };
+  const double value =
+      element.located([&] { return config::formula_value(element.text(), value_of, language).number; });
+  if (!std::isfinite(value)) element.fail("the formula '" + element.text() + "' is not finite everywhere");
+  return value;
 }
+
+/// Of the position at rest.
+std::function<double(const Vector3&)> formula_of(const Element& element) {
+  return [element](const Vector3& at) { return formula_value(element, {{"X", at.x()}, {"Y", at.y()}, {"Z", at.z()}}); };
+}
+
+/// What fixes or prescribes a component of a rigid body's motion.
+struct RigidComponent {
+  std::string body;
+  int component;  ///< displacement along x, y, z, and the rotation vector's x, y, z
+  int step;       ///< in which alone it is in force, or -1: in all
+  std::optional<Value> value;
+};
 
 class ModelReader {
  public:
@@ -92,6 +108,10 @@ class ModelReader {
   void read_discrete(const Element& discrete);
   void read_constraints(const Element& constraints, int step);
   void read_volume(const Element& constraint, int step);
+  void read_rigid(const Element& rigid, int step);
+  std::string rigid_body_of(const Element& owner) const;
+  Vector3 centre_of(const Element& where, const Material& rigid) const;
+  void drive_rigid_bodies();
   void refuse_within() const;
   Augmentation read_augmentation(const Element& constraint, const char* tolerance, double usual, int most) const;
   void read_linear_constraints(const Element& constraint);
@@ -108,6 +128,8 @@ class ModelReader {
   MeshReader mesh_;
   LoadControllers controllers_;
   std::map<std::pair<int, int>, std::vector<int>> prescribed_;  // by molecule and axis, in which steps (-1: in all)
+  std::vector<RigidComponent> rigid_;
+  std::map<std::string, std::vector<int>> rigid_nodes_;  // molecules by the rigid material's name
   std::shared_ptr<Built> built_ = std::make_shared<Built>();
   std::shared_ptr<ExperimentSetup> setup_ = std::make_shared<ExperimentSetup>();
 };
@@ -142,7 +164,18 @@ void ModelReader::read_controllers(const Element& data) {
   data.refuse_twice("id");
   for (const Element& one : data.children()) {
     one.allow_attributes({"id", "name", "type"});
-    if (one.attribute("type") != "loadcurve") one.refuse("type=\"" + one.attribute("type") + "\"", "loadcurve is");
+    if (one.attribute("type") == "math") {
+      one.allow({"math"});
+      const auto value = [math = one.at("math"), document = built_->document](double time) {
+        return formula_value(math, {{"t", time}});
+      };
+      value(0);
+      controllers_[one.whole_attribute("id")] =
+          std::make_shared<const LoadController>(LoadController{.formula = value});
+      continue;
+    }
+    if (one.attribute("type") != "loadcurve")
+      one.refuse("type=\"" + one.attribute("type") + "\"", "loadcurve and math are");
     one.allow({"interpolate", "extend", "points"});
     LoadController curve;
     const auto interpolate = one.find("interpolate"), extend = one.find("extend");
@@ -175,15 +208,41 @@ void ModelReader::read_controllers(const Element& data) {
   }
 }
 
+Material read_rigid_material(const Element& element) {
+  element.allow_attributes({"id", "name", "type"});
+  element.allow({"density", "center_of_mass", "override_com", "E", "v"});
+  Material material;
+  material.name = element.attribute("name"), material.id = element.attribute("id");
+  material.density = element.number("density", 1);
+  material.rigid = true;
+  const auto centre = element.find("center_of_mass");
+  if (centre && element.number("override_com", 1) != 0) {
+    const std::vector<double> at = centre->numbers(3);
+    material.centre = Vector3(at[0], at[1], at[2]);
+  }
+  return material;
+}
+
 void ModelReader::read_materials(const Element& section) {
   section.allow({"material"});
   section.refuse_twice("id");
   section.refuse_twice("name");
   for (const Element& one : section.children()) {
-    built_->materials.push_back(read_material(one, {controllers_, {setup_->clock, &setup_->clock->time}}));
+    built_->materials.push_back(one.attribute("type") == "rigid body"
+                                    ? read_rigid_material(one)
+                                    : read_material(one, {controllers_, {setup_->clock, &setup_->clock->time}}));
     if (built_->materials.back().name.empty()) one.fail("the attribute 'name' is missing");
   }
-  if (built_->materials.empty()) section.fail("<material> is missing");
+  // A rigid body moves without strain, whatever its material: that of a body that does strain.
+  auto& all = built_->materials;
+  const auto solid = std::find_if(all.begin(), all.end(), [](const Material& one) { return !one.rigid; });
+  if (solid == all.end()) section.fail("a <material> that is not rigid is missing");
+  for (Material& one : all) {
+    if (!one.rigid) continue;
+    one.youngs_modulus = solid->youngs_modulus, one.poissons_ratio = solid->poissons_ratio;
+    one.terms = solid->terms, one.even = solid->even, one.volume = solid->volume;
+    one.has_energy = solid->has_energy, one.relaxation = solid->relaxation;
+  }
 }
 
 void ModelReader::read_domains(const Element& section) {
@@ -210,6 +269,14 @@ void ModelReader::read_domain(const Element& domain) {
   for (const Material& one : materials) names.push_back(one.name);
   if (material == materials.end()) domain.fail("there is no material '" + mat + "'" + suggestion(mat, names));
   const std::string type = domain.attribute("type"), points = domain.attribute("elem_type");
+  if (material->rigid) {
+    if (!type.empty() && type != "rigid-solid")
+      domain.refuse("type=\"" + type + "\" of a rigid body", "rigid-solid is");
+    built_->domains[own->block] = {static_cast<int>(material - materials.begin()), false};
+    const std::vector<int>& nodes = mesh_.body().blocks[own->block].nodes;
+    rigid_nodes_[mat].insert(rigid_nodes_[mat].end(), nodes.begin(), nodes.end());
+    return;
+  }
   if (!type.empty() && type != "elastic-solid" && type != "three-field-solid")
     domain.refuse("type=\"" + type + "\"", "elastic-solid and three-field-solid are");
   if (!points.empty()) domain.refuse("elem_type=\"" + points + "\"", "the usual quadrature is");
@@ -282,12 +349,13 @@ void ModelReader::read_steps() {
   if (section) {
     section->allow({"step"});
     for (const Element& step : section->children()) {
-      refuse_sections(step, {"Control", "Boundary", "Constraints"});
+      refuse_sections(step, {"Control", "Boundary", "Constraints", "Rigid"});
       setup_->steps.push_back(read_control(step.at("Control")));
       if (const auto boundary = step.find("Boundary"))
         read_boundary(*boundary, static_cast<int>(setup_->steps.size()) - 1);
       if (const auto constraints = step.find("Constraints"))
         read_constraints(*constraints, static_cast<int>(setup_->steps.size()) - 1);
+      if (const auto rigid = step.find("Rigid")) read_rigid(*rigid, static_cast<int>(setup_->steps.size()) - 1);
     }
   }
   if (setup_->steps.empty()) root_.fail("<Control> is missing, or <Step>");
@@ -333,8 +401,106 @@ void ModelReader::read_boundary(const Element& boundary, int step) {
         steps.push_back(step);
         setup_->driven.push_back({molecule, axis, step, {{Value{1}, value}}});
       }
+    } else if (type == "rigid") {
+      if (step >= 0) bc.refuse("type=\"rigid\" in a step");
+      bc.allow({"rb", "clamp_shells"});
+      std::vector<int>& nodes = rigid_nodes_[rigid_body_of(bc)];
+      for (const int molecule : mesh_.node_set(bc, bc.needed_attribute("node_set"))) nodes.push_back(molecule);
     } else {
-      bc.refuse("type=\"" + type + "\"", "zero displacement, prescribed displacement and linear constraint are");
+      bc.refuse("type=\"" + type + "\"", "zero displacement, prescribed displacement, linear constraint and rigid are");
+    }
+  }
+}
+
+/// The material that <rb> names, or numbers.
+std::string ModelReader::rigid_body_of(const Element& owner) const {
+  const Element rb = owner.at("rb");
+  std::vector<std::string> names;
+  for (const Material& one : built_->materials) {
+    if (!one.rigid) continue;
+    if (rb.text() == one.name || rb.text() == one.id) return one.name;
+    names.push_back(one.name);
+  }
+  rb.fail("there is no rigid body '" + rb.text() + "'" + (names.empty() ? "" : suggestion(rb.text(), names)));
+}
+
+void ModelReader::read_rigid(const Element& rigid, int step) {
+  rigid.allow({"rigid_bc"});
+  for (const Element& bc : rigid.children()) {
+    bc.allow_attributes({"name", "type"});
+    const std::string type = bc.needed_attribute("type"), body = rigid_body_of(bc);
+    static constexpr const char* rotations[] = {"Ru", "Rv", "Rw"};
+    if (type == "rigid_fixed") {
+      bc.allow({"rb", "Rx_dof", "Ry_dof", "Rz_dof", "Ru_dof", "Rv_dof", "Rw_dof"});
+      for (int i = 0; i < 6; ++i)
+        if (bc.number((i < 3 ? "R" + std::string(kAxes[i]) : rotations[i - 3]) + "_dof", 0) != 0)
+          rigid_.push_back({body, i, step, std::nullopt});
+    } else if (type == "rigid_displacement" || type == "rigid_rotation") {
+      bc.allow({"rb", "dof", "value", "relative"});
+      if (bc.number("relative", 0) != 0 && step > 0)
+        bc.at("relative").refuse("a motion relative to the end of the step before");
+      const Element dof = bc.at("dof");
+      const auto turn = std::find(std::begin(rotations), std::end(rotations), dof.text());
+      if (type == "rigid_rotation" && turn == std::end(rotations))
+        dof.refuse("'" + dof.text() + "'", "Ru, Rv and Rw are");
+      const auto component =
+          type == "rigid_rotation" ? 3 + static_cast<int>(turn - std::begin(rotations)) : axis_of(dof);
+      rigid_.push_back({body, component, step, bc.at("value").value(controllers_)});
+    } else {
+      bc.refuse("type=\"" + type + "\"", "rigid_fixed, rigid_displacement and rigid_rotation are");
+    }
+  }
+}
+
+/// The point about which it turns: as stated, or its centre of mass.
+Vector3 ModelReader::centre_of(const Element& where, const Material& rigid) const {
+  if (rigid.centre) return *rigid.centre;
+  Vector3 moment = Vector3::Zero();
+  double mass = 0;
+  visit_points([&](std::size_t block, std::span<const int>, const VectorX&, const Vector3& place, double weight) {
+    if (&built_->materials[built_->domains[block].material] == &rigid) mass += weight, moment += weight * place;
+  });
+  if (mass == 0) where.fail("the rigid body '" + rigid.name + "' has no cells: give its <center_of_mass>");
+  return moment / mass;
+}
+
+/// A rigid body's nodes go where its motion says: x = c + d + R (X − c), with R of the rotation vector. All six
+/// components must be known in each step.
+void ModelReader::drive_rigid_bodies() {
+  const bool in_steps = std::any_of(rigid_.begin(), rigid_.end(), [](const auto& one) { return one.step >= 0; });
+  for (const auto& [name, nodes] : rigid_nodes_) {
+    const auto own =
+        std::find_if(built_->materials.begin(), built_->materials.end(), [&](const auto& m) { return m.name == name; });
+    const Element where = root_.find("Rigid").value_or(root_);
+    for (int step = in_steps ? 0 : -1; step < (in_steps ? static_cast<int>(setup_->steps.size()) : 0); ++step) {
+      std::array<std::optional<Value>, 6> motion;  // the last; what is prescribed counts before what is fixed
+      for (const RigidComponent& one : rigid_)
+        if (one.body == name && (one.step < 0 || one.step == step) && (one.value || !motion[one.component]))
+          motion[one.component] = one.value.value_or(Value{});
+      for (int i = 0; i < 6; ++i)
+        if (!motion[i])
+          where.refuse("the rigid body '" + name + "' free " + (i < 3 ? "along " : "to turn about ") + kAxes[i % 3] +
+                           (step < 0 ? "" : " in step " + std::to_string(step + 1)),
+                       "one whose six components are all fixed or prescribed is");
+      const auto turn = [=](double time) {
+        const Vector3 w(motion[3]->at(time), motion[4]->at(time), motion[5]->at(time));
+        return Matrix3(Eigen::AngleAxisd(w.norm(), w.norm() > 0 ? Vector3(w.normalized()) : Vector3::UnitX()));
+      };
+      const auto stays = [](const Value& value) { return value.number == 0; };
+      const bool turns = !stays(*motion[3]) || !stays(*motion[4]) || !stays(*motion[5]);
+      const Vector3 centre = turns ? centre_of(where, *own) : Vector3(Vector3::Zero());
+      for (const int molecule : std::set<int>(nodes.begin(), nodes.end()))
+        for (int axis = 0; axis < 3; ++axis) {
+          DrivenComponent driven{molecule, axis, step, {}};
+          if (!stays(*motion[axis])) driven.terms.push_back({Value{1}, *motion[axis]});
+          if (turns) {
+            const Vector3 arm = mesh_.body().rest.col(molecule) - centre;
+            driven.terms.push_back(
+                {Value{1}, Value{1, std::make_shared<const LoadController>(LoadController{
+                                        .formula = [=](double time) { return (turn(time) * arm - arm)[axis]; }})}});
+          }
+          setup_->driven.push_back(std::move(driven));
+        }
     }
   }
 }
@@ -494,8 +660,19 @@ void ModelReader::read_surface_load(const Element& load) {
       if (result.factor.controller) traction.refuse("a load controller beside that of <scale>");
       result.factor.controller = traction.controller(controllers_);
     }
+  } else if (type == "force") {  // spread evenly over the area at rest
+    load.allow({"scale", "force", "shell_bottom"});
+    const std::vector<double> force = load.at("force").numbers(3);
+    double area = 0;
+    visit_face_points(result.faces, mesh_.body().rest, [&](const FacePoint& at) {
+      area += at.weight * Vector3(at.edges.col(0)).cross(Vector3(at.edges.col(1))).norm();
+    });
+    result.pressure = false, result.at_rest = true;
+    result.traction = Vector3(force[0], force[1], force[2]) / area;
+    const auto scale = load.find("scale");
+    result.factor = scale ? scale->value(controllers_) : Value{1};
   } else {
-    load.refuse("type=\"" + type + "\"", "pressure and traction are");
+    load.refuse("type=\"" + type + "\"", "pressure, traction and force are");
   }
   setup_->surface_loads.push_back(std::move(result));
 }
@@ -722,12 +899,14 @@ Body ModelReader::make_body() {
 std::unique_ptr<lab::Scene> ModelReader::read() {
   root_.allow_attributes({"version"});
   refuse_sections(root_, {"Module", "Control", "Globals", "Material", "Mesh", "MeshDomains", "Boundary", "Loads",
-                          "LoadData", "Step", "Output", "Discrete", "Constraints"});
+                          "LoadData", "Step", "Output", "Discrete", "Constraints", "Rigid"});
   if (const auto data = root_.find("LoadData")) read_controllers(*data);
   read_materials(root_.at("Material"));
   read_domains(root_.at("MeshDomains"));
   if (const auto boundary = root_.find("Boundary")) read_boundary(*boundary, -1);
+  if (const auto rigid = root_.find("Rigid")) read_rigid(*rigid, -1);
   read_steps();
+  drive_rigid_bodies();
   if (const auto loads = root_.find("Loads")) read_loads(*loads);
   if (const auto discrete = root_.find("Discrete")) read_discrete(*discrete);
   if (const auto constraints = root_.find("Constraints")) read_constraints(*constraints, -1);

@@ -1,4 +1,6 @@
+#include <cmath>
 #include <map>
+#include <numbers>
 
 #include "mesh/mesh_formats.h"
 
@@ -46,7 +48,8 @@ class BdfReader {
     bulk_ = upper_case(in.data()).find("BEGIN BULK") == std::string::npos;
     read_lines(in);
     end_entry();
-    // Cells may stand before their nodes.
+    // Nodes may stand before their coordinate systems, and cells before their nodes.
+    for (const Entry& entry : grid_) add_node(entry);
     for (const Entry& entry : cells_) add_cell(entry);
   }
 
@@ -116,7 +119,12 @@ class BdfReader {
   void end_entry() {
     Entry entry = std::move(entry_);
     entry_ = {};
-    if (entry.name == "GRID") return add_node(entry);
+    if (entry.name == "GRID") return grid_.push_back(std::move(entry));
+    if (entry.name.starts_with("CORD")) return add_system(entry);
+    if (entry.name == "GRDSET") {
+      if (entry.fields.size() > 1) usual_system_ = entry.fields[1];
+      return;
+    }
     for (const std::string_view refused : kRefused)
       if (entry.name == refused && !entry.fields.empty())
         fail(entry.at, entry.name + " is not used; allowed: CTETRA, CHEXA, CPENTA, CTRIA3, CTRIA6");
@@ -138,18 +146,60 @@ class BdfReader {
     fail(field, "expected a coordinate, a finite number, found " + quoted(field));
   }
 
+  /// A coordinate system by three points: its origin, one on its z axis, one in its plane of x and z.
+  struct System {
+    Entry entry;
+    Matrix3 axes = Matrix3::Zero();  ///< columns; 0: not known yet
+    Vector3 origin = Vector3::Zero();
+  };
+
+  void add_system(const Entry& entry) {
+    const bool known = entry.name == "CORD2R" || entry.name == "CORD2C" || entry.name == "CORD2S";
+    if (!known) fail(entry.at, entry.name + " is not read; allowed: CORD2R, CORD2C, CORD2S");
+    if (entry.fields.size() < 9) fail(entry.at, entry.name + ": expected a number, a system and three points");
+    systems_[whole(entry.fields[0], "a system's number")].entry = entry;
+  }
+
+  Vector3 numbers(const Entry& entry, std::size_t from) const {
+    Vector3 values = Vector3::Zero();
+    for (std::size_t k = 0; k < 3 && k + from < entry.fields.size(); ++k)
+      values[static_cast<Eigen::Index>(k)] = real(entry.fields[k + from]);
+    return values;
+  }
+
+  /// The place of coordinates of a system: x, y, z, or R, θ [°], z, or R, θ from the z axis, φ about it.
+  Vector3 place_of(std::string_view system, const Vector3& at, int depth = 0) {
+    if (system.empty() || system == "0") return at;
+    const auto found = systems_.find(whole(system, "a coordinate system's number"));
+    if (found == systems_.end()) fail(system, "there is no coordinate system " + quoted(system));
+    System& own = found->second;
+    const Entry& entry = own.entry;
+    if (own.axes.isZero(0)) {
+      if (depth > 100) fail(entry.at, "coordinate systems refer to each other more than 100 deep");
+      std::array<Vector3, 3> points;
+      for (std::size_t i = 0; i < 3; ++i) points[i] = place_of(entry.fields[1], numbers(entry, 2 + 3 * i), depth + 1);
+      own.origin = points[0];
+      const Vector3 z = points[1] - points[0], y = z.cross(points[2] - points[0]);
+      if (!(y.norm() > 1e-12 * z.squaredNorm())) fail(entry.at, entry.name + ": its three points lie on a line");
+      own.axes << y.cross(z).normalized(), y.normalized(), z.normalized();
+    }
+    const auto turned = [](double degrees) { return degrees * std::numbers::pi / 180; };
+    const char kind = entry.name.back();
+    Vector3 local = at;
+    if (kind == 'C') local << at[0] * std::cos(turned(at[1])), at[0] * std::sin(turned(at[1])), at[2];
+    if (kind == 'S')
+      local << at[0] * std::sin(turned(at[1])) * std::cos(turned(at[2])),
+          at[0] * std::sin(turned(at[1])) * std::sin(turned(at[2])), at[0] * std::cos(turned(at[1]));
+    return own.origin + own.axes * local;
+  }
+
   void add_node(const Entry& entry) {
     if (entry.fields.empty()) fail(entry.at, "GRID: expected a node's number");
     const long long name = whole(entry.fields[0], "a node's number");
-    if (entry.fields.size() > 1 && !entry.fields[1].empty() && entry.fields[1] != "0")
-      fail(entry.fields[1],
-           "GRID: coordinates of the basic system alone are read; this is one of system " + quoted(entry.fields[1]));
     if (!nodes_.emplace(name, mesh_.point_count()).second)
       fail(entry.fields[0], "node " + std::to_string(name) + " stands here a second time");
-    Vector3 position = Vector3::Zero();
-    for (std::size_t k = 0; k < 3 && k + 2 < entry.fields.size(); ++k)
-      position[static_cast<Eigen::Index>(k)] = real(entry.fields[k + 2]);
-    mesh_.add_point(position);
+    const bool own = entry.fields.size() > 1 && !entry.fields[1].empty();
+    mesh_.add_point(place_of(own ? entry.fields[1] : usual_system_, numbers(entry, 2)));
   }
 
   void add_cell(const Entry& entry) {
@@ -190,7 +240,9 @@ class BdfReader {
   Sources sources_;
   bool bulk_ = false, ended_ = false;
   Entry entry_;
-  std::vector<Entry> cells_;
+  std::vector<Entry> grid_, cells_;
+  std::string_view usual_system_;  ///< of nodes that name none
+  std::map<long long, System> systems_;
   std::map<long long, int> nodes_;
 };
 

@@ -93,7 +93,8 @@ bool read_version_is_4(Cursor& in) {
   const double number = in.real("the version of the format");
   if (number != 2 && number != 2.1 && number != 2.2 && number != 4.1)
     in.fail(begin, "format version " + quoted(in.data().substr(begin, in.at() - begin)) +
-                       " is not read; allowed: 2.2 and 4.1, e.g. gmsh -save -format msh41");
+                       " is not read; allowed: 2.2 and 4.1; convert it: gmsh -save -format msh41 -o new.msh " +
+                       in.path());
   return number == 4.1;
 }
 

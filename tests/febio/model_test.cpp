@@ -4,6 +4,7 @@
 
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <numbers>
 
 #include "elastin/lab/study/laboratory.h"
 #include "support/temporary_folder.h"
@@ -124,6 +125,149 @@ TEST_CASE("pressure, traction and nodal force on a face are the same load where 
   }
   CHECK(norm_of({.loads = "<nodal_load node_set=\"top\" type=\"nodal_force\"><value lc=\"1\">0,0,0.025</value>"
                           "</nodal_load>"}) == Approx(expected).epsilon(1e-9));
+}
+
+TEST_CASE("a force on a surface is spread over its area at rest", "[febio]") {
+  CHECK(norm_of({.loads = "<surface_load surface=\"up\" type=\"force\"><scale lc=\"1\">2</scale>"
+                          "<force>0,0,0.05</force></surface_load>"}) == Approx(2 * elongation(0.1, 1)).epsilon(1e-9));
+}
+
+TEST_CASE("a block of FEBio stretched to twice its size along two axes", "[febio]") {
+  std::string nodes, cells, sets[5];
+  for (int id = 1; id <= 27; ++id) {
+    const int at[] = {(id - 1) % 3, (id - 1) / 3 % 3, (id - 1) / 9};
+    nodes += "<node id=\"" + std::to_string(id) + "\">" + std::to_string(at[0] / 2.) + "," +
+             std::to_string(at[1] / 2.) + "," + std::to_string(at[2] / 2.) + "</node>\n";
+    const bool in[] = {at[0] == 0, at[1] == 0, at[2] == 0, at[0] == 2, at[1] == 2};
+    for (int set = 0; set < 5; ++set)
+      if (in[set]) sets[set] += (sets[set].empty() ? "" : ",") + std::to_string(id);
+    if (at[0] == 2 || at[1] == 2 || at[2] == 2) continue;
+    cells += "<elem id=\"" + std::to_string(id) + "\">";
+    for (const int corner : {0, 1, 4, 3, 9, 10, 13, 12}) cells += (corner ? "," : "") + std::to_string(id + corner);
+    cells += "</elem>\n";
+  }
+  std::string text =
+      "<febio_spec version=\"4.0\"><Module type=\"solid\"/><Control><analysis>STATIC</analysis><time_steps>20"
+      "</time_steps><step_size>0.05</step_size></Control><Material><material id=\"1\" name=\"M\" "
+      "type=\"Mooney-Rivlin\"><c1>4</c1><c2>1</c2><k>4000</k></material></Material><Mesh><Nodes>" +
+      nodes + "</Nodes><Elements type=\"hex8\" name=\"P\">" + cells + "</Elements>";
+  for (int set = 0; set < 5; ++set)
+    text += "<NodeSet name=\"s" + std::to_string(set) + "\">" + sets[set] + "</NodeSet>";
+  text += "</Mesh><MeshDomains><SolidDomain name=\"P\" mat=\"M\"/></MeshDomains><Boundary>";
+  for (const auto& [set, axis] : {std::pair{"s0", "x"}, {"s1", "y"}, {"s2", "z"}})
+    text += std::string("<bc node_set=\"") + set + "\" type=\"zero displacement\"><" + axis + "_dof>1</" + axis +
+            "_dof></bc>";
+  for (const auto& [set, axis] : {std::pair{"s3", "x"}, {"s4", "y"}})
+    text += std::string("<bc node_set=\"") + set + "\" type=\"prescribed displacement\"><dof>" + axis +
+            "</dof><value lc=\"1\">1</value></bc>";
+  text +=
+      "</Boundary><LoadData><load_controller id=\"1\" type=\"loadcurve\"><points><pt>0,0</pt><pt>1,1</pt></points>"
+      "</load_controller></LoadData></febio_spec>";
+  const TemporaryFolder folder;
+  const LaboratoryResult result = Laboratory(folder.write("block.feb", text)).run();
+  REQUIRE(result.outcome == Outcome::converged);
+  // W = c1 (J^(-2/3) I1 - 3) + c2 (J^(-4/3) I2 - 3) + K/2 ln² J at its least over the third stretch.
+  const auto energy = [](double third) {
+    const double J = 4 * third, I1 = 8 + third * third, I2 = 16 + 8 * third * third;
+    return 4 * (std::pow(J, -2. / 3) * I1 - 3) + std::pow(J, -4. / 3) * I2 - 3 + 2000 * std::pow(std::log(J), 2);
+  };
+  double low = 0.2, high = 0.3;
+  while (high - low > 1e-9) {
+    const double a = low + (high - low) * 0.382, b = low + (high - low) * 0.618;
+    (energy(a) < energy(b) ? high : low) = energy(a) < energy(b) ? b : a;
+  }
+  CHECK(result.get("energy") == Approx(energy(low)).epsilon(1e-9));
+  CHECK(result.get("solution_norm") ==
+        Approx(std::sqrt(9 * (0.25 + 0.25 + 1.25 * std::pow(1 - low, 2)))).epsilon(1e-6));
+}
+
+TEST_CASE("a load controller of FEBio may be a formula of the time", "[febio]") {
+  const auto text_of = [](const std::string& formula) {
+    Tower tower{.loads = kPull};
+    std::string text = tower.text();
+    const std::size_t at = text.find("type=\"loadcurve\"");
+    return text.replace(at, text.find("</load_controller>") - at, "type=\"math\"><math>" + formula + "</math>");
+  };
+  const TemporaryFolder folder;
+  const LaboratoryResult result = Laboratory(folder.write("tower.feb", text_of("2 * t ^ 2 * sin(pi * t / 6)"))).run();
+  REQUIRE(result.outcome == Outcome::converged);
+  CHECK(result.get("solution_norm") == Approx(2 * elongation(0.1, 1)).epsilon(1e-9));
+  CHECK_THROWS_WITH(febio::load_model(folder.write("bad.feb", text_of("2 * T"))),
+                    Contains("bad.feb:30: <math>: the formula '2 * T': there is no value 'T'"));
+  CHECK_THROWS_WITH(febio::load_model(folder.write("bad.feb", text_of("1 / t"))), Contains("is not finite"));
+}
+
+namespace {
+
+/// The tower whose last cube is rigid; `bcs` fix or prescribe it.
+std::string with_rigid_top(const Tower& tower, const std::string& bcs, const std::string& centre = {}) {
+  std::string text = tower.text();
+  const std::string number = std::to_string(tower.youngs_moduli.size());
+  const auto replace = [&](const std::string& from, const std::string& end, const std::string& to) {
+    const std::size_t at = text.find(from), stop = text.find(end, at);
+    text.replace(at, stop - at, to);
+  };
+  replace("<material id=\"" + number, "\n",
+          "<material id=\"" + number + "\" name=\"m" + number + "\" type=\"rigid body\"><density>1</density>" + centre +
+              "</material>");
+  replace("<Loads>", "<Loads>", "<Rigid>" + bcs + "</Rigid>");
+  return text;
+}
+
+std::string fixed(const std::string& dofs) {
+  std::string text = "<rigid_bc type=\"rigid_fixed\"><rb>2</rb>";
+  for (const char axis : dofs) text += std::string("<R") + axis + "_dof>1</R" + axis + "_dof>";
+  return text + "</rigid_bc>";
+}
+
+}  // namespace
+
+TEST_CASE("a rigid body of FEBio is where its motion says", "[febio]") {
+  const TemporaryFolder folder;
+  const std::string lift =
+      "<rigid_bc type=\"rigid_displacement\"><rb>m2</rb><dof>z</dof><value lc=\"1\">0.5</value></rigid_bc>";
+  // Pulled by 0.5 with Poisson's ratio 0 the cube below grows evenly: nothing else is free to move.
+  const LaboratoryResult pulled =
+      Laboratory(folder.write("a.feb", with_rigid_top({.youngs_moduli = {1, 1}}, fixed("xyuvw") + lift))).run();
+  REQUIRE(pulled.outcome == Outcome::converged);
+  CHECK(pulled.get("solution_norm") < 1e-9);
+  CHECK(pulled.get("energy") == Approx((1.5 * 1.5 - 1) / 4 - std::log(1.5) / 2).epsilon(1e-9));
+  for (int node = 4; node < 12; ++node) CHECK(pulled.positions(2, node) == Approx(node < 8 ? 1.5 : 2.5));
+
+  // Turned by a third of a turn about (1, 1, 1) through its centre, with what hangs on it: no strain anywhere.
+  std::string turn = fixed("xyz");
+  for (const char axis : {'u', 'v', 'w'})
+    turn += std::string("<rigid_bc type=\"rigid_rotation\"><rb>m2</rb><dof>R") + axis + "</dof><value lc=\"1\">" +
+            std::to_string(2 * std::numbers::pi / 3 / std::sqrt(3.)) + "</value></rigid_bc>";
+  for (const char* centre : {"", "<center_of_mass>0,0,0</center_of_mass>"}) {
+    Tower free{.youngs_moduli = {1, 1}, .rollers = false};
+    free.control =
+        "<Control><analysis>STATIC</analysis><time_steps>8</time_steps><step_size>0.125</step_size></Control>";
+    const LaboratoryResult turned = Laboratory(folder.write("b.feb", with_rigid_top(free, turn, centre))).run();
+    REQUIRE(turned.outcome == Outcome::converged);
+    CHECK(std::abs(turned.get("energy")) < 1e-12);
+    const Vector3 about = *centre ? Vector3(0, 0, 0) : Vector3(0.5, 0.5, 1.5);
+    const Vector3 corner = Vector3(1, 0, 0) - about;  // x to y to z to x
+    CHECK((turned.positions.col(1) - about - Vector3(corner.z(), corner.x(), corner.y())).norm() < 1e-5);
+  }
+
+  // Nodes that a rigid body carries.
+  Tower carried{.youngs_moduli = {1, 1, 1}};
+  carried.boundary = "<bc node_set=\"seventh\" type=\"rigid\"><rb>m3</rb></bc>";
+  std::string bcs = fixed("xyuvw") + lift;
+  for (std::size_t at = 0; (at = bcs.find("<rb>", at)) != std::string::npos; ++at)
+    bcs.replace(at + 4, 1 + (bcs[at + 4] == 'm'), "m3");
+  const LaboratoryResult result = Laboratory(folder.write("c.feb", with_rigid_top(carried, bcs))).run();
+  REQUIRE(result.outcome == Outcome::converged);
+  CHECK(result.positions(2, 6) == Approx(1.5));
+
+  for (const auto& [bad, why] : std::vector<std::pair<std::string, std::string>>{
+           {fixed("xyuvw"), "<Rigid>: the rigid body 'm2' free along z is not supported"},
+           {fixed("xyzuv"), "the rigid body 'm2' free to turn about z is not supported"},
+           {"<rigid_bc type=\"rigid_fixed\"><rb>m1</rb></rigid_bc>", "<rb>: there is no rigid body 'm1'"},
+           {"<rigid_load type=\"rigid_force\"/>", "<rigid_load>: is not supported in <Rigid>"}})
+    CHECK_THROWS_WITH(febio::load_model(folder.write("d.feb", with_rigid_top({.youngs_moduli = {1, 1}}, bad))),
+                      Contains(why));
 }
 
 TEST_CASE("prescribed displacements follow their load curves and are no part of the norm", "[febio]") {
@@ -295,10 +439,33 @@ TEST_CASE("a body force of FEBio may be a formula, in FEBio's language", "[febio
                       Contains("tower.feb:29: <z>: the formula '" + std::string(formula) + "'") && Contains(why));
 }
 
-TEST_CASE("a model of FEBio has no keys to change", "[febio]") {
+TEST_CASE("a model of FEBio takes a title, its solver and expectations", "[febio]") {
   const TemporaryFolder folder;
-  CHECK_THROWS_WITH(Laboratory(folder.write("tower.feb", Tower().text()), {"title=other"}),
-                    Contains("--set title=other: ") && Contains(" is a model of FEBio and has no keys"));
+  const std::string model = folder.write("tower.feb", Tower{.loads = kPull}.text());
+  const std::string value = std::to_string(2 * elongation(0.1, 1));
+  const auto expected = [&](const std::string& more) {
+    return folder.write("scene.yaml",
+                        "model: tower.feb\ntitle: own\nsolver: {tolerance: 1e-6, linear_solver: direct}\n"
+                        "expect: [{measure: solution_norm, value: " +
+                            value + ", tolerance: 1e-5, source: closed form}]\n" + more);
+  };
+  for (const LaboratoryResult& result :
+       {Laboratory(model, {"solver.linear_solver=direct", "solver.tolerance=1e-6"}).run(),
+        Laboratory(expected("")).run()}) {
+    REQUIRE(result.outcome == Outcome::converged);
+    CHECK(result.get("solution_norm") == Approx(2 * elongation(0.1, 1)).epsilon(1e-5));
+  }
+  CHECK_THROWS_WITH(Laboratory(model, {"solver.tolerence=1"}), Contains("unknown key 'tolerence'"));
+  CHECK_THROWS_WITH(Laboratory(model, {"material.youngs_modulus=1"}),
+                    Contains("--set: material: ") &&
+                        Contains("is a model of FEBio: of a scene's keys it takes title, solver and expect"));
+  CHECK_THROWS_WITH(Laboratory(expected("loads: []\n")), Contains("scene.yaml:5:8: loads: ") && Contains("tower.feb"));
+  CHECK_THROWS_WITH(Laboratory(model, {"solver.displacements=small"}),
+                    Contains("solver.displacements: goes with no model of FEBio"));
+  CHECK_THROWS_WITH(Laboratory(folder.write("none.yaml", "model: none.feb\n")), Contains("none.feb"));
+  CHECK_THROWS_WITH(
+      Laboratory(folder.write("none.yaml", "model: none.txt\n")),
+      Contains("none.yaml:1:8: model: 'none.txt' is no model of another program; allowed: files that end with .feb"));
 }
 
 TEST_CASE("what is not supported in a model of FEBio is named with its line", "[febio]") {
@@ -336,7 +503,7 @@ TEST_CASE("what is not supported in a model of FEBio is named with its line", "[
   check("zero displacement", "zero rotation", ":25: <bc>: type=\"zero rotation\" is not supported");
   check("type=\"nodal_load\"", "type=\"nodal_target\"", ":29: <nodal_load>: type=\"nodal_target\" is not supported");
   check("lc=\"1\">0.025", "lc=\"7\">0.025", ":29: <scale>: there is no load_controller 7");
-  check("type=\"loadcurve\"", "type=\"math\"", ":30: <load_controller>: type=\"math\" is not supported");
+  check("type=\"loadcurve\"", "type=\"PID\"", ":30: <load_controller>: type=\"PID\" is not supported");
   check("<LoadData>", "<Contact><contact type=\"sliding-elastic\"/></Contact><LoadData>",
         ":30: <contact>: type=\"sliding-elastic\" in <Contact> is not supported");
   check("<LoadData>",

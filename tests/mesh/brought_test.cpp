@@ -74,6 +74,7 @@ TEST_CASE("meshes of other programs: cells, points, volume, sets and what is lef
            {"msh_hexa_with_end_faces.msh", 3, 16, 3, {{"left", 4}, {"right", 4}}, "2 quadrangles left out"},
            {"msh_version_2.msh", 3, 16, 3, {{"bar", 16}}},
            {"msh_first_names_of_2.msh", 3, 16, 3, {{"bar", 16}, {"left", 4}}, "1 quadrangle left out"},
+           {"bdf_systems.bdf", 3, 16, 3, {{"4", 16}}},
            {"bdf_include_tabs.bdf", 3, 16, 3, {{"4", 16}, {"5", 4}}, "1 quadrangle left out"},
            {"vtk_of_xml.vtk", 3, 16, 3, {}},
            {"unv_groups.unv", 2, 5, 0.5, {{"BASE", 3}}},
@@ -141,6 +142,27 @@ TEST_CASE("Nastran files: what is included, and where it is wrong", "[brought]")
   // A node without coordinates stands at the origin.
   const std::string cell = "GRID,2,,1.\nGRID,3,,,1.\nGRID,4,,,,1.\nCTETRA,9,1,1,2,3,4\n";
   CHECK(volume(load_mesh(folder.write("b.bdf", "GRID,1\n" + cell))) == Approx(1 / 6.));
+}
+
+TEST_CASE("Nastran files: nodes in coordinate systems of their own", "[brought]") {
+  // System 7 turns x to y to z to x, about (1, 2, 3); 8 is a cylinder in it, 9 a sphere in the basic system.
+  const std::string systems =
+      "CORD2C,8,7,0.,0.,0.,0.,0.,1.,\n,1.,0.,0.\nCORD2R,7,,1.,2.,3.,2.,2.,3.,\n,1.,3.,3.\n"
+      "CORD2S,9,0,0.,0.,0.,0.,0.,1.,\n,1.,0.,0.\n";
+  const std::string cell = "CTETRA,9,5,1,2,3,4\n";
+  const auto points = [&](const std::string& nodes) {
+    return format::read_mesh({"a.bdf", nodes + systems + cell}).points;
+  };
+  const Positions found = points("GRID,1,7,1.,0.,0.\nGRID,2,8,2.,90.,5.\nGRID,3,9,3.,90.,30.\nGRID,4,0,0.,0.,1.\n");
+  const double half = std::sqrt(3.) / 2;
+  CHECK((found - (Positions(3, 4) << 1, 6, 3 * half, 0, 3, 2, 1.5, 0, 3, 5, 0, 1).finished()).norm() < 1e-12);
+  CHECK((points("GRDSET,,7\nGRID,1,0,0.\nGRID,2,,1.,0.,0.\nGRID,3\nGRID,4,0,0.,0.,1.\n").col(1) - Vector3(1, 3, 3))
+            .norm() < 1e-12);
+  const auto refused = [&](const std::string& text) { return answer({"a.bdf", text + "GRID,1,3,0.,0.,0.\n" + cell}); };
+  CHECK_THAT(refused(""), StartsWith("a.bdf:1:8: there is no coordinate system '3'"));
+  CHECK_THAT(refused("CORD1R,3,1,2,3\n"), StartsWith("a.bdf:1:1: CORD1R is not read; allowed: CORD2R"));
+  CHECK_THAT(refused("CORD2R,3,3,0.,0.,0.,0.,0.,1.,\n,1.\n"), StartsWith("a.bdf:1:1: coordinate systems refer"));
+  CHECK_THAT(refused("CORD2R,3,,0.,0.,0.,0.,0.,1.,\n,0.,0.,4.\n"), Contains("its three points lie on a line"));
 }
 
 TEST_CASE("Abaqus files: instances are displaced and turned, and have sets of their own", "[brought]") {

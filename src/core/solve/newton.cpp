@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
+#include <utility>
 
 #include "core/linear/linear_choice.h"
 #include "core/linear/mixed.h"
@@ -20,6 +22,9 @@ constexpr int kDirectLimit = 2500;
 /// Newton iterations in which a body that was stable at the start is followed down past negative modes before saddles
 /// are tried: nearly incompressible ones pass through pressures that are not there at the end.
 constexpr int kDownhillSteps = 25;
+
+/// Steps of one solve without an energy that may let the unbalanced force grow.
+constexpr int kGrowingSteps = 30;
 
 /// Saddles that one solve goes down from.
 constexpr int kSaddles = 3;
@@ -146,7 +151,8 @@ LinearResult solve_linear(const Tangent& tangent, const std::vector<Support>& su
     result = solver->solve(tangent, supports, rhs, tolerance, solution);
     result.iterations += before;
   }
-  const bool iterated = !choice.method->factorises && symmetric;
+  // A factor of half of an unsymmetric stiffness is refined by the whole: of use where iterations got nowhere.
+  const bool iterated = !choice.method->factorises && (symmetric || result.residual > 0.1);
   const bool downhill = result.status == LinearStatus::negative_mode && !through_saddles;
   if (result.status != LinearStatus::solved && !downhill && iterated && !options.method->make &&
       molecules <= kDirectLimit) {
@@ -207,6 +213,9 @@ StaticResult balance_once(Model& model, State& state, const StaticOptions& optio
   }
   UsedSolver used{options.method->factorises ? options.method->name : "pcg", ""};
   bool stable_start = false, adrift = false;
+  const int growing_limit = problem.with_energy || kinematics ? 0 : kGrowingSteps;
+  int growing = growing_limit;
+  std::optional<Trial> calm;         // where the first of these steps began
   int saddles = 0, last_saddle = 0;  // how many were left, and after how many iterations
   double forcing = 1e-3, last = now.forces.norm;
   while (true) {
@@ -269,9 +278,14 @@ StaticResult balance_once(Model& model, State& state, const StaticOptions& optio
     const bool to_saddle = linear.negative_modes > 0;
     bool inverted = false;
     forget_tangent(kinematics, workspace);
-    const bool found = motion.allFinite() &&
-                       line_search(problem, motion, problem.with_energy && !to_saddle, now, inverted, workspace.trials);
+    if (growing_limit > 0 && growing == growing_limit) calm = now;
+    const bool found = motion.allFinite() && line_search(problem, motion, problem.with_energy && !to_saddle, now,
+                                                         inverted, workspace.trials, &growing);
     result.cut_steps += inverted;
+    if (!found && growing < growing_limit && calm) {  // back, and by the force alone
+      now = *std::exchange(calm, std::nullopt), growing = 0;
+      continue;
+    }
     if (!found) {
       const bool mechanism = adrift;  // else it is a soft direction, which a shorter load step may lead through
       result.outcome = mechanism ? Outcome::mechanism : inverted ? Outcome::inverted : Outcome::diverged;

@@ -112,7 +112,7 @@ void evaluate(const Problem& problem, bool with_energy, Trial& trial, TrialWorks
 }
 
 bool line_search(const Problem& problem, const Positions& motion, bool with_energy, Trial& now, bool& inverted,
-                 TrialWorkspace& workspace) {
+                 TrialWorkspace& workspace, int* growing) {
   const double slope = -work(now.forces, motion);
   inverted = false;
   Trial& trial = workspace.next;
@@ -126,6 +126,10 @@ bool line_search(const Problem& problem, const Positions& motion, bool with_ener
     if (!problem.with_energy && problem.kinematics)
       falls = slope < 0 && (work(trial.forces, motion) - slope) / 2 >= -1e-4 * slope;
     const bool calmer = trial.forces.norm < (1 - 1e-4 * step) * now.forces.norm;
+    // A step along a nearly incompressible body's stiff valley leaves it by its square: the force grows at first, and
+    // works little along the step.                                                          [Matthies & Strang 1979]
+    if (!calmer && growing && *growing > 0 && std::abs(work(trial.forces, motion)) < 0.5 * std::abs(slope))
+      falls = true, --*growing;
     // Near the answer the energy differs by less than its rounding; far from it, a calmer force alone may be a saddle.
     const bool same_energy = !with_energy || trial.energy - now.energy <= trial.noise;
     if (falls || (calmer && same_energy)) {

@@ -58,8 +58,9 @@ void evaluate(const Problem& problem, bool with_energy, Trial& trial, TrialWorks
 /// Halves the step until the energy falls (Armijo) or, where rounding hides that or there is no energy, the unbalanced
 /// force does; and while a cell is inverted, with or without an energy. A time step with damping or drag has no
 /// energy, but forces whose work along it gives the same criterion. Returns false if no step helps; `now` then stays.
+/// @param growing how many steps may let the force grow whose work along them falls to half; null: none
 bool line_search(const Problem& problem, const Positions& motion, bool with_energy, Trial& now, bool& inverted,
-                 TrialWorkspace& workspace);
+                 TrialWorkspace& workspace, int* growing = nullptr);
 
 /// Goes along a direction, or against it, as far as the energy falls by more than its rounding. Returns whether it did.
 bool leave_saddle(const Problem& problem, const Positions& direction, Trial& now, TrialWorkspace& workspace);

@@ -49,6 +49,39 @@ std::vector<FoundNumber> found_numbers(const UnknownMaterial& unknown, std::vect
   return numbers;
 }
 
+/// How residuals change by half the interval of a test's zero point, by the slope of its own predicted curve.
+VectorX zero_column(const WeightedTest& test, const VectorX& predicted) {
+  const MeasuredData& data = test.test->data();
+  const bool strained = data.along && data.along->name == "nominal_strain";  // over a length that changes too
+  VectorX column = VectorX::Zero(predicted.size());
+  for (Eigen::Index i = 0, last = predicted.size() - 1; i <= last; ++i) {
+    const Eigen::Index a = std::max<Eigen::Index>(i - 1, 0), b = std::min(i + 1, last);
+    if (data.x[a] != data.x[b])
+      column[i] = (predicted[b] - predicted[a]) / (data.x[b] - data.x[a]) * (strained ? 1 + data.x[i] : 1);
+  }
+  return -data.zero_half * std::sqrt(test.stated->weight) * column.cwiseQuotient(test.scale());
+}
+
+/// Adds what the zero points' intervals move the numbers by.
+void add_zero_points(const std::vector<WeightedTest>& tests, const Fit& fit, Uncertainty& known) {
+  VectorX squares = VectorX::Zero(fit.values.size());
+  Eigen::Index row = 0;
+  for (std::size_t i = 0; i < tests.size(); ++i) {
+    if (!(tests[i].stated->weight > 0)) continue;
+    const Eigen::Index count = tests[i].test->data().y.size();
+    if (tests[i].test->data().zero_half > 0 && fit.predictions[i].values.size() == count) {
+      VectorX column = VectorX::Zero(fit.residuals.size());
+      column.segment(row, count) = zero_column(tests[i], fit.predictions[i].values);
+      squares += least_squares(fit.jacobian, column).cwiseAbs2();
+    }
+    row += count;
+  }
+  if (squares.isZero(0)) return;
+  const VectorX half = (((known.high - known.low) / 2).cwiseAbs2() + squares).cwiseSqrt();
+  known.deviations = known.deviations.cwiseProduct(half).cwiseQuotient((known.high - known.low) / 2);
+  known.low = fit.values - half, known.high = fit.values + half;
+}
+
 double relative_rms(const WeightedTest& test, const VectorX& fitted) {
   if (fitted.size() == 0) return std::numeric_limits<double>::quiet_NaN();
   const VectorX ratio = (fitted - test.test->data().y).cwiseQuotient(test.scale());
@@ -270,7 +303,8 @@ Answer make_answer(const UnknownMaterial& unknown, std::vector<WeightedTest>& te
   answer.outcome = fit.outcome, answer.cause = fit.cause;
   answer.starts = fit.starts, answer.agreeing = fit.agreeing, answer.seconds = fit.seconds;
   if (fit.values.size() == 0 || fit.residuals.size() == 0) return answer;
-  const Uncertainty known = uncertainty(fit.residuals, fit.jacobian, fit.values);
+  Uncertainty known = uncertainty(fit.residuals, fit.jacobian, fit.values);
+  add_zero_points(tests, fit, known);
   answer.freedom = known.freedom, answer.condition = known.condition, answer.correlation = known.correlation;
   answer.criterion = small_sample_criterion(fit.squares, fit.residuals.size(), fit.values.size());
   answer.numbers = found_numbers(unknown, tests, fit, known, profiles, stop);

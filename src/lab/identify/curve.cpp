@@ -88,24 +88,40 @@ double noise_of(const VectorX& x, const VectorX& y) {
   return median(near_rest.size() < 10 ? all : near_rest) / kNormal;
 }
 
-std::optional<ZeroPoint> find_zero(const VectorX& x, const VectorX& y) {
+namespace {
+
+/// Rows up to three tenths of the largest reading, where the load begins.
+struct Beginning {
+  VectorX x, y;
+};
+std::optional<Beginning> beginning_of(const VectorX& x, const VectorX& y) {
   const VectorX a = oriented(y), e = oriented(x);
   const double largest = a.maxCoeff();
   Eigen::Index count = 0;
   while (count < a.size() && a[count] < kBeginning * largest) ++count;
   count = std::min(a.size(), std::max<Eigen::Index>(count, 10));
   if (count < 10) return std::nullopt;
-  const VectorX rows = e.head(count), readings = a.head(count);
-  const double first = rows.minCoeff(), last = rows.maxCoeff(), range = last - first;
+  return Beginning{e.head(count), a.head(count)};
+}
+
+/// Σ r² of k d + m d² behind a zero point, k ≥ 0.
+double squares_behind(const Beginning& rows, double zero) {
+  MatrixX powers(rows.x.size(), 2);
+  powers.col(0) = (rows.x.array() - zero).max(0).matrix();
+  powers.col(1) = powers.col(0).cwiseAbs2();
+  VectorX parts = least_squares(powers, rows.y);
+  if (parts[0] < 0) parts << 0, powers.col(1).dot(rows.y) / powers.col(1).squaredNorm();
+  return (powers * parts - rows.y).squaredNorm();
+}
+
+}  // namespace
+
+std::optional<ZeroPoint> find_zero(const VectorX& x, const VectorX& y) {
+  const auto rows = beginning_of(x, y);
+  if (!rows) return std::nullopt;
+  const double first = rows->x.minCoeff(), last = rows->x.maxCoeff(), range = last - first;
   if (!(range > 0)) return std::nullopt;
-  const ProfileSquares squares = [&](double zero) -> std::optional<double> {
-    MatrixX powers(count, 2);
-    powers.col(0) = (rows.array() - zero).max(0).matrix();
-    powers.col(1) = powers.col(0).cwiseAbs2();
-    VectorX parts = least_squares(powers, readings);
-    if (parts[0] < 0) parts << 0, powers.col(1).dot(readings) / powers.col(1).squaredNorm();
-    return (powers * parts - readings).squaredNorm();
-  };
+  const ProfileSquares squares = [&](double zero) { return squares_behind(*rows, zero); };
   constexpr int steps = 240;
   const double low = first - range, high = last - 0.2 * range, step = (high - low) / steps;
   double best = low, least = std::numeric_limits<double>::infinity();
@@ -114,12 +130,30 @@ std::optional<ZeroPoint> find_zero(const VectorX& x, const VectorX& y) {
     for (int i = -steps / 2; i <= steps / 2; ++i)
       if (const double at = centre + i * width, found = *squares(at); found < least) least = found, best = at;
   }
-  const double freedom = static_cast<double>(count - 3), t = student_quantile(0.95, freedom);
+  const double freedom = static_cast<double>(rows->x.size() - 3), t = student_quantile(0.95, freedom);
   const double most = least * (1 + t * t / freedom) + 1e-300;
-  const double sign = x.dot(e) < 0 ? -1 : 1;
+  const double sign = x.dot(oriented(x)) < 0 ? -1 : 1;
   const double ends[] = {profile_end(best, -step, low, least, most, squares),
                          profile_end(best, step, last, least, most, squares)};
   return ZeroPoint{sign * best, sign * ends[sign < 0], sign * ends[sign > 0]};
+}
+
+bool begins_late(const VectorX& x, const VectorX& y, double noise) {
+  constexpr double much = 20;  // times a residual's share of Σ r²: more than four standard deviations
+  const auto rows = beginning_of(x, y);
+  const auto zero = find_zero(x, y);
+  if (!rows || !zero) return false;
+  const double range = rows->x.maxCoeff(), freedom = static_cast<double>(rows->x.size() - 3);
+  double smooth = squares_behind(*rows, 0);
+  for (int i = 0; i < 60; ++i) {
+    const double power = 1 + i / 6., rate = i / 3.;
+    for (const VectorX& shape :
+         {VectorX((rows->x.array() / range).max(0).pow(power).matrix()),
+          VectorX(rows->x.unaryExpr([&](double at) { return rate > 0 ? std::expm1(rate * at / range) : at; }))})
+      smooth = std::min(smooth, (shape.dot(rows->y) / shape.squaredNorm() * shape - rows->y).squaredNorm());
+  }
+  const double least = squares_behind(*rows, std::abs(zero->value));
+  return least < 9 * noise * noise * freedom && smooth > least * (1 + much / freedom);
 }
 
 std::optional<LocalFit> fit_locally(const VectorX& x, const VectorX& y, double at, double low, double high,

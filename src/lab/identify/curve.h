@@ -34,6 +34,9 @@ struct ZeroPoint {
 /// Of y = k d + m d², d = max(0, x − zero), k ≥ 0, over the rows up to three tenths of the largest reading: in front of
 /// it a specimen is slack; before the first row if the specimen is preloaded. None of fewer than 10 rows.
 std::optional<ZeroPoint> find_zero(const VectorX& x, const VectorX& y);
+/// Whether that fits to the noise, and far better than a power, an exponential or a parabola that begin at x = 0:
+/// slack, and no toe of a tissue.
+bool begins_late(const VectorX& x, const VectorX& y, double noise);
 /// Of the line through the steepest fifth of the range [ASTM D638, annex on toe compensation].
 std::optional<ZeroPoint> find_toe(const VectorX& x, const VectorX& y);
 

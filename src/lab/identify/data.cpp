@@ -60,14 +60,17 @@ class DataFile {
   }
 
   bool pressing_by_name() const { return columns_.along.pressing || columns_.up.pressing; }
-  /// Whether the file speaks of compression elsewhere than in the names of its columns.
-  bool speaks_of_compression() const {
-    std::size_t end = 0;
-    for (int line = 1; line < table_->head_places.front().line; ++line) end = file_.text.find('\n', end) + 1;
-    const std::string above = file_.text.substr(0, end);
-    for (const char* word : {"ompressi", "OMPRESSI", "ruckversuch", "压缩"})
-      if (above.find(word) != std::string::npos) return true;
-    return false;
+  /// The line above the names of the columns that speaks of compression; 0: none.
+  int line_of_compression() const {
+    std::size_t begin = 0;
+    for (int line = 1; line < table_->head_places.front().line; ++line) {
+      const std::size_t end = file_.text.find('\n', begin) + 1;
+      const std::string own = file_.text.substr(begin, end - begin);
+      for (const char* word : {"ompressi", "OMPRESSI", "ruckversuch", "压缩"})
+        if (own.find(word) != std::string::npos) return line;
+      begin = end;
+    }
+    return 0;
   }
 
  private:
@@ -180,11 +183,11 @@ void keep_rows(MeasuredData& data, Eigen::Index begin, Eigen::Index end) {
 void turn_signs(const DataTest& test, const DataFile& file, MeasuredData& data) {
   const bool pressing = test.pressing.value_or(test.kind->pressed || file.pressing_by_name());
   const bool positive = (data.x.array() - rest_of(data)).sum() > 0, pulls = positive && data.y.sum() > 0;
-  if (!test.pressing && !pressing && pulls && test.kind->homogeneous == HomogeneousTest::uniaxial &&
-      file.speaks_of_compression())
-    data.warnings.push_back(
-        "the file speaks of compression and its values are positive, which is read as tension: "
-        "kind: compression takes them as compression, signs: pulling says that they pull");
+  if (const int line = file.line_of_compression();
+      line > 0 && !test.pressing && !pressing && pulls && test.kind->homogeneous == HomogeneousTest::uniaxial)
+    throw InputError(SourceLocation{data.file, line},
+                     "the file speaks of compression and its values are positive: write kind: compression, which "
+                     "takes them as compression, or signs: pulling if they pull");
   if (!pressing) return;
   if (positive && data.along->name == "stretch")
     throw InputError(SourceLocation{data.file, data.lines.front()},
@@ -253,7 +256,7 @@ std::string range_of(const ZeroPoint& zero, const Dimension& unit) {
 
 /// Moves the zero point of what is prescribed to where the load begins, or names it where it lies elsewhere.
 void find_zero_point(const DataTest& test, MeasuredData& data) {
-  const bool stated = test.zero != ZeroChoice::as_given;
+  const bool stated = test.zero && test.zero != ZeroChoice::as_given;
   const VectorX e = (data.x.array() - rest_of(data)).matrix();
   const auto zero = test.zero == ZeroChoice::toe ? find_toe(e, data.y) : find_zero(e, data.y);
   const double range = e.maxCoeff() - e.minCoeff();
@@ -262,18 +265,27 @@ void find_zero_point(const DataTest& test, MeasuredData& data) {
       test.fail("zero: " + data.file + " has too few rows to find where the load begins; write zero: as_given");
     return;
   }
+  const std::string found = range_of(*zero, data.along->unit);
   if (!stated) {
-    const bool elsewhere = zero->low > 0 || zero->high < 0;
-    if (elsewhere && data.noise > 0 && std::abs(zero->value) > kNoticedZero * range)
-      data.warnings.push_back(fmt::format("the load begins at a {} of {}: {}? zero: found counts from there",
-                                          data.along->name, range_of(*zero, data.along->unit),
-                                          (zero->value > 0) == (e[e.size() - 1] > 0) ? "slack" : "a preload"));
-    return;
+    const bool elsewhere = (zero->low > 0 || zero->high < 0) && std::abs(zero->value) > kNoticedZero * range;
+    if (!elsewhere || !(data.noise > 0)) return;
+    const bool slack = (zero->value > 0) == (e[e.size() - 1] > 0),
+               certain = slack && begins_late(e, data.y, data.noise);
+    const std::string where = fmt::format("the load begins at a {} of {}: ", data.along->name, found);
+    if (!certain || test.zero)
+      return data.warnings.push_back(where + (slack ? "slack" : "a preload") + "? zero: found counts from there"),
+             void();
+    data.warnings.push_back(where +
+                            "slack, and no curve that begins at 0 fits; it counts from there, which zero: "
+                            "found says and zero: as_given prevents");
+  } else {
+    data.notes.push_back(data.along->name + " counts from " + found);
   }
-  data.notes.push_back(fmt::format("{} counts from {}", data.along->name, range_of(*zero, data.along->unit)));
+  data.zero_half = (zero->high - zero->low) / 2;
   data.zero = zero->value;
   if (data.along->name == "nominal_strain" || data.along->name == "stretch")  // the length there is the one at rest
-    data.x = ((e.array() - zero->value) / (1 + zero->value) + rest_of(data)).matrix();
+    data.x = ((e.array() - zero->value) / (1 + zero->value) + rest_of(data)).matrix(),
+    data.zero_half /= 1 + zero->value;
   else
     data.x.array() -= zero->value;
   const double side = e[e.size() - 1] < zero->value ? -1 : 1;
@@ -356,7 +368,7 @@ MeasuredData load_data(const DataTest& test) {
   if (data.x.size() > points) data.notes.push_back(fmt::format("{} rows averaged to {} points", data.x.size(), points));
   average(data, std::max(points, kManyRows));
   if (from_rest) find_zero_point(test, data);
-  if (!from_rest && test.zero != ZeroChoice::as_given)
+  if (!from_rest && test.zero && test.zero != ZeroChoice::as_given)
     test.fail("zero: the rows of " + data.file +
               " do not begin near rest; choose those that do by branch, `from` and `to`");
   average(data, points);
@@ -372,7 +384,10 @@ MeasuredData as_strain_and_stress(const DataTest& test, MeasuredData data) {
   };
   if (along == "stretch") data.x.array() -= 1;
   if (along == "true_strain") data.x = data.x.array().unaryExpr([](double e) { return std::expm1(e); }).matrix();
-  if (along == "displacement") data.x /= need(test.length > 0 ? test.length + data.zero : 0, "length", "displacement");
+  if (along == "displacement") {
+    const double length = need(test.length > 0 ? test.length + data.zero : 0, "length", "displacement");
+    data.x /= length, data.zero_half /= length;
+  }
   if (up == "force") data.y /= need(test.cross_section, "cross_section", "force"), data.noise /= test.cross_section;
   if (up == "true_stress") data.y = data.y.cwiseQuotient((1 + data.x.array()).matrix());
   if (!test.kind->in_time) {

@@ -17,6 +17,7 @@ struct MeasuredData {
   std::string file;
   double noise = 0;                        ///< standard deviation of readings near zero, SI; 0: not known
   double zero = 0;                         ///< what was subtracted from x as the point where the load begins
+  double zero_half = 0;                    ///< half width of its 95 % interval, as x is
   std::vector<std::string> notes = {};     ///< what was recognised in the file and done with its rows
   std::vector<std::string> warnings = {};  ///< what may change the numbers
   /// Under which readings are too near zero for differences over themselves: 1 % of the largest, or a hundred times the

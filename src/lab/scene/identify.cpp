@@ -47,10 +47,6 @@ Key<Setup> texts_by_name_key(const std::string& name, std::vector<std::pair<std:
           }};
 }
 
-std::string beside(const Reader& reader) {
-  return (std::filesystem::path(reader.file_path()).parent_path() / reader.text()).lexically_normal().string();
-}
-
 std::vector<std::pair<std::string, HomogeneousTest>> homogeneous_names() {
   std::vector<std::pair<std::string, HomogeneousTest>> names;
   for (const HomogeneousTest test : kHomogeneousTests) names.emplace_back(name_of(test), test);
@@ -134,7 +130,8 @@ const Keys<DataTest>& data_test_keys() {
                   "where what is prescribed counts from: as the file has it; `found`: where the load begins, behind "
                   "slack or before a preload; `toe`: where the tangent of the steepest fifth of the range crosses "
                   "zero. `length` and strains are then over the length there")
-          .when(curved),
+          .when(curved)
+          .otherwise("`as_given`; `found` where it begins behind slack that no smooth curve explains"),
       key::whole("points", &S::points, 2, "more rows than these are averaged in groups")
           .when(curved)
           .otherwise("500; of `specimen` 50"),

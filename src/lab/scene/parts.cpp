@@ -1,5 +1,7 @@
 #include "lab/scene/parts.h"
 
+#include <filesystem>
+
 namespace elastin::lab {
 
 double read_parameter(const Reader& reader, const ParameterInfo& info) {
@@ -149,6 +151,10 @@ std::shared_ptr<StaticEngine> make_engine(Reader& solver, const StaticEngineKind
 }
 
 }  // namespace
+
+std::string beside(const Reader& reader) {
+  return (std::filesystem::path(reader.file_path()).parent_path() / reader.text()).lexically_normal().string();
+}
 
 StaticOptions read_solver(Reader reader, const Catalog& catalog) {
   SolverSetup setup = solver_map_keys(catalog).read(reader);

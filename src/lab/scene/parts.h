@@ -156,6 +156,8 @@ struct SceneContact : contact::ContactOptions {
 SceneContact read_contact(const Reader& reader, const Body& body, const Material& material, const Matrix3& rotation);
 /// Throws InputError on a motion that means nothing in this experiment.
 void check_motions(const SceneContact& contact, bool timed);
+/// The path of a file that a value names, relative to the file in which it stands.
+std::string beside(const Reader& reader);
 StaticOptions read_solver(Reader reader, const Catalog& catalog);
 /// Adds one load, or internal damping, to a model of the scene's body.
 struct SceneLoad {

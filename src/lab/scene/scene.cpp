@@ -107,6 +107,8 @@ const std::vector<TopKey>& top_keys() {
         "a scene whose keys count where this one has none; an empty value takes a key away, another `kind` the whole "
         "map"}},
       {{"values", "map of quantities", "", "", "none", "names for [formulas](#formulas): `spacing: = side / 9`"}},
+      {{"model", "file next to the scene", "", "", "none",
+        "[a model of FEBio](#febio-models), in place of all keys but `title`, `solver` and `expect`"}},
       {{"body", "map", "", "", "needed, or `bodies`", "[the body](#body)"}},
       {{"bodies", "list of maps", "", "", "none", "[several bodies](#bodies)"}},
       {{"ties", "list of maps", "", "", "none", "[joints between bodies](#bodies)"}},
@@ -287,6 +289,48 @@ void refuse_of_engine(Reader& reader, const Scene& scene, bool timed, bool conta
                  ", whose inertia keeps iterations few; allowed: automatic, pcg");
 }
 
+/// A model of another program, with the keys of a scene that go with it.
+/// @param reader of a scene that names the model, or of keys alone that the command line changes
+std::unique_ptr<Scene> read_other_format(const SceneFormat& format, const SceneSource& model, const SceneSource& source,
+                                         Reader reader, const Catalog& catalog, double most_molecules) {
+  const auto start = std::chrono::steady_clock::now();
+  for (const std::string& key : reader.keys())
+    if (key != "model" && key != "title" && key != "solver" && key != "expect")
+      reader.at(key).fail(model.path() + " is a " + format.summary +
+                          ": of a scene's keys it takes title, solver and expect; change the rest there");
+  auto scene = format.read(model);
+  if (scene->specimen.body.size() > most_molecules)
+    throw InputError(SourceLocation{model.path()}, "the model has more molecules than are allowed");
+  scene->source = source;
+  scene->name = std::filesystem::path(source.path()).stem().string();
+  if (const auto title = reader.find("title")) scene->title = title->text();
+  if (scene->title.empty()) scene->title = scene->name;
+  if (auto solver = reader.find("solver")) {
+    for (const char* key : {"displacements", "engine", "method"})
+      if (const auto own = solver->find(key)) own->fail(std::string("goes with no ") + format.summary);
+    scene->statics = read_solver(*solver, catalog);
+  }
+  scene->strategies = {scene->stiffness};
+  scene->measures = std::make_shared<const MeasureList>(measures_of(*scene->experiment));
+  if (auto expect = reader.find("expect"))
+    for (const Reader& item : expect->items())
+      scene->expectations.push_back(read_expectation(item, scene->strategies, catalog, *scene->measures));
+  reader.finish();
+  scene->build_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return scene;
+}
+
+/// The file that `model` names.
+std::unique_ptr<Scene> read_model(const Reader& model, const SceneSource& source, const Reader& reader,
+                                  const Catalog& catalog, double most_molecules) {
+  const std::string path = beside(model);
+  if (const SceneFormat* format = scene_format_of(path))
+    return read_other_format(*format, source.other(path), source, reader, catalog, most_molecules);
+  std::string endings;
+  for (const auto& format : scene_formats()) endings += (endings.empty() ? "" : ", ") + format->ending;
+  model.fail("'" + model.text() + "' is no model of another program; allowed: files that end with " + endings);
+}
+
 std::unique_ptr<Scene> read_scene(const SceneSource& source, const Catalog& catalog,
                                   const std::vector<std::string>& overrides, double most_molecules,
                                   const ExperimentCatalog& experiments, const BodyChange& change = {}) {
@@ -294,6 +338,7 @@ std::unique_ptr<Scene> read_scene(const SceneSource& source, const Catalog& cata
   Reader reader = open_scene(source, overrides, most_molecules);
   reader.set_owners([&](const std::string& key) { return owners_of(key, key_sections(catalog, experiments)); });
   read_preamble(reader);
+  if (const auto model = reader.find("model")) return read_model(*model, source, reader, catalog, most_molecules);
   auto scene = std::make_unique<Scene>();
   scene->source = source;
   scene->name = std::filesystem::path(source.path()).stem().string();
@@ -390,24 +435,6 @@ std::unique_ptr<Scene> read_scene(const SceneSource& source, const Catalog& cata
   return scene;
 }
 
-std::unique_ptr<Scene> read_other_format(const SceneFormat& format, const SceneSource& source,
-                                         const std::vector<std::string>& overrides, double most_molecules) {
-  const auto start = std::chrono::steady_clock::now();
-  if (!overrides.empty())
-    throw InputError("--set " + overrides.front() + ": " + source.path() + " is a " + format.summary +
-                     " and has no keys; change it there");
-  auto scene = format.read(source);
-  if (scene->specimen.body.size() > most_molecules)
-    throw InputError(SourceLocation{source.path()}, "the model has more molecules than are allowed");
-  scene->source = source;
-  scene->name = std::filesystem::path(source.path()).stem().string();
-  if (scene->title.empty()) scene->title = scene->name;
-  scene->strategies = {scene->stiffness};
-  scene->measures = std::make_shared<const MeasureList>(measures_of(*scene->experiment));
-  scene->build_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  return scene;
-}
-
 }  // namespace
 
 const StrategyChoice* find_strategy(const std::vector<StrategyChoice>& choices, const std::string& label) {
@@ -432,7 +459,9 @@ std::unique_ptr<Scene> read_scene_or_say(const SceneSource& source, const Catalo
   };
   try {
     if (const SceneFormat* format = scene_format_of(source.path()))
-      return read_other_format(*format, source, overrides, most_molecules);
+      return read_other_format(*format, source, source,
+                               open_scene(SceneSource::of_text(source.path(), "{}"), overrides, most_molecules),
+                               catalog, most_molecules);
     return read_scene(source, catalog, overrides, most_molecules, experiments, change);
   } catch (const std::bad_alloc&) {
     throw too_large();

@@ -123,3 +123,27 @@ TEST_CASE("only a rectangle's torsion constant is known", "[torsion]") {
   CHECK_FALSE(run.suited);
   CHECK(run.cause == "the experiment torsion measures on this body no modulus to calibrate to");
 }
+
+TEST_CASE("a rough bar and a round one have a shear modulus", "[torsion]") {
+  Specimen bar;
+  bar.material = {.youngs_modulus = 1e5, .poissons_ratio = 0.3};
+  bar.body = tetrahedral_block(BlockKind::body_centred, {4, 4, 12}, {1, 1, 3});
+  const double straight = turn(bar, 0.1, 1, "neo_hookean").measures.get("shear_modulus");
+  for (int molecule = 0; molecule < bar.body.size(); ++molecule)  // a 250th of the side
+    for (int axis = 0; axis < 2; ++axis) bar.body.rest(axis, molecule) += 0.004 * std::sin(31. * molecule + 7 * axis);
+  set_present_lengths(bar.body);
+  CHECK(turn(bar, 0.1, 1, "neo_hookean").measures.get("shear_modulus") == Approx(straight).epsilon(0.02));
+
+  // Square shells become round ones.
+  // Nothing warps in a round bar: G = E / 2 (1 + nu).
+  Specimen rod = bar;
+  rod.body = tetrahedral_block(BlockKind::body_centred, {8, 8, 24}, {1, 1, 3});
+  for (int molecule = 0; molecule < rod.body.size(); ++molecule) {
+    Vector3 at = rod.body.rest.col(molecule) - Vector3(0.5, 0.5, 0);
+    const double radius = at.head<2>().cwiseAbs().maxCoeff();
+    if (radius > 0) at.head<2>() *= radius / at.head<2>().norm();
+    rod.body.rest.col(molecule) = at;
+  }
+  set_present_lengths(rod.body);
+  CHECK(turn(rod, 0.05, 1, "neo_hookean").measures.get("shear_modulus") == Approx(1e5 / 2.6).epsilon(0.05));
+}

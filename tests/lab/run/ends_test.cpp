@@ -93,6 +93,25 @@ TEST_CASE("a bar with rough or tilted ends shows its modulus", "[ends][tension]"
     }
 }
 
+TEST_CASE("meshes of bars with rough ends and in a scanner's frame show the modulus of the straight one",
+          "[ends][brought]") {
+  // 20 x 5 x 5 mm, clamped, 0.1 %: 10.28 kPa for E = 10 kPa on the same cells.
+  const auto modulus = [](const std::string& mesh, const std::string& axis) {
+    const auto scene = load_scene(
+        SceneSource::of_text("a.yaml", std::string("body: {mesh: {file: ") + ELASTIN_TEST_DATA + "/mesh/data/brought/" +
+                                           mesh +
+                                           ", length_unit: mm}}\nmaterial: {youngs_modulus: 10 kPa, "
+                                           "poissons_ratio: 0.3}\nstiffness: neo_hookean\nexperiment: {kind: "
+                                           "tension, axis: " +
+                                           axis + ", strain: 0.1 %, fixed_grip: clamped, loaded_grip: clamped}\n"),
+        built_in_catalog());
+    return solve(scene->specimen, *scene->experiment, "neo_hookean").measures.get("effective_modulus");
+  };
+  CHECK(modulus("bar_rough_ends.msh", "x") == Approx(10280).epsilon(0.003));
+  CHECK(modulus("bar_turned_2_degrees.msh", "longest") == Approx(10280).epsilon(0.003));
+  CHECK(modulus("bar_turned_2_degrees.msh", "x") == Approx(10280).epsilon(0.005));
+}
+
 TEST_CASE("bending, torsion and shear of a bar with rough ends are those of the bar", "[ends]") {
   const Specimen straight = bar(4, 2), specimen = worn(straight, 2e-5, 0, 7);
   BendingSetup bending;

@@ -157,7 +157,7 @@ class LoadsRig final : public StaticRig {
     measures.set("largest_displacement", largest(motion, all()));
     Vector3 reaction = reaction_of(solved.reactions, nullptr);
     for (int axis = 0; axis < 3; ++axis) measures.set(std::string("reaction_") + kAxes[axis], reaction[axis]);
-    double size = reaction.norm();
+    double size = std::max(reaction.norm(), solved.scale);  // a closed surface's pressures have no sum
     for (const ReadSet& set : setup_.read) {
       measures.set(set.name + "_displacement", largest(motion, set.molecules));
       const Vector3 mean = mean_of(motion, set.molecules), own = reaction_of(solved.reactions, &set.molecules);

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "elastin/core/model/share.h"
@@ -26,12 +27,27 @@ const MeasureList& torsion_measures() {
   return list;
 }
 
-/// J of a section with four right corners; 0 of any other.
-double section_constant(const Points2& hull) {
-  if (hull.cols() != 4) return 0;
-  const Eigen::Vector2d a = hull.col(1) - hull.col(0), b = hull.col(2) - hull.col(1), c = hull.col(3) - hull.col(2);
-  const bool right = std::abs(a.dot(b)) < 1e-6 * a.norm() * b.norm() && (a + c).norm() < 1e-6 * a.norm();
-  return right ? torsion_constant(a.norm(), b.norm()) : 0;
+/// J of a section whose outline is, within 2 %, a rectangle or a circle, of the same area; 0 of any other, of hollow
+/// ones, and of bodies that are no prism.
+double section_constant(const Points2& hull, const Section& section) {
+  const Eigen::Index count = hull.cols();
+  if (count < 3 || !section.prism()) return 0;
+  double area = 0, box = std::numeric_limits<double>::infinity();
+  Eigen::Vector2d sides, centre = Eigen::Vector2d::Zero();
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const Eigen::Vector2d a = hull.col(i), b = hull.col((i + 1) % count), u = (b - a).normalized(), v(-u.y(), u.x());
+    const double part = (a.x() * b.y() - a.y() * b.x()) / 2;
+    area += part, centre += part * (a + b) / 3;
+    const auto along = (u.transpose() * hull).eval(), over = (v.transpose() * hull).eval();
+    const Eigen::Vector2d own(along.maxCoeff() - along.minCoeff(), over.maxCoeff() - over.minCoeff());
+    if (own.prod() < box) box = own.prod(), sides = own;
+  }
+  centre /= area, area = std::abs(area);
+  if (std::abs(section.area - area) > 0.03 * area) return 0;
+  if (area > 0.98 * box) return torsion_constant(sides[0], sides[1]) * std::pow(section.area / box, 2);
+  const auto radii = (hull.colwise() - centre).colwise().norm().eval();
+  return count > 6 && radii.maxCoeff() < 1.02 * radii.minCoeff() ? std::pow(section.area, 2) / (2 * std::numbers::pi)
+                                                                 : 0;
 }
 
 class Torsion final : public Driven {
@@ -44,8 +60,10 @@ class Torsion final : public Driven {
     first_loaded_ = fixed_.size();
     fix_fully(loaded.molecules);
     middle_ = middle_of(body, loaded, body.rest);
-    length_ = setup.axis.dot(middle_ - middle_of(body, fixed, body.rest));
-    section_ = section_constant(hull_of_section(body, fixed, across(setup.axis)));
+    const double from = setup.axis.dot(middle_of(body, fixed, body.rest));
+    length_ = setup.axis.dot(middle_) - from;
+    section_ = section_constant(hull_of_section(body, fixed, across(setup.axis)),
+                                find_section(body, setup.axis, from, from + length_, 0));
   }
 
   std::string name() const override { return "torsion"; }
