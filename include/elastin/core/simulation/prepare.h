@@ -23,6 +23,11 @@ using MakeVoronoi = std::function<VoronoiCells(const Body&)>;
 void prepare(Body& body, const Strategy& strategy, const std::vector<Material>& materials,
              const MakeVoronoi& make_voronoi);
 
+/// The constants that a spring rule gives the connections of a body [N/m], which is prepared for it in a copy: what
+/// other engines take. Throws InputError where the strategy is no spring rule or cannot run on the body.
+VectorX spring_constants(const Strategy& strategy, Body body, const Material& material, const ParameterValues& values,
+                         const MakeVoronoi& make_voronoi);
+
 /// The first of these, which no strategy changes.
 void prepare_bending(Body& body, const Material& material);
 
