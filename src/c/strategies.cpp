@@ -1,4 +1,7 @@
+#include <algorithm>
+
 #include "c/handles.h"
+#include "elastin/core/simulation/prepare.h"
 #ifdef ELASTIN_C_LAB
 #include "elastin/lab/study/laboratory.h"
 #include "elastin/mesh/voronoi.h"
@@ -135,3 +138,22 @@ SimulationOptions options_of(const elastin_options* given, std::unique_ptr<Callb
 }
 
 }  // namespace elastin::c
+
+extern "C" elastin_status elastin_strategy_constants(const elastin_body* body, const char* strategy,
+                                                     const elastin_material* material, const elastin_value* parameters,
+                                                     size_t parameter_count, double* constants, size_t count) {
+  using namespace elastin;
+  return c::guarded([&] {
+    MakeVoronoi make_voronoi;
+#ifdef ELASTIN_C_LAB
+    make_voronoi = mesh::voronoi_cells;
+#endif
+    const Body& given_body = c::given(body, "body").body;
+    if (count != static_cast<std::size_t>(given_body.connections.size()))
+      throw InputError("count is " + std::to_string(count) + "; the body has " +
+                       std::to_string(given_body.connections.size()) + " connections");
+    const VectorX found = spring_constants(c::strategy_of(strategy), given_body, c::material_of(material),
+                                           c::values_of(parameters, parameter_count, "parameters"), make_voronoi);
+    if (count > 0) std::copy_n(found.data(), count, &c::given(constants, "constants"));
+  });
+}

@@ -11,9 +11,8 @@ namespace {
 struct CompareCommand {
   SceneOptions scene;
   lab::Request request;
-  std::string resumed, shard, engines;
-  std::vector<std::string> commands;
-  int iterations = 0;
+  std::string resumed, shard, engines, time_step, iterations, seconds;
+  bool calibrate = false;
 
   void add_to(Options& options) {
     scene.add_to(options);
@@ -29,21 +28,21 @@ struct CompareCommand {
     options.add("--against", lab::kCalculix, one_of({lab::kCalculix}, into(request.against)),
                 "calculix: also run CalculiX, with its error and seconds, where ccx is installed");
     std::string known;
-    for (const auto& row : lab::engines()) known += (known.empty() ? "" : ", ") + row->name;
-    options.add("--engines", "NAMES", into(engines),
-                "Also run the scene's own strategy in these engines: names separated by commas, of " + known);
+    for (const auto& row : lab::engines()) known += row->name + ", ";
+    options.add(
+        "--engines", "NAMES", into(engines),
+        "Also run the scene's own strategy in these engines: names separated by commas, of " + known + "and steppers");
     options
-        .add("--engine", "COMMAND", into(commands),
+        .add("--engine", "COMMAND", into(request.engine_commands),
              "The same in an engine of your own: a command that reads a request and prints an answer, each one line of "
              "JSON. May be repeated")
         .repeated = true;
-    options.add("--engine-dt", "SECONDS", into(request.engine_settings.time_step, 1e-9, 1e9),
-                "Time step of the engines [s]; without it 1/60");
-    options.add("--engine-iterations", "NUMBER", into(iterations, 1, 1000000),
+    options.add("--engine-dt", "TIME", into(time_step), "Time step of the engines; without it 1/60 s");
+    options.add("--engine-iterations", "NUMBER", into(iterations),
                 "Iterations of a step of the engines; without it each one's own number");
-    options.add("--engine-seconds", "SECONDS", into(request.engine_settings.seconds, 0.1, 1e9),
-                "Ends an engine that has not answered after so many seconds; without it 120");
-    options.flag("--engine-calibrate", request.engine_settings.calibrate,
+    options.add("--engine-seconds", "TIME", into(seconds),
+                "When an engine that has not answered is ended; without it after 120 s");
+    options.flag("--engine-calibrate", calibrate,
                  "Multiply an engine's constants by one factor until it shows the modulus that they have in Elastin");
     options.add("--repeats", "NUMBER", into(request.repeats, 1, 1000),
                 "Run everything this often, 1 to 1000 times, in turn; the fastest run counts");
@@ -57,8 +56,13 @@ struct CompareCommand {
   int run(const Call& call) {
     scene.fill(request, call);
     request.compare = true;
-    request.engines = lab::chosen_engines(engines, commands, call.catalog);
-    if (iterations > 0) request.engine_settings.iterations = iterations;
+    const std::string names = engines.empty() ? "" : "[" + engines + "]", flag = calibrate ? "true" : "";
+    for (const auto& [key, value] : {std::pair{"names", &names},
+                                     {"dt", &time_step},
+                                     {"iterations", &iterations},
+                                     {"seconds", &seconds},
+                                     {"calibrate", &flag}})
+      if (!value->empty()) request.overrides.push_back(std::string("engines.") + key + "=" + *value);
     request.resume = continue_in(resumed, request.out);
     if (!shard.empty()) read_shard();
     const bool of_steppers = lab::compares_steppers(request);

@@ -29,7 +29,7 @@ struct ExportCommand {
     const auto row = lab::export_formats().find(format);
     const auto exported = lab::load_scene(scene.open().front(), call.catalog, scene.overrides);
     if (!strategy.empty()) exported->stiffness = lab::choose_strategy(*exported, call.catalog, strategy);
-    if (row->files) return write_folder(*row, lab::exported_body(*exported));
+    if (row->files) return write_folder(*row, lab::exported_body(*exported, exported->stiffness));
     std::vector<std::string> notes;
     const std::string text = row->text(*exported, notes);
     if (out == "-") {

@@ -84,6 +84,18 @@ std::shared_ptr<Outcomes> run(const std::shared_ptr<SharedLaboratory>& shared, c
   return std::make_shared<Outcomes>(Outcomes{std::move(result), shared->laboratory.name(), body_of(shared)});
 }
 
+/// A Python function solves: it gets the request as text and gives the answer.
+std::shared_ptr<Outcomes> measure(const std::shared_ptr<SharedLaboratory>& shared, const py::function& solve) {
+  const auto ask = [kept = keep(solve)](const std::string& request) {
+    const py::gil_scoped_acquire locked;
+    return (*kept)(request).cast<std::string>();
+  };
+  const py::gil_scoped_release others_run;
+  const std::lock_guard turn(shared->busy);
+  return std::make_shared<Outcomes>(
+      Outcomes{shared->laboratory.measure(ask), shared->laboratory.name(), body_of(shared)});
+}
+
 void compute_reference(const std::shared_ptr<SharedLaboratory>& shared, const std::string& option,
                        const std::optional<py::function>& progress) {
   const RunWatch watch = watch_of(progress);
@@ -202,6 +214,9 @@ void add_laboratory(py::module_& module) {
            "Runs the experiment with a strategy by name ('calibrated:angles', 'lattice+volume'); '' takes the scene's "
            "own. progress(doing) is called before each load step or frame; what it raises ends the run. keep_states: "
            "the result has the positions of each load step or frame. Numerical trouble is an outcome in the result.")
+      .def("_measure", &measure)
+      .def("_exported",
+           [](SharedLaboratory& self, const std::string& strategy) { return self.laboratory.exported(strategy); })
       .def(
           "simulation",
           [](const py::object& self, const std::string& strategy, const std::string& scheme, double safety,

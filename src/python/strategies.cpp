@@ -49,13 +49,7 @@ Strategy make_strategy(const std::string& name, py::function constants, const st
 
 VectorX constants_of(const Strategy& strategy, const Body& body, const Material& material,
                      const ParameterValues& parameters) {
-  if (!strategy.constants)
-    throw InputError("'" + strategy.name + "' is a " + name_of(strategy.kind) + ": only a spring rule has constants");
-  Body prepared = body;
-  prepare(prepared, strategy, {material}, mesh::voronoi_cells);
-  const std::string why = strategy.unsuited(prepared);
-  if (!why.empty()) throw InputError("strategy '" + strategy.name + "' cannot run on this body: " + why);
-  return strategy.constants(prepared, material, parameters);
+  return spring_constants(strategy, body, material, parameters, mesh::voronoi_cells);
 }
 
 /// The rule that is nearest to a material on a body without cells: made for lattices, or else for any neighbours.

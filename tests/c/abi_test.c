@@ -116,6 +116,27 @@ static void strategies(void) {
   REFUSED(elastin_strategy_count(NULL), "count is null");
 }
 
+/* The constants of a connection: those that a parameter says, and E times a length. */
+static void constants(void) {
+  const int counts[3] = {1, 1, 2};
+  const double spacing[3] = {15e-3, 15e-3, 15e-3};
+  elastin_material material = {sizeof material, 5e3, 0.25, 0, 0, NULL, NULL};
+  const elastin_value constant = {"constant", 200};
+  double soft = 0, stiff = 0;
+  elastin_body* body = NULL;
+  OK(elastin_lattice(counts, spacing, ELASTIN_AXIS, 1000, &body));
+  OK(elastin_strategy_constants(body, "uniform", &material, &constant, 1, &soft, 1));
+  CHECK(soft == 200);
+  OK(elastin_strategy_constants(body, "standard", &material, NULL, 0, &soft, 1));
+  material.youngs_modulus = 10e3;
+  OK(elastin_strategy_constants(body, "standard", &material, NULL, 0, &stiff, 1));
+  CHECK(soft > 0 && fabs(stiff / soft - 2) < 1e-12);
+  REFUSED(elastin_strategy_constants(body, "standard", &material, NULL, 0, &soft, 2), "the body has 1 connections");
+  REFUSED(elastin_strategy_constants(body, "standard", &material, NULL, 0, NULL, 1), "constants is null");
+  REFUSED(elastin_strategy_constants(body, "neo_hookean", &material, NULL, 0, &soft, 1), "only a spring rule");
+  elastin_body_free(body);
+}
+
 /* Two tetrahedra, one of them inverted: 1/6 of a cube of 6 mm each. */
 static const double kPositions[15] = {0, 0, 0, 6e-3, 0, 0, 0, 6e-3, 0, 0, 0, 6e-3, 0, 0, -6e-3};
 static const int kCells[8] = {0, 1, 2, 3, 0, 1, 2, 4};
@@ -526,6 +547,7 @@ static void scenes(void) {
 int main(void) {
   layout();
   strategies();
+  constants();
   laws();
 #ifdef ELASTIN_C_LAB
   described();

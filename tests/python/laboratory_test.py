@@ -25,6 +25,46 @@ class Identification(unittest.TestCase):
             elastin.identify(self.SCENE, tests=["planer"])
 
 
+class Engines(unittest.TestCase):
+    """A bar of three molecules in a row: k = E A / L each, so that the force moves the ends by 2 f / k."""
+
+    BAR = {"title": "bar",
+           "body": {"lattice": {"kind": "cubic", "molecules": [1, 1, 3], "spacing": 0.01, "connections": ["axis"]}, "radius": 0.01},
+           "stiffness": {"strategy": "uniform", "constant": 50}, "reference": "none"}
+    TEST = {"experiment": elastin.Tension(axis="z", force=0.01, fixed_grip="clamped", cross_section=1e-4, gauge_length=0.02),
+            "material": elastin.Material(5e3)}
+
+    def solved(self, request):
+        body = request["body"]
+        positions = numpy.array(body["positions"])
+        k = body["connections"][0]["stiffness"]
+        positions[1, 2] += 0.01 / k
+        positions[2, 2] += 0.02 / k
+        self.seen = request["dt"], request["iterations"], k, body["forces"]
+        return {"positions": positions, "engine": "by hand"}
+
+    def test_a_function_is_an_engine(self):
+        result = elastin.measure(self.solved, self.BAR, engines={"dt": 0.002, "iterations": 7}, **self.TEST)
+        self.assertEqual(self.seen, (0.002, 7, 50.0, [{"molecule": 2, "force": [0, 0, 0.01]}]))
+        self.assertEqual((result.outcome, result.strategy), ("converged", "engine"))
+        # stress over strain: (f / A) / (2 f / k / L)
+        self.assertAlmostEqual(result.measures["effective_modulus"], 50 * 0.02 / 2 / 1e-4, delta=1e-6)
+
+    def test_wrong_answers_are_outcomes_and_errors_come_out(self):
+        for answer, words in [({"positions": [[0, 0, 0]]}, "1 of 3 molecules"), ({}, "neither 'positions'"),
+                              ({"positions": [[0, 0, float("nan")]] * 3}, "not finite")]:
+            result = elastin.measure(lambda request: answer, self.BAR, **self.TEST)
+            self.assertEqual(result.outcome, "diverged")
+            self.assertIn(words, result.cause)
+        with self.assertRaises(ZeroDivisionError):
+            elastin.measure(lambda request: 1 / 0, self.BAR, **self.TEST)
+
+    def test_constants(self):
+        body = elastin.Laboratory(self.BAR, **self.TEST).exported()
+        self.assertEqual([one["stiffness"] for one in body["connections"]], [50, 50])
+        self.assertEqual([one["rest_length"] for one in body["connections"]], [0.01, 0.01])
+
+
 class TheCommandsNumbers(unittest.TestCase):
     def hold_against(self, result, run):
         self.assertEqual([result.scene, result.strategy, result.outcome],

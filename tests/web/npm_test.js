@@ -7,6 +7,7 @@ const near = (value, expected, tolerance) => assert(Math.abs(value - expected) <
 /** A weight on one spring: m g / k lower. */
 function weight_on_a_spring(elastin) {
   const body = elastin.body({positions: [0, 0, 0, 0, 0, -0.1], connections: [0, 1], masses: [1, 0.5]});
+  assert.deepStrictEqual([...body.constants('uniform', {youngs_modulus: 1e3}, {constant: 200})], [200]);
   const tissue = body.simulate('uniform', {youngs_modulus: 1e3}, {scheme: 'backward_euler', parameters: {constant: 200}});
   tissue.add('gravity', {acceleration_z: -9.81});
   tissue.fix(0);

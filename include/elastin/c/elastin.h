@@ -159,6 +159,12 @@ typedef struct elastin_parameter {
 } elastin_parameter;
 ELASTIN_API elastin_status elastin_strategy_parameter(size_t strategy, size_t number, elastin_parameter* parameter);
 
+/* The constants [N/m] that a spring rule, also "calibrated:RULE", gives each of the `count` connections of a body: what
+ * other engines take. A law of cells has none, and is refused. */
+ELASTIN_API elastin_status elastin_strategy_constants(const elastin_body* body, const char* strategy,
+                                                      const elastin_material* material, const elastin_value* parameters,
+                                                      size_t parameter_count, double* constants, size_t count);
+
 /* All that has names, row by row: table is "strategies", "steppers" (of elastin_options.scheme), "linear_solvers" (of
  * scenes), "loads" (of elastin_add) or "material_laws" (of elastin_law). */
 ELASTIN_API elastin_status elastin_row_count(const char* table, size_t* count);

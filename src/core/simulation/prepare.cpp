@@ -83,4 +83,14 @@ void prepare(Body& body, const Strategy& strategy, const std::vector<Material>& 
     if (lacks_voronoi(body, part, strategy, materials)) part.voronoi = make_voronoi(part_alone(body, part).body);
 }
 
+VectorX spring_constants(const Strategy& strategy, Body body, const Material& material, const ParameterValues& values,
+                         const MakeVoronoi& make_voronoi) {
+  if (!strategy.constants)
+    throw InputError("'" + strategy.name + "' is a " + name_of(strategy.kind) + ": only a spring rule has constants");
+  prepare(body, strategy, {material}, make_voronoi);
+  const std::string why = strategy.unsuited(body);
+  if (!why.empty()) throw InputError("strategy '" + strategy.name + "' cannot run on this body: " + why);
+  return strategy.constants(body, material, values);
+}
+
 }  // namespace elastin

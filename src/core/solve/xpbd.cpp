@@ -1,6 +1,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "core/linear/block_inverse.h"
 #include "core/parallel/parallel.h"
@@ -72,7 +73,7 @@ std::string unsuited_for_xpbd(const Model& model) {
 
 struct XpbdOptions {
   int iterations, substeps;
-  bool balanced;
+  bool balanced, in_order;
 };
 
 /// Position-based dynamics with compliance: constraint after constraint is projected by what its multiplier lacks,
@@ -249,6 +250,17 @@ class Xpbd final : public Implicit {
     }
   }
 
+  /// Constraints that may be projected at once: those of a colour, or each alone.
+  template <class Molecules>
+  Rows rows_of(int constraints, int molecules, const Molecules& molecules_of) const {
+    if (!options_.in_order) return colours_of_items(constraints, molecules, molecules_of);
+    Rows rows;
+    rows.entries.resize(constraints), rows.start.resize(constraints + 1);
+    std::iota(rows.entries.begin(), rows.entries.end(), 0);
+    std::iota(rows.start.begin(), rows.start.end(), 0);
+    return rows;
+  }
+
   /// Colours of the constraints; false where a law has none.
   bool prepare(const Model& model) {
     if (model_ == &model && laws_ == model.elasticity().size()) return suited_;
@@ -260,12 +272,12 @@ class Xpbd final : public Implicit {
     for (const auto& law : model.elasticity()) law->local()->add_constraints(all);
     const int n = model.body().size();
     constraints_ = {};
-    const Rows springs = colours_of_items(static_cast<int>(all.springs.size()), n,
-                                          [&](int c) { return std::span<const int>(all.springs[c].molecules); });
+    const Rows springs = rows_of(static_cast<int>(all.springs.size()), n,
+                                 [&](int c) { return std::span<const int>(all.springs[c].molecules); });
     for (const int c : springs.entries) constraints_.springs.push_back(all.springs[c]);
     spring_colours_ = springs.start;
-    const Rows cells = colours_of_items(static_cast<int>(all.tetrahedra.size()), n,
-                                        [&](int c) { return std::span<const int>(all.tetrahedra[c].molecules); });
+    const Rows cells = rows_of(static_cast<int>(all.tetrahedra.size()), n,
+                               [&](int c) { return std::span<const int>(all.tetrahedra[c].molecules); });
     for (const int c : cells.entries) constraints_.tetrahedra.push_back(all.tetrahedra[c]);
     cell_colours_ = cells.start;
     return true;
@@ -290,26 +302,29 @@ class Xpbd final : public Implicit {
 }  // namespace
 
 Stepper xpbd() {
-  return {
-      {"xpbd",
-       "position-based: springs and neo_hookean tetrahedra as constraints with compliance, in small steps",
-       "[Macklin et al. 2016, 2019; Macklin & Müller 2021]",
-       {{"iterations", dimension::none, 1, 100000, 1, "iterations over all constraints in each substep", false,
-         ValueKind::whole},
-        {"substeps", dimension::none, 1, 10000, 10, "substeps of each step; multipliers restart in each", false,
-         ValueKind::whole},
-        {"balanced", dimension::none, 0, 1, 1,
-         "1: each further iteration puts the multipliers back on the gradients of the moment, and converges to "
-         "backward Euler's step; 0: as published, without",
-         false, ValueKind::whole}}},
-      false,
-      1,
-      [](const ParameterValues& values, const StaticOptions&) {
-        return std::make_unique<Xpbd>(XpbdOptions{static_cast<int>(values.at("iterations")),
-                                                  static_cast<int>(values.at("substeps")), values.at("balanced") != 0});
-      },
-      unsuited_for_xpbd,
-      "iterations"};
+  return {{"xpbd",
+           "position-based: springs and neo_hookean tetrahedra as constraints with compliance, in small steps",
+           "[Macklin et al. 2016, 2019; Macklin & Müller 2021]",
+           {{"iterations", dimension::none, 1, 100000, 1, "iterations over all constraints in each substep", false,
+             ValueKind::whole},
+            {"substeps", dimension::none, 1, 10000, 10, "substeps of each step; multipliers restart in each", false,
+             ValueKind::whole},
+            {"balanced", dimension::none, 0, 1, 1,
+             "1: each further iteration puts the multipliers back on the gradients of the moment, and converges to "
+             "backward Euler's step; 0: as published, without",
+             false, ValueKind::whole},
+            {"in_order", dimension::none, 0, 1, 0,
+             "1: one constraint after another in the body's order, as engines do; 0: colour by colour, on all threads",
+             false, ValueKind::whole}}},
+          false,
+          1,
+          [](const ParameterValues& values, const StaticOptions&) {
+            return std::make_unique<Xpbd>(XpbdOptions{static_cast<int>(values.at("iterations")),
+                                                      static_cast<int>(values.at("substeps")),
+                                                      values.at("balanced") != 0, values.at("in_order") != 0});
+          },
+          unsuited_for_xpbd,
+          "iterations"};
 }
 
 }  // namespace elastin

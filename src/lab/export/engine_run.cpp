@@ -10,7 +10,9 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "core/solve/newton.h"
 #include "elastin/core/base/text.h"
+#include "elastin/core/solve/integrator.h"
 #include "lab/export/formats.h"
 #include "lab/export/process.h"
 #include "lab/report/page.h"
@@ -19,6 +21,11 @@ namespace elastin::lab {
 namespace {
 
 using Json = nlohmann::json;
+
+/// At rest is who moves less than this part of the largest displacement in 50 steps, three times; steps until an engine
+/// gives up.
+constexpr double kAtRest = 1e-5;
+constexpr int kMostSteps = 20000;
 
 /// An answer that is not one, in words.
 struct Fault {
@@ -30,8 +37,7 @@ std::string node_has(const char* package) {
 }
 
 /// What an engine printed: its last line that is a JSON object. Python writes numbers that JSON does not have.
-Json answer_of(const std::string& path) {
-  std::ifstream file(path);
+Json answer_of(std::istream&& file) {
   Json answer;
   for (std::string line; std::getline(file, line);) {
     if (line.find_first_not_of(" \t\r") == std::string::npos || line[line.find_first_not_of(" \t\r")] != '{') continue;
@@ -86,18 +92,38 @@ void warn_of_precision(const Positions& positions, const Positions& displacement
                     100 * share));
 }
 
-OtherSolution solution_of(const Json& answer, const ExportedBody& body, Run& run) {
+/// An equilibrium in which cells are inverted is another one than that of the test, or the load is far too large.
+void warn_of_inverted(const ExportedBody& body, const Positions& positions, Run& run) {
+  const auto volume = [](const ExportedBody::Cell& cell, const Positions& at) {
+    const Vector3 first = at.col(cell.nodes[0]);
+    return (at.col(cell.nodes[1]) - first).cross(at.col(cell.nodes[2]) - first).dot(at.col(cell.nodes[3]) - first);
+  };
+  const auto inverted = std::count_if(body.tetrahedra.begin(), body.tetrahedra.end(), [&](const auto& cell) {
+    return !(volume(cell, positions) * volume(cell, body.positions) > 0);
+  });
+  if (inverted > 0)
+    run.warnings.push_back(
+        fmt::format("its positions invert {} of {} tetrahedra: take smaller time steps, or load the body "
+                    "less",
+                    inverted, body.tetrahedra.size()));
+}
+
+OtherSolution solution_of(const Engine& engine, const Json& answer, const ExportedBody& body, Run& run) {
   if (answer.contains("error")) {
     run.suited = false;
-    throw Fault{answer["error"].is_string() ? answer["error"].get<std::string>() : answer["error"].dump()};
+    throw Fault{(answer["error"].is_string() ? answer["error"].get<std::string>() : answer["error"].dump()) +
+                (engine.tested.empty() ? "" : " (its driver is written for " + engine.tested + ")")};
   }
   if (!answer.contains("positions")) throw Fault{"its answer has neither 'positions' nor 'error'"};
   const Positions positions = vectors_of(answer, "positions", body.positions.cols());
   read_report(answer, *run.engine);
+  if (!engine.tested.empty() && run.engine->version != engine.tested)
+    run.warnings.push_back("this is " + run.engine->version + "; its driver is written for " + engine.tested);
   if (answer.contains("at_rest") && answer["at_rest"] == false)
     throw Fault{
         fmt::format("not at rest after {}", counted(run.engine->steps, "step")) +
         (answer.contains("cause") && answer["cause"].is_string() ? ": " + answer["cause"].get<std::string>() : "")};
+  warn_of_inverted(body, positions, run);
   OtherSolution solution{positions - body.positions, std::nullopt};
   warn_of_precision(positions, solution.displacements, run);
   if (answer.contains("reactions")) solution.reactions = vectors_of(answer, "reactions", body.positions.cols());
@@ -110,20 +136,25 @@ OtherSolution solution_of(const Json& answer, const ExportedBody& body, Run& run
   return solution;
 }
 
-std::string request_text(const ExportedBody& body, const EngineSettings& settings, const std::string& folder) {
+std::string request_text(const ExportedBody& body, const EngineStudy& settings, const std::string& folder) {
   std::string one_line = json_of_body(body);
   std::erase(one_line, '\n');
   return fmt::format(
-      "{{\"elastin_request\": 1, \"dt\": {}, \"iterations\": {}, \"tolerance\": 1e-5, \"most_steps\": 20000, "
+      "{{\"elastin_request\": 1, \"dt\": {}, \"iterations\": {}, \"tolerance\": {}, \"most_steps\": {}, "
       "\"seconds\": {}, \"folder\": {}, \"body\": {}}}\n",
-      settings.time_step, settings.iterations ? std::to_string(*settings.iterations) : "null", settings.seconds,
-      Json(folder).dump(), one_line);
+      settings.time_step, settings.iterations ? std::to_string(*settings.iterations) : "null", kAtRest, kMostSteps,
+      settings.seconds, Json(folder).dump(), one_line);
 }
 
 /// Hands the body over, waits for the answer and measures it.
-void solve_once(const Engine& engine, const Scene& scene, const ExportedBody& body, const EngineSettings& settings,
+void solve_once(const Engine& engine, const Scene& scene, const ExportedBody& body, const EngineStudy& settings,
                 const std::function<bool()>& stop, Run& run) {
   const auto begin = std::chrono::steady_clock::now();
+  if (engine.ask) {
+    std::istringstream answer(engine.ask(request_text(body, settings, "")));
+    run.solve_seconds += seconds_since(begin);
+    return measure_other(scene, 1, solution_of(engine, answer_of(std::move(answer)), body, run), run);
+  }
   const JobFolder folder(engine.name);
   const auto write = [&](const std::string& name, const std::string& text) {
     std::ofstream file(folder.file(name));
@@ -146,16 +177,46 @@ void solve_once(const Engine& engine, const Scene& scene, const ExportedBody& bo
   }
   if (ended.timed_out) throw Fault{fmt::format("no answer in {:.3g} s", settings.seconds)};
   if (!ended.well) throw Fault{"it ended with " + ended.text + ": " + complaint(folder.file("log"))};
-  measure_other(scene, 1, solution_of(answer_of(folder.file("answer")), body, run), run);
+  measure_other(scene, 1, solution_of(engine, answer_of(std::ifstream(folder.file("answer"))), body, run), run);
 }
 
 /// How far the engine may stay from the modulus that its constants have, and how little it may gain by twice the
 /// constants until it counts as saturated.
 constexpr double kMet = 2e-3, kLeastGain = 0.02;
 
+/// What would do where an engine is saturated: that many iterations, or steps that short, with the constants that
+/// gained nothing before. "" if neither does within 64 times.
+std::string remedy(const std::function<double(const EngineStudy&)>& shown, double target, const EngineStudy& settings,
+                   int iterations) {
+  constexpr int kDoublings = 6;
+  std::string text;
+  const auto search = [&](const auto& change) {
+    EngineStudy changed = settings;
+    for (int i = 0; i < kDoublings; ++i) {
+      change(changed);
+      if (!(shown(changed) >= target)) continue;
+      text += text.empty() ? "; with " : " or ";
+      return true;
+    }
+    return false;
+  };
+  EngineStudy last;
+  if (iterations > 0 && search([&](EngineStudy& one) {
+        one.iterations = 2 * one.iterations.value_or(iterations);
+        last = one;
+      }))
+    text += counted(*last.iterations, "iteration");
+  if (search([&](EngineStudy& one) {
+        one.time_step /= 2;
+        last = one;
+      }))
+    text += fmt::format("steps of {:.4g} s", last.time_step);
+  return text.empty() ? "" : text + " it reaches that";
+}
+
 /// One factor on all constants, until the engine shows the modulus that Elastin finds with those given: secants of
 /// log E over log factor. Where more stiffness changes nothing the run says how stiff the engine can be.
-void calibrate_in(const Engine& engine, const Scene& scene, const ExportedBody& body, const EngineSettings& settings,
+void calibrate_in(const Engine& engine, const Scene& scene, const ExportedBody& body, const EngineStudy& settings,
                   const std::function<bool()>& stop, Run& run) {
   constexpr int kMostRuns = 12;
   constexpr double kLargestFactor = 8;  // from run to run
@@ -168,22 +229,28 @@ void calibrate_in(const Engine& engine, const Scene& scene, const ExportedBody& 
   const double target = run_strategy(scene.specimen, *scene.experiment, scene.stiffness, options).measures.get(measure);
   if (!(target > 0)) throw Fault{"Elastin itself finds no positive " + measure + " to calibrate to"};
   double factor = 1, last_factor = 0, last = 0, slope = 1;
-  for (int trial = 0; trial < kMostRuns; ++trial) {
+  const EngineReport before = *run.engine;
+  const auto with_factor = [&](const EngineStudy& changed) {
     ExportedBody scaled = body;
     for (auto& one : scaled.connections) one.stiffness *= factor;
     for (auto* cells : {&scaled.cells, &scaled.tetrahedra})
       for (auto& cell : *cells) cell.youngs_modulus *= factor;
     Run found;
-    found.engine = run.engine;
-    solve_once(engine, scene, scaled, settings, stop, found);
+    found.engine = before;
+    solve_once(engine, scene, scaled, changed, stop, found);
+    run.solve_seconds += found.solve_seconds;
+    return found;
+  };
+  for (int trial = 0; trial < kMostRuns; ++trial) {
+    const Run found = with_factor(settings);
     const double shown = found.measures.get(measure);
     run.measures = found.measures;
     run.curve = found.curve;
     run.engine = found.engine;
-    run.solve_seconds += found.solve_seconds;
     run.calibration_factor = factor;
     if (!(shown > 0)) throw Fault{"it shows no positive " + measure};
     if (std::abs(shown / target - 1) <= kMet) {
+      run.warnings.insert(run.warnings.end(), found.warnings.begin(), found.warnings.end());
       run.warnings.push_back(
           fmt::format("its constants are {:.4g} times those of the strategy, so that it shows their "
                       "{}",
@@ -197,8 +264,10 @@ void calibrate_in(const Engine& engine, const Scene& scene, const ExportedBody& 
           run.engine->iterations > 0 ? counted(run.engine->iterations, "iteration") : "its iterations";
       throw Fault{
           fmt::format("saturated: with {} and steps of {:.4g} s it shows no more than {:.4g} of the {} of the "
-                      "constants, however large they are; take shorter steps or more iterations",
-                      iterations, settings.time_step, shown / target, measure)};
+                      "constants, however large they are{}",
+                      iterations, settings.time_step, shown / target, measure,
+                      remedy([&](const EngineStudy& one) { return with_factor(one).measures.get(measure); }, target,
+                             settings, run.engine->iterations))};
     }
     last = shown, last_factor = factor;
     factor *= std::clamp(std::pow(target / shown, 1 / std::max(slope, 0.1)), 1 / kLargestFactor, kLargestFactor);
@@ -206,14 +275,84 @@ void calibrate_in(const Engine& engine, const Scene& scene, const ExportedBody& 
   throw Fault{fmt::format("{} runs have not found a factor of its constants that shows their {}", kMostRuns, measure)};
 }
 
-void solve_in(const Engine& engine, const Scene& scene, const EngineSettings& settings,
-              const std::function<bool()>& stop, Run& run) {
+/// Elastin's own stepper from rest under the whole load, as the drivers of engines do it: all that moves is stopped
+/// where the kinetic energy has passed a largest value. Position-based ones go once over all constraints, in the body's
+/// order, in each of `iterations` substeps, as engines do.
+void step_to_rest(const std::shared_ptr<const Stepper>& stepper, const Scene& scene, const std::function<bool()>& stop,
+                  Run& run) {
+  RunOptions options;
+  options.statics = scene.statics;
+  if (const std::string why = unsuited(scene.specimen, *scene.experiment, scene.stiffness); !why.empty())
+    throw InputError(why);
+  const auto held = make_model(scene.specimen, *scene.experiment, scene.stiffness, options, run);
+  if (!held) throw InputError(run.cause);
+  Model& model = *held->model;
+  if (const std::string why = unsuited_for(*stepper, model); !why.empty()) throw InputError(why);
+  ParameterValues values;
+  int substeps = 1;
+  for (const ParameterInfo& info : stepper->parameters) {
+    if (info.name == "substeps") {
+      substeps = scene.engines.iterations.value_or(static_cast<int>(info.fallback));
+      values = {{"substeps", 1}, {"iterations", 1}, {"in_order", 1}};
+    } else if (info.name == stepper->effort && values.empty() && scene.engines.iterations) {
+      values[info.name] = *scene.engines.iterations;
+    }
+  }
+  const auto integrator = make_integrator({Scheme(stepper), values, scene.statics});
+  StaticRig& rig = *held->rig->at_rest();
+  rig.set_load(1);
+  State state = state_at_rest(model.body());
+  const Start start{state.positions, Positions::Zero(3, static_cast<Eigen::Index>(model.supports.size()))};
+  for (const Support& support : model.supports)
+    state.positions.col(support.molecule) += (Matrix3::Identity() - support.free) * support.displacement;
+  model.declare_history(state);
+  Positions before = state.positions;
+  const auto begin = std::chrono::steady_clock::now();
+  int& steps = run.engine->steps;
+  double energy = 0;
+  for (int quiet = 0; quiet < 3;) {
+    if (steps >= kMostSteps) throw Fault{fmt::format("not at rest after {}", counted(steps, "step"))};
+    for (int i = 0; i < 50; ++i, ++steps)
+      for (int substep = 0; substep < substeps; ++substep) {
+        const StepResult result = integrator->advance(model, state, scene.engines.time_step / substeps);
+        if (result.outcome != Outcome::converged) {
+          run.outcome = result.outcome;
+          throw Fault{result.cause};
+        }
+        const double now = state.velocities.colwise().squaredNorm().dot(model.body().mass.transpose());
+        if (now < energy) state.velocities.setZero();
+        energy = now < energy ? 0 : now;
+      }
+    if (stop && stop()) {
+      run.outcome = Outcome::interrupted;
+      throw Fault{"interrupted"};
+    }
+    if (seconds_since(begin) > scene.engines.seconds)
+      throw Fault{fmt::format("not at rest in {:.3g} s", scene.engines.seconds)};
+    const double moved = (state.positions - before).cwiseAbs().maxCoeff();
+    quiet = moved <= kAtRest * (state.positions - start.positions).cwiseAbs().maxCoeff() ? quiet + 1 : 0;
+    before = state.positions;
+  }
+  run.engine->iterations = substeps > 1 ? substeps : scene.engines.iterations.value_or(0);
+  run.solve_seconds = seconds_since(begin);
+  run.engine->seconds_per_step = run.solve_seconds / steps;
+  Positions forces;
+  model.set_forces(state, forces);
+  StaticResult solved;
+  solved.reactions = -fixed_components(model.supports, forces);
+  solved.scale = solved.reactions.norm();
+  run.measures = rig.measure(start, state, scene.statics, solved);
+  run.curve.push_back({1, run.measures, 0, 0, 0});
+}
+
+void solve_in(const Engine& engine, const Scene& scene, const std::function<bool()>& stop, Run& run) {
   if (!scene.experiment->at_rest()) throw InputError("engines run experiments at rest");
   if (!scene.specimen.loads.empty())
     throw InputError("loads in addition to the experiment's are not measured separately");
-  const ExportedBody body = exported_body(scene);
+  if (engine.stepper) return step_to_rest(engine.stepper, scene, stop, run);
+  const ExportedBody body = exported_body(scene, scene.stiffness);
   run.warnings = body.notes;
-  (settings.calibrate ? calibrate_in : solve_once)(engine, scene, body, settings, stop, run);
+  (scene.engines.calibrate ? calibrate_in : solve_once)(engine, scene, body, scene.engines, stop, run);
 }
 
 }  // namespace
@@ -227,43 +366,60 @@ const elastin::Table<Engine>& engines() {
               "",
               nullptr,
               run_calculix});
-    const auto add = [&](const char* name, const char* summary, const std::string& test, const char* install,
-                         const char* program, const char* driver) {
-      rows.add({{name, summary, "scenes/README.md"},
-                test,
-                install,
-                fmt::format("exec {} \"$0/{}\"", program, driver),
-                driver});
+    const auto add = [&](const char* name, const char* summary, const std::string& test, const std::string& install,
+                         const char* program, const char* driver, const std::string& tested) {
+      Engine row{{name, summary, "scenes/README.md"},
+                 test,
+                 install,
+                 fmt::format("exec {} \"$0/{}\"", program, driver),
+                 driver};
+      row.tested = tested;
+      rows.add(std::move(row));
     };
-    add("jolt", "soft body of Jolt, in node", node_has("jolt-physics"), "npm install jolt-physics", "node", "jolt.mjs");
-    add("rapier", "soft body of Rapier, in node", node_has("@dimforge/rapier3d-compat"),
-        "npm install @dimforge/rapier3d-compat", "node", "rapier.mjs");
-    add("mujoco", "tendons or a flex of MuJoCo, in node", node_has("@mujoco/mujoco"), "npm install @mujoco/mujoco",
-        "node", "mujoco.mjs");
+    const auto add_package = [&](const char* name, const char* summary, const char* package, const char* version,
+                                 const char* driver) {
+      add(name, summary, node_has(package), fmt::format("npm install {}@{}", package, version), "node", driver,
+          fmt::format("{} {}", package, version));
+    };
+    add_package("jolt", "soft body of Jolt, in node", "jolt-physics", "1.1.0", "jolt.mjs");
+    add_package("rapier", "soft body of Rapier, in node", "@dimforge/rapier3d-compat", "0.21.0", "rapier.mjs");
+    add_package("mujoco", "tendons or a flex of MuJoCo, in node", "@mujoco/mujoco", "3.14.0", "mujoco.mjs");
+    add("bullet", "soft body of Bullet, compiled by its driver", "pkg-config --exists bullet && command -v c++ python3",
+        "apt-get install libbullet-dev pkg-config g++ python3", "python3", "bullet_engine.py", "Bullet 3.24");
     add("lammps", "harmonic bonds of LAMMPS", "command -v lmp && command -v python3", "apt-get install lammps python3",
-        "python3", "lammps_engine.py");
+        "python3", "lammps_engine.py", "LAMMPS 29 Sep 2021 - Update 2");
     return rows;
   }();
   return table;
 }
 
-std::vector<Engine> chosen_engines(const std::string& names, const std::vector<std::string>& commands,
-                                   const Catalog& catalog) {
+std::vector<Engine> chosen_engines(const EngineStudy& study, const std::vector<std::string>& commands,
+                                   const std::string& against, const Catalog& catalog) {
   std::vector<Engine> chosen;
+  if (!against.empty()) chosen.push_back(*engines().find(against));
   const auto add = [&](Engine engine, const std::string& option) {
     for (const Strategy& strategy : catalog.strategies())
       if (strategy.name == engine.name)
-        throw InputError(option + ": '" + engine.name + "' is a strategy; give the engine another name");
+        throw InputError(option + "'" + engine.name + "' is a strategy; give the engine another name");
     for (const Engine& other : chosen)
-      if (other.name == engine.name) throw InputError(option + ": '" + engine.name + "' is there twice");
+      if (other.name == engine.name) throw InputError(option + "'" + engine.name + "' is there twice");
     chosen.push_back(std::move(engine));
   };
-  std::istringstream list(names);
-  for (std::string name; std::getline(list, name, ',');) {
-    name.erase(0, name.find_first_not_of(' '));
-    name.erase(name.find_last_not_of(' ') + 1);
-    add(*engines().find(name), "--engines");
-  }
+  for (const Reader& reader : study.names)
+    reader.located([&] {
+      const std::string name = reader.text();
+      for (const auto& stepper : catalog.steppers)
+        if (stepper->name == name) {
+          Engine engine{{name, stepper->summary, stepper->source}, "", "", ""};
+          engine.stepper = stepper;
+          return add(std::move(engine), "");
+        }
+      std::vector<std::string> known = engines().names();
+      for (const std::string& stepper : catalog.steppers.names()) known.push_back(stepper);
+      if (std::find(known.begin(), known.end(), name) == known.end())
+        throw InputError("engine '" + name + "' is not known here" + suggestion(name, known));
+      add(*engines().find(name), "");
+    });
   for (const std::string& command : commands) {
     std::istringstream words(command);
     std::string name;
@@ -273,7 +429,7 @@ std::vector<Engine> chosen_engines(const std::string& names, const std::vector<s
           return std::isalnum(letter) || letter == '_' || letter == '-' || letter == '.';
         }))
       throw InputError("--engine: '" + command + "' does not end in the name of a program or script");
-    add({{name, "command of the user", ""}, "", "", command}, "--engine");
+    add({{name, "command of the user", ""}, "", "", command}, "--engine: ");
   }
   return chosen;
 }
@@ -311,20 +467,21 @@ void measure_other(const Scene& scene, double load, const OtherSolution& solutio
 }
 
 OtherRun run_engine(const Engine& engine, Scene& scene, const Catalog& catalog,
-                    const std::vector<std::string>& overrides, const EngineSettings& settings,
-                    const std::function<bool()>& stop) {
+                    const std::vector<std::string>& overrides, const std::function<bool()>& stop) {
   OtherRun result;
   Run& run = result.run;
+  const EngineReport report{"", scene.stiffness.label, scene.engines.time_step, scene.engines.iterations.value_or(0)};
   if (const std::string why = missing(engine); !why.empty()) {
+    if (!engine.solve) run.engine = report;
     run.suited = false;
     run.cause = why;
   } else if (engine.solve) {
     result = engine.solve(scene, catalog, overrides, stop);
   } else {
-    run.engine = EngineReport{"", scene.stiffness.label, settings.time_step, settings.iterations.value_or(0)};
+    run.engine = report;
     try {
       prepare(scene.specimen, scene.stiffness.strategy);
-      solve_in(engine, scene, settings, stop, run);
+      solve_in(engine, scene, stop, run);
     } catch (const InputError& error) {
       run.suited = false;
       run.cause = error.what();

@@ -11,14 +11,6 @@
 
 namespace elastin::lab {
 
-/// How engines that step in time run to rest.
-struct EngineSettings {
-  double time_step = 1. / 60;     ///< [s]
-  std::optional<int> iterations;  ///< of a step; none: the engine's own number
-  double seconds = 120;           ///< after which an engine that has not answered is ended
-  bool calibrate = false;         ///< multiply the constants until the engine shows the modulus that they have
-};
-
 /// What another program made of a scene.
 struct OtherRun {
   std::unique_ptr<Scene> scene;  ///< as it was given to the program, where that has another body
@@ -36,14 +28,19 @@ struct Engine : Descriptor {
   std::function<OtherRun(const Scene& scene, const Catalog& catalog, const std::vector<std::string>& overrides,
                          const std::function<bool()>& stop)>
       solve = {};
+  std::string tested = {};  ///< what the driver was written for, as it calls itself; empty: not said
+  /// In place of `command`: gets the request, gives the answer.
+  std::function<std::string(const std::string& request)> ask = {};
+  std::shared_ptr<const Stepper> stepper = {};  ///< in place of all: Elastin's own, run to rest as the drivers do
 };
 
 const elastin::Table<Engine>& engines();
 
-/// The engines of a list of names, separated by commas, and one for each command, called by its script or program:
-/// "python3 my_engine.py" is my_engine. Throws InputError for unknown, equal and strategies' names.
-std::vector<Engine> chosen_engines(const std::string& names, const std::vector<std::string>& commands,
-                                   const Catalog& catalog);
+/// The engine `against` unless it is empty, the engines and steppers that a scene names, and one for each command,
+/// called by its script or program: "python3 my_engine.py" is my_engine. Throws InputError for unknown, equal and
+/// strategies' names.
+std::vector<Engine> chosen_engines(const EngineStudy& study, const std::vector<std::string>& commands,
+                                   const std::string& against, const Catalog& catalog);
 
 /// Why an engine cannot run here, with what to type to install it; "" if it can.
 std::string missing(const Engine& engine);
@@ -57,9 +54,9 @@ struct OtherSolution {
 /// Reads the experiment's measures off it, under the part `load` of the whole load.
 void measure_other(const Scene& scene, double load, const OtherSolution& solution, Run& run);
 
-/// Runs the scene with the constants of its own strategy in the engine. Whatever goes wrong is an outcome of the run.
+/// Runs the scene with the constants of its own strategy in the engine, as the scene's `engines` say. Whatever goes
+/// wrong is an outcome of the run.
 OtherRun run_engine(const Engine& engine, Scene& scene, const Catalog& catalog,
-                    const std::vector<std::string>& overrides, const EngineSettings& settings,
-                    const std::function<bool()>& stop);
+                    const std::vector<std::string>& overrides, const std::function<bool()>& stop);
 
 }  // namespace elastin::lab

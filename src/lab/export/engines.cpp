@@ -165,13 +165,15 @@ Files lammps_files(const ExportedBody& body) {
 }
 
 /// Bodies of one molecule each, which slide along the axes in which they are free, joined by tendons with a stiffness;
-/// of a law of cells a flex with E and nu.                                                   [MuJoCo XML reference]
+/// of a law of cells a flex with E and nu. The energy of a flex of tetrahedra has twice the lambda of these: it gets
+/// those of which mu and 2 lambda are the material's.                    [MuJoCo XML reference; user_mesh.cc,
+/// MetricTensor]
 Files mujoco_files(const ExportedBody& body) {
   const auto held = held_axes(body);
   Text text;
   text(
       "<mujoco model={}>\n  <!-- m, kg, s, N. Stiffness of a tendon: k [N/m]; of a flex: E [Pa], nu. -->\n"
-      "  <option gravity=\"0 0 0\" timestep=\"0.001\" integrator=\"implicitfast\"/>\n  <worldbody>\n",
+      "  <option gravity=\"0 0 0\" timestep=\"0.001\" integrator=\"discrete\"/>\n  <worldbody>\n",
       quoted(body.name));
   for (const int i : numbers(body)) {
     const double inertia = 0.4 * body.masses[i] * body.radii[i] * body.radii[i];
@@ -195,6 +197,7 @@ Files mujoco_files(const ExportedBody& body) {
     for (const auto& cell : body.tetrahedra) by_moduli[{cell.youngs_modulus, cell.poissons_ratio}].push_back(&cell);
     text("  <deformable>\n");
     for (const auto& [moduli, cells] : by_moduli) {
+      const double poisson = moduli.second / (2 * (1 - moduli.second));
       text("    <flex name=\"E{}\" dim=\"3\" radius=\"0.001\" body=\"", moduli.first);
       text.list(numbers(body), " ", [&](int i) { text("m{}", i); });
       text("\" element=\"");
@@ -202,7 +205,7 @@ Files mujoco_files(const ExportedBody& body) {
       text(
           "\"><contact selfcollide=\"none\" internal=\"false\" contype=\"0\" conaffinity=\"0\"/>"
           "<elasticity young=\"{}\" poisson=\"{}\"/></flex>\n",
-          moduli.first, moduli.second);
+          moduli.first * (1 + poisson) / (1 + moduli.second), poisson);
     }
     text("  </deformable>\n");
   }

@@ -72,9 +72,9 @@ void set_connections(const Body& body, const VectorX& constants, ExportedBody& r
 }
 
 /// What engines lack of the scene.
-void add_notes(const Scene& scene, const Run& run, ExportedBody& result) {
+void add_notes(const Scene& scene, const StrategyChoice& choice, const Run& run, ExportedBody& result) {
   const Specimen& specimen = scene.specimen;
-  const Strategy& strategy = scene.stiffness.strategy;
+  const Strategy& strategy = choice.strategy;
   const auto say = [&](bool is_so, std::string what) {
     if (is_so) result.notes.push_back(std::move(what));
   };
@@ -86,8 +86,8 @@ void add_notes(const Scene& scene, const Run& run, ExportedBody& result) {
           run.volume_modulus));
   say(!springs && strategy.volume_modulus, "the pressures of the cells, which prevent locking, are not written");
   say(strategy.kind == StrategyKind::updated_spring_rule,
-      "the constants are those at rest: '" + scene.stiffness.label + "' updates them as the body deforms");
-  say(strategy.kind == StrategyKind::cell_law && !scene.stiffness.strategy.law.empty(),
+      "the constants are those at rest: '" + choice.label + "' updates them as the body deforms");
+  say(strategy.kind == StrategyKind::cell_law && !strategy.law.empty(),
       "of the law '" + strategy.law + "' there are E and nu at small strain");
   bool curve = false, fibres = false, bends = false;
   for (const Material& material : materials_of(specimen)) {
@@ -124,9 +124,8 @@ void set_test(const Scene& scene, ExportedBody& result) {
   result.supports = model.supports;
 }
 
-ExportedBody exported_body(const Scene& scene) {
+ExportedBody exported_body(const Scene& scene, const StrategyChoice& choice) {
   Specimen specimen = scene.specimen;
-  const StrategyChoice& choice = scene.stiffness;
   prepare(specimen, choice.strategy);
   Run run;
   RunOptions options;
@@ -148,7 +147,7 @@ ExportedBody exported_body(const Scene& scene) {
   set_connections(specimen.body, run.constants, result);
   set_cells(scene.specimen, result);
   set_test(scene, result);
-  add_notes(scene, run, result);
+  add_notes(scene, choice, run, result);
   return result;
 }
 

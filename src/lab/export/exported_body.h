@@ -35,8 +35,8 @@ struct ExportedBody {
 /// The supports and the forces of a scene's experiment under its whole load; none of an experiment that runs in time.
 void set_test(const Scene& scene, ExportedBody& body);
 
-/// The scene's body with the constants of its own strategy. Throws InputError where the strategy does not suit the
-/// body, or its calibration fails.
-ExportedBody exported_body(const Scene& scene);
+/// The scene's body with the constants of a strategy. Throws InputError where the strategy does not suit the body, or
+/// its calibration fails.
+ExportedBody exported_body(const Scene& scene, const StrategyChoice& choice);
 
 }  // namespace elastin::lab

@@ -426,9 +426,15 @@ void record_fields(Io& io, AnyRecord& record) {
   auto& run = record.run;
   io.field("scene", record.scene);
   io.field("title", record.title);
-  io.field("strategy", run.strategy);
+  if constexpr (Io::reads)
+    io.field("strategy", run.strategy);
+  else  // of an engine that whose constants it had
+    io.field("strategy", run.engine && !run.engine->constants.empty() ? run.engine->constants : run.strategy);
   io.derived(run.engine.has_value(), "engine", run.strategy);
-  io.optional("engine_run", run.engine, [](auto& inner, auto& engine) { engine_fields(inner, engine); });
+  io.optional("engine_run", run.engine, [&](auto& inner, auto& engine) {
+    engine_fields(inner, engine);
+    if constexpr (Io::reads) run.strategy = engine.name;
+  });
   io.field("solver", run.solver);
   io.field("solver_reason", run.solver_reason);
   outcome_fields(io, run);

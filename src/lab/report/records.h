@@ -121,7 +121,7 @@ void set_references(Record& record, const std::vector<Reference>& references);
 std::string json_text(const std::vector<Record>& records);
 
 /// Another form of a record's line, or another meaning of a number in it, takes another version.
-inline constexpr int kRecordVersion = 1;
+inline constexpr int kRecordVersion = 2;
 
 /// One run as one line of JSON, without a line break: what json_text has of it, and what else the record holds.
 std::string json_line(const Record& record);

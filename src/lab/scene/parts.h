@@ -52,6 +52,15 @@ struct StepperStudy {
   std::vector<double> steps;  ///< [s]; empty = 1/25 and 1/100 of the loaded shape's period
 };
 
+/// Other programs that `compare` runs too, and how those that step in time run to rest.
+struct EngineStudy {
+  std::vector<Reader> names;
+  double time_step = 1. / 60;     ///< [s]
+  std::optional<int> iterations;  ///< of a step; none: the engine's own number
+  double seconds = 120;           ///< after which an engine that has not answered is ended
+  bool calibrate = false;         ///< multiply the constants until the engine shows the modulus that they have
+};
+
 /// "all", or names separated by commas. Throws InputError with the nearest name.
 std::vector<StepperChoice> read_steppers(const std::string& names, const Table<Stepper>& steppers);
 
@@ -149,6 +158,7 @@ Study read_study(const Reader& reader, const std::vector<StrategyChoice>& known)
 /// Reads the section for its faults alone; see load_identify_task.
 void check_identify(const Reader& reader);
 StepperStudy read_stepper_study(const Reader& reader, const elastin::Table<Stepper>& steppers);
+EngineStudy read_engine_study(const Reader& reader);
 /// Contact, and which obstacles' motions follow the load, and which the time.
 struct SceneContact : contact::ContactOptions {
   std::vector<Reader> by_load, by_time;

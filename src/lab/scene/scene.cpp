@@ -137,7 +137,8 @@ const std::vector<TopKey>& top_keys() {
       {{"expect", "list of maps", "", "", "none", "[what must come out](#expectations); exit code 1 if one fails"}},
       {{"study", "map", "", "", "none", "[what `compare` varies](#study)"}},
       {{"identify", "map", "", "", "none", "[measured tests](#identification) that `identify` fits the material to"}},
-      {{"steppers", "map", "", "", "none", "[steppers to compare in place of strategies](#steppers)"}}};
+      {{"steppers", "map", "", "", "none", "[steppers to compare in place of strategies](#steppers)"}},
+      {{"engines", "map", "", "", "none", "[engines that `compare` runs too](#engines-1)"}}};
   return keys;
 }
 
@@ -429,6 +430,7 @@ std::unique_ptr<Scene> read_scene(const SceneSource& source, const Catalog& cata
   scene->problem = problem_text(reader, *scene);
   if (auto study = reader.find("study")) scene->study = read_study(*study, known);
   if (auto steppers = reader.find("steppers")) scene->steppers = read_stepper_study(*steppers, catalog.steppers);
+  if (auto engines = reader.find("engines")) scene->engines = read_engine_study(*engines);
   if (const auto identify = reader.find("identify")) check_identify(*identify);
   reader.finish();
   scene->build_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

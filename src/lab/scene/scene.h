@@ -60,6 +60,7 @@ struct Scene {
   bool bare_graph = false;            ///< the body is a list of molecules without cells: nothing says what it fills
   Study study;                        ///< what `compare` changes from run to run; empty where the scene has none
   std::optional<StepperStudy> steppers;  ///< where `compare` compares steppers and not strategies
+  EngineStudy engines;                   ///< what `compare` runs in addition to strategies
   std::vector<std::string> warnings;     ///< of the scene as a whole
   std::string whole_body = {};           ///< why each of several processes has the whole body; "" where shares of it
   std::vector<std::string> notes;        ///< what was made of it that its author may want to know

@@ -106,7 +106,24 @@ Keys<StepperStudy> stepper_study_keys(const elastin::Table<Stepper>& steppers) {
               .otherwise("1/25 and 1/100 of the period")};
 }
 
+const Keys<EngineStudy>& engine_study_keys() {
+  using S = EngineStudy;
+  static const Keys<S> keys{
+      key::list({"names", "list of words", "", "", "none",
+                 "[engines](#engines-as-rows-of-a-comparison), and steppers of Elastin, run to rest as engines are"},
+                &S::names, [](const Reader& item) { return item; }),
+      key::quantity("dt", &S::time_step, dimension::time, "time step", kPositive),
+      key::whole("iterations", &S::iterations, 1, 1000000, "of each step").otherwise("each engine's own number"),
+      key::quantity("seconds", &S::seconds, dimension::time, "when an engine that has not answered is ended",
+                    kPositive),
+      key::flag("calibrate", &S::calibrate,
+                "multiply an engine's constants by one factor until it shows the modulus that they have in Elastin")};
+  return keys;
+}
+
 }  // namespace
+
+EngineStudy read_engine_study(const Reader& reader) { return engine_study_keys().read(reader); }
 
 Study read_study(const Reader& reader, const std::vector<StrategyChoice>& known) {
   return comparison_keys(known).read(reader);
@@ -146,7 +163,12 @@ StepperStudy read_stepper_study(const Reader& reader, const elastin::Table<Stepp
 }
 
 std::vector<KeySection> study_keys(const Catalog& catalog) {
-  return {{"steppers", "Steppers",
+  return {{"engines", "Engines",
+           "Other programs that `elastin compare` runs on the scene's own strategy too, see "
+           "[Engines](#engines-as-rows-of-a-comparison). `--engines NAMES` and `--engine-dt TIME` are `--set "
+           "engines.names=[NAMES]` and `--set engines.dt=TIME`.",
+           engine_study_keys().rows()},
+          {"steppers", "Steppers",
            "What `elastin compare` runs in place of strategies: the scene's own strategy by several schemes.",
            stepper_study_keys(catalog.steppers).rows()},
           {"study", "Study", "", comparison_keys({}).rows()}};

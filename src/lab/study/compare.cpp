@@ -52,7 +52,6 @@ class Comparison {
   Record run_one(Scene& scene, const StrategyChoice& choice, const PlannedRow& row);
   void add_directions(const Scene& scene, const StrategyChoice& choice, const RunOptions& options, Record& record);
   Record run_elsewhere(const Engine& engine, Scene& scene, const PlannedRow& row);
-  const Engine* engine_of(const std::string& name) const;
   Record failed_run(const PlannedRow& row, const std::string& why) const;
   void tell_missing_files(const ScenePlan& plan, const Record& record, int repeat) const;
   void finish_run(const ScenePlan& plan, const std::string& key, Record record, const Scene* scene, int repeat);
@@ -191,17 +190,16 @@ void Comparison::add_directions(const Scene& scene, const StrategyChoice& choice
 }
 
 /// The one that runs a row; null: a strategy does.
-const Engine* Comparison::engine_of(const std::string& name) const {
-  if (name == request_.against) return engines().find(name).get();
-  for (const Engine& engine : request_.engines)
-    if (engine.name == name) return &engine;
+const Engine* engine_of(const PlannedRow& row) {
+  for (const Engine& engine : row.plan->engines)
+    if (engine.name == row.strategy) return &engine;
   return nullptr;
 }
 
 Record Comparison::run_elsewhere(const Engine& engine, Scene& scene, const PlannedRow& row) {
   progress_.set(scene.name + ", " + row.strategy);
-  OtherRun other = run_engine(engine, scene, catalog_, overrides_of(request_.overrides, *row.combination),
-                              request_.engine_settings, request_.interrupted);
+  OtherRun other =
+      run_engine(engine, scene, catalog_, overrides_of(request_.overrides, *row.combination), request_.interrupted);
   const Scene& solved = other.scene ? *other.scene : scene;
   measure_law(solved.specimen, *solved.experiment, solved.stiffness, {.statics = solved.statics}, other.run);
   Record record = make_record(solved, std::move(other.run));
@@ -244,7 +242,7 @@ void Comparison::run_combination(ScenePlan& plan, const std::vector<std::pair<st
       if (count > 0) set_threads(count);
       Record record;
       const StrategyChoice* choice = find_strategy(choices, strategy);
-      const Engine* engine = choice ? nullptr : engine_of(strategy);
+      const Engine* engine = choice ? nullptr : engine_of(row);
       if (scene && engine) {
         record = run_elsewhere(*engine, *scene, row);
       } else if (!choice) {

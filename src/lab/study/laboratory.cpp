@@ -3,6 +3,8 @@
 #include <limits>
 #include <utility>
 
+#include "lab/export/engine_run.h"
+#include "lab/export/formats.h"
 #include "lab/report/records.h"
 #include "lab/run/contact_measures.h"
 #include "lab/scene/parts.h"
@@ -165,6 +167,17 @@ LaboratoryResult Laboratory::run(const std::string& strategy, const RunWatch& wa
   LaboratoryResult result = result_of(scene, run_strategy(scene.specimen, *scene.experiment, choice, options));
   if (!watch.keep_states) result.states.clear();
   return result;
+}
+
+std::string Laboratory::exported(const std::string& strategy) {
+  return json_of_body(exported_body(*impl_->scene, choose(*impl_->scene, impl_->catalog, strategy)));
+}
+
+LaboratoryResult Laboratory::measure(const std::function<std::string(const std::string& request)>& solve) {
+  Engine engine{{"engine", "", ""}, "", "", ""};
+  engine.ask = solve;
+  Scene& scene = *impl_->scene;
+  return result_of(scene, run_engine(engine, scene, impl_->catalog, impl_->overrides, {}).run);
 }
 
 Simulation Laboratory::simulation(const std::string& strategy, SimulationOptions options) {

@@ -43,8 +43,9 @@ ScenePlan plan_scene(const Request& request, const Catalog& catalog, const Scene
   plan.repeats = request.repeats > 0 ? request.repeats : study.repeats;
   for (const StrategyChoice& choice : chosen_strategies(request, catalog, *plan.scene))
     plan.strategies.push_back(choice.label);
-  if (!request.against.empty()) plan.strategies.push_back(request.against);
-  for (const Engine& engine : request.engines) plan.strategies.push_back(engine.name);
+  if (request.compare)
+    plan.engines = chosen_engines(plan.scene->engines, request.engine_commands, request.against, catalog);
+  for (const Engine& engine : plan.engines) plan.strategies.push_back(engine.name);
   plan.own_reference = study.own_reference;
   if (!study.axes.empty()) load_scene(source, catalog, overrides_of(request.overrides, plan.combinations.front()));
   return plan;

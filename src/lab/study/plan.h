@@ -18,6 +18,7 @@ struct ScenePlan {
   std::vector<std::vector<std::pair<std::string, std::string>>> combinations;
   std::vector<int> threads;             ///< 0 = as the command says
   std::vector<std::string> strategies;  ///< labels, and the name of another program behind them
+  std::vector<Engine> engines;          ///< those other programs
   int repeats = 1;
   std::string name, title, own_reference;
   std::vector<std::string> warnings;  ///< of the scene as it stands

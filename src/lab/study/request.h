@@ -33,12 +33,11 @@ struct Request : Output {
   std::vector<SceneSource> scenes;
   std::vector<std::string> overrides, vary;
   std::string strategies, steppers, restart;
-  std::string against;                  ///< "calculix": one of the engines, which must be installed; empty: none
-  std::vector<Engine> engines = {};     ///< other programs that run each scene too
-  EngineSettings engine_settings = {};  ///< of them
-  std::string reference;                ///< "computed" or "none" for all scenes; empty: as each scene says
-  Shard shard = {};                     ///< of the runs of a comparison: what is run here
-  int repeats = 0;                      ///< 0 = as the scene says
+  std::string against;  ///< "calculix": one of the engines, which must be installed; empty: none
+  std::vector<std::string> engine_commands = {};  ///< the user's own engines, in addition to those of each scene
+  std::string reference;                          ///< "computed" or "none" for all scenes; empty: as each scene says
+  Shard shard = {};                               ///< of the runs of a comparison: what is run here
+  int repeats = 0;                                ///< 0 = as the scene says
   bool compare = false, resume = false, live = false;
   std::function<bool()> interrupted = {};  ///< called after each run
 };

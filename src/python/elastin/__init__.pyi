@@ -472,6 +472,14 @@ class Laboratory:
         """Computes the reference of the scene as the command `compare` does: what its own problem comes to on finer and
         finer cells. '' does it where the scene says so, 'computed' in any case, 'none' not at all. Runs after it
         have errors to it."""
+    def exported(self, strategy: str = "") -> dict[str, Any]:
+        """The body with the constants of a strategy, as `elastin export --to json` writes it: a dict of lists, SI
+        units. "connections" have "a", "b", "rest_length" and "stiffness"; the keys are described in
+        scenes/README.md."""
+    def measure(self, step: Callable[[dict[str, Any]], Mapping[str, Any]]) -> Result:
+        """Runs the experiment in a solver of one's own, with the constants of the scene's strategy: step(request) gets
+        what an engine of `elastin compare --engine` reads, a dict, and gives what that prints: {"positions": (n, 3),
+        …}. The Result is measured off it as a strategy's is; what step raises comes out."""
     def run(self, strategy: str = "", *, progress: Callable[[str], object] | None = None,
             keep_states: bool = False) -> Result:
         """Runs the experiment with a strategy by name ('calibrated:angles', 'lattice+volume'); '' takes the scene's
@@ -587,6 +595,12 @@ def compare(scene: Scene, strategies: Sequence[str | Strategy] | None = None, *,
     own; by default those that it compares itself, of a Body all. Where the scene says so, or nothing else shows what
     is right, its reference is computed first, as the command does: reference="none" leaves that out, "computed" does
     it in any case."""
+def measure(step: Callable[[dict[str, Any]], Mapping[str, Any]], scene: Scene,
+            experiment: Experiment | Mapping[str, Any] | None = None, *,
+            material: Material | Mapping[str, Any] | None = None, set: Changes = None, catalog: Catalog | None = None,
+            **keys: Any) -> Result:
+    """Measures a solver of one's own, see Laboratory.measure: step(request) solves, the scene is a Body, a dict or a
+    file, further keys are as for Laboratory, stiffness="lattice" and engines={"dt": "1 ms"} among them."""
 def verify(scene: Scene | Sequence[Scene], *, experiment: Experiment | Mapping[str, Any] | None = None,
            material: Material | Mapping[str, Any] | None = None, set: Changes = None, catalog: Catalog | None = None,
            progress: Callable[[str], object] | None = None, **keys: Any) -> Verdicts:

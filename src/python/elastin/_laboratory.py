@@ -30,6 +30,22 @@ class Laboratory(_elastin._Laboratory):
         return _tables.of_laboratory(self)
 
 
+    def exported(self, strategy=""):
+        """The body with the constants of a strategy, as `elastin export --to json` writes it: a dict of lists, SI units.
+        "connections" have "a", "b", "rest_length" and "stiffness"; the keys are described in scenes/README.md."""
+        return json.loads(self._exported(strategy))
+
+    def measure(self, step):
+        """Runs the experiment in a solver of one's own, with the constants of the scene's strategy: step(request) gets what
+        an engine of `elastin compare --engine` reads, a dict, and gives what that prints: {"positions": (n, 3), …}.
+        The Result is measured off it as a strategy's is; what step raises comes out."""
+
+        def listed(value):
+            return value.tolist() if hasattr(value, "tolist") else str(value)
+
+        return self._measure(lambda request: json.dumps(step(json.loads(request)), default=listed))
+
+
 def _laboratory_again(kind, scene, options):
     return kind(scene, **options)
 
@@ -79,6 +95,12 @@ def compare(scene, strategies=None, *, experiment=None, material=None, reference
     laboratory = Laboratory(opened, set=set, catalog=catalog)
     laboratory.compute_reference(reference, progress=progress)
     return Comparison([laboratory.run(name, progress=progress) for name in names or laboratory.strategies])
+
+
+def measure(step, scene, experiment=None, *, material=None, set=None, catalog=None, **keys):
+    """Measures a solver of one's own, see Laboratory.measure: step(request) solves, the scene is a Body, a dict or a
+    file, further keys are as for Laboratory, stiffness="lattice" and engines={"dt": "1 ms"} among them."""
+    return Laboratory(scene, experiment=experiment, material=material, set=set, catalog=catalog, **keys).measure(step)
 
 
 def verify(scene, *, experiment=None, material=None, set=None, catalog=None, progress=None, **keys):

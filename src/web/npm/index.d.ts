@@ -77,6 +77,8 @@ export class Body {
   connections(): Int32Array;
   /** Three molecules of each triangle. */
   triangles(): Int32Array;
+  /** Spring constants [N/m] that a rule, also calibrated:RULE, gives each connection: what other engines take. */
+  constants(strategy: string, material: Material, parameters?: Record<string, number>): Float64Array;
   /** @param strategy a row of the table "strategies", with +volume, +wrinkling or calibrated: where it takes them. */
   simulate(strategy: string, material: Material, options?: Options): Simulation;
   free(): void;

@@ -42,6 +42,16 @@ function array(memory, values, what, whole) {
   return at;
 }
 
+/** elastin_material of the keys that a material has here. */
+function material_of(memory, material) {
+  checked(material, ['youngs_modulus', 'poissons_ratio', 'thickness', 'bending_rigidity', 'law'], 'a material');
+  const {law, youngs_modulus = 0, poissons_ratio = law ? 0 : 0.25, thickness = 0, bending_rigidity = 0} = material;
+  return memory.structure([['number', youngs_modulus], ['number', poissons_ratio], ['number', thickness],
+    ['number', bending_rigidity],
+    ['word', law ? memory.structure([['word', memory.text(law.name)], ...named_values(memory, law.constants)]) : 0],
+    ['word', 0]]);
+}
+
 class Elastin {
   constructor(module) {
     this.module = module;
@@ -118,15 +128,25 @@ class Body {
   connections() { return this.view('connections', 'HEAP32'); }
   triangles() { return this.view('triangles', 'HEAP32'); }
 
+  constants(strategy, material, parameters = {}) {
+    const {module} = this.elastin, memory = new Memory(module), count = this.connections().length / 2;
+    try {
+      const at = memory.room(8 * count);
+      call(module, 'elastin_strategy_constants', inner => {
+        const [[, values], [, named]] = named_values(inner, parameters);
+        return [this.handle, inner.text(strategy), material_of(inner, material), values, named, at, count];
+      });
+      return module.HEAPF64.slice(at / 8, at / 8 + count);
+    } finally {
+      memory.release();
+    }
+  }
+
   simulate(strategy, material, options = {}) {
-    checked(material, ['youngs_modulus', 'poissons_ratio', 'thickness', 'bending_rigidity', 'law'], 'a material');
     checked(options, ['scheme', 'safety', 'max_substeps', 'parameters', 'scheme_parameters'], 'options');
-    const {law, youngs_modulus = 0, poissons_ratio = law ? 0 : 0.25, thickness = 0, bending_rigidity = 0} = material;
     const {scheme, safety = 0, max_substeps = 0, parameters = {}, scheme_parameters = {}} = options;
     return new Simulation(this, this.elastin.handle_of('elastin_simulate', memory => [this.handle, memory.text(strategy),
-      memory.structure([['number', youngs_modulus], ['number', poissons_ratio], ['number', thickness], ['number', bending_rigidity],
-        ['word', law ? memory.structure([['word', memory.text(law.name)], ...named_values(memory, law.constants)]) : 0],
-        ['word', 0]]),
+      material_of(memory, material),
       memory.structure([['word', scheme ? memory.text(scheme) : 0], ['number', safety], ['whole', max_substeps],
         ...named_values(memory, parameters), ['whole', 0], ['word', 0], ['word', 0], ['whole', 0], ...named_values(memory, scheme_parameters)])]));
   }

@@ -14,7 +14,7 @@ import sys
 import tempfile
 import xml.etree.ElementTree as ElementTree
 
-COMMAND = sys.argv[1]
+COMMAND = pathlib.Path(sys.argv[1]).resolve()
 BAR = """title: a bar
 body: {lattice: {kind: cubic, molecules: [4, 4, 6], spacing: 10 mm, connections: [axis, face]}}
 material: {youngs_modulus: 100 kPa, poissons_ratio: 0.25, density: 1000 kg/m3}
@@ -39,7 +39,13 @@ def node_has(package):
 
 
 ENGINES = {"jolt": node_has("jolt-physics"), "rapier": node_has("@dimforge/rapier3d-compat"),
-           "mujoco": node_has("@mujoco/mujoco"), "lammps": "command -v lmp"}
+           "mujoco": node_has("@mujoco/mujoco"), "bullet": "pkg-config --exists bullet && command -v c++",
+           "lammps": "command -v lmp"}
+CELLS = "body.lattice={kind: cubic, molecules: [4, 4, 6], spacing: 10 mm, order: 1}"
+
+
+def is_here(name):
+    return subprocess.run(ENGINES[name], shell=True, capture_output=True).returncode == 0
 
 
 def near(got, expected, tolerance=1e-9):
@@ -145,13 +151,15 @@ def check_parsers(bar):
 
 
 def check_cells(bar):
-    """A law of cells gives E and nu, and no springs."""
-    cells = "--strategy", "neo_hookean", "--set", "body.lattice={kind: cubic, molecules: [4, 4, 6], spacing: 10 mm, order: 1}"
+    """A law of cells gives E and nu, and no springs. MuJoCo's flex counts lambda twice, and mu once."""
+    cells = "--strategy", "neo_hookean", "--set", CELLS
     body = body_of(bar, *cells)
     assert not body["connections"] and body["cells"][0]["shape"] == "hexahedron8"
     near(body["tetrahedra"][0]["youngs_modulus"], 100e3)
     tree = ElementTree.parse(export(bar, "mujoco", *cells) / "body.xml")
-    near(float(tree.find(".//elasticity").get("young")), 100e3)
+    young, poisson = (float(tree.find(".//elasticity").get(key)) for key in ("young", "poisson"))
+    near(young / (2 * (1 + poisson)), 100e3 / 2.5)
+    near(2 * young * poisson / ((1 + poisson) * (1 - 2 * poisson)), 100e3 * 0.25 / (1.25 * 0.5))
     assert len(tree.find(".//flex").get("element").split()) == 4 * len(body["tetrahedra"])
 
 
@@ -189,10 +197,10 @@ def modulus_of(run):
 
 
 def compare(scene, *arguments, status=0):
-    """The rows of a comparison, by strategy."""
+    """The rows of a comparison, by engine or strategy."""
     path = scene.parent / "runs.json"
     elastin("compare", scene, *arguments, "--json", path, "--quiet", status=status)
-    return {run["strategy"]: run for run in json.loads(path.read_text())["runs"]}
+    return {run.get("engine", run["strategy"]): run for run in json.loads(path.read_text())["runs"]}
 
 
 def check_engines(folder):
@@ -206,20 +214,104 @@ def check_engines(folder):
         (folder / "script.mjs").write_bytes((examples / "own_engine.mjs").read_bytes())
         commands.append(f"node '{folder}/script.mjs'")
         own.append("script")
-    named = [name for name, test in ENGINES.items()
-             if subprocess.run(test, shell=True, capture_output=True).returncode == 0]
+    named = [name for name in ENGINES if is_here(name)]
     # Steps of 0.2 ms: the largest k dt^2 / m is 0.01, where position-based solvers converge in one pass.
     rows = compare(bar, *(word for one in commands for word in ("--engine", one)), "--engines", ",".join(named),
                    "--engine-dt", "0.0002")
     assert rows["lattice"].get("engine") is None
     for name in own + named:
-        assert rows[name]["engine"] == name and rows[name]["engine_run"]["constants"] == "lattice", rows[name]
+        assert (rows[name]["engine"], rows[name]["strategy"]) == (name, "lattice"), rows[name]
         assert rows[name]["engine_run"]["steps"] > 0, rows[name]
         near(modulus_of(rows[name]), modulus_of(rows["lattice"]), 1e-4 if name in own + ["lammps"] else 0.02)
     # Displacements are prescribed where an engine gives the reactions.
     bar.write_text(BAR.replace("force: 0.9 mN", "strain: 1 %"))
     rows = compare(bar, "--engine", commands[0])
     near(modulus_of(rows["own_engine"]), modulus_of(rows["lattice"]), 1e-4)
+
+
+# Small steps with compliance, one pass over the connections as they stand in each of `iterations` substeps.
+POSITION_BASED = """
+import json, math, sys
+request = json.loads(sys.stdin.readline())
+body, n = request["body"], request["iterations"]
+h, x = request["dt"] / n, [list(p) for p in body["positions"]]
+w = [1 / m for m in body["masses"]]
+for one in body["supports"]:
+    w[one["molecule"]] = 0
+pull = [[0, 0, 0] for _ in x]
+for one in body["forces"]:
+    pull[one["molecule"]] = one["force"]
+v, energy, before = [[0] * 3 for _ in x], 0, None
+for step in range(4000 * n):
+    old = [list(p) for p in x]
+    for p, u, f, a in zip(x, v, pull, w):
+        for k in range(3):
+            u[k] += h * f[k] * a
+            p[k] += h * u[k]
+    for one in body["connections"]:
+        a, b = one["a"], one["b"]
+        if w[a] + w[b] == 0:
+            continue
+        d = [q - p for p, q in zip(x[a], x[b])]
+        length = math.hypot(*d)
+        push = (one["rest_length"] - length) / (w[a] + w[b] + 1 / (one["stiffness"] * h * h)) / length
+        for k in range(3):
+            x[b][k] += w[b] * push * d[k]
+            x[a][k] -= w[a] * push * d[k]
+    v = [[(p - q) / h for p, q in zip(now, then)] for now, then in zip(x, old)]
+    now = sum(c * c / a for u, a in zip(v, w) if a for c in u)
+    if now < energy:
+        v = [[0] * 3 for _ in x]
+    energy = 0 if now < energy else now
+    if step % 200 == 199:
+        if before and max(abs(p - q) for a, b in zip(x, before) for p, q in zip(a, b)) < 1e-9:
+            break
+        before = [list(p) for p in x]
+print(json.dumps({"engine": "position-based", "positions": x, "iterations": n, "steps": step}))
+"""
+
+
+def check_prediction(folder):
+    """What a position-based engine delivers is what xpbd shows at the same iterations, steps and order."""
+    bar = folder / "predicted.yaml"
+    bar.write_text(BAR.replace("0.9 mN", "0.9 N, fixed_grip: clamped").replace("[4, 4, 6]", "[3, 3, 6]")
+                   + "engines: {names: [xpbd], dt: 8 ms, iterations: 5}\n")
+    (folder / "position_based.py").write_text(POSITION_BASED)
+    for iterations in (1, 5, 20):
+        rows = compare(bar, "--engine", f"'{sys.executable}' '{folder}/position_based.py'",
+                       "--engine-iterations", iterations, *(["--engines", "xpbd,jolt"] if is_here("jolt") else []))
+        row = rows["xpbd"]
+        assert (row["strategy"], row["engine_run"]["time_step"]) == ("lattice", 0.008), row
+        assert row["engine_run"]["iterations"] == iterations, row
+        assert modulus_of(row) < (0.97 if iterations < 20 else 1.01) * modulus_of(rows["lattice"]), iterations
+        near(modulus_of(rows["position_based"]), modulus_of(row), 1e-3)
+        if "jolt" in rows:
+            near(modulus_of(rows["jolt"]), modulus_of(row), 2e-2)
+
+
+def check_flex(bar):
+    """MuJoCo's flex has the modulus of the same tetrahedra here: both are of St. Venant and Kirchhoff."""
+    for ratio in ("0", "0.25", "0.45"):
+        rows = compare(bar, "--engines", "mujoco", "--engine-dt", "0.0005", "--set", "stiffness={strategy: st_venant_kirchhoff, volume: none}",
+                       "--set", "strategies=[{strategy: st_venant_kirchhoff, volume: none}]", "--set",
+                       f"material.poissons_ratio={ratio}", "--set", "experiment.force=90 N", "--set",
+                       "body={tetrahedra: {kind: kuhn, cubes: [3, 3, 5], size: [0.3 m, 0.3 m, 0.5 m]}}")
+        near(modulus_of(rows["mujoco"]), modulus_of(rows["st_venant_kirchhoff"]), 1e-4)
+
+
+def check_version(folder):
+    """A package of another version, whose functions are others, is a row that says so."""
+    package = folder / "other" / "node_modules" / "jolt-physics"
+    package.mkdir(parents=True)
+    (package / "package.json").write_text('{"name": "jolt-physics", "version": "9.0.0", "main": "index.js"}')
+    (package / "index.js").write_text("module.exports = async () => ({});")
+    bar = folder / "version.yaml"
+    bar.write_text(BAR.replace("0.9 mN", "0.9 N, fixed_grip: clamped"))
+    done = subprocess.run([COMMAND, "compare", bar, "--engines", "jolt", "--json", "-"], capture_output=True, text=True,
+                          cwd=folder / "other")
+    ours, row = json.loads(done.stdout)["runs"]
+    assert ours["outcome"] == "converged" and row["outcome"] == "unsuited", row
+    assert "is not a constructor (its driver is written for jolt-physics 1.1.0)" in row["cause"], row["cause"]
 
 
 def check_faults(bar):
@@ -248,14 +340,19 @@ def check_faults(bar):
         assert "NaN" not in (bar.parent / "runs.json").read_text()
     row = compare(bar, "--engines", "jolt", "--set", "experiment.force=0.9 N", *("--engine-dt", "0.001"))["jolt"]
     assert row["outcome"] == "unsuited", row  # not installed, or for the grips that slide
-    assert "npm install jolt-physics" in row["cause"] or "fixed_grip: clamped" in row["cause"], row
+    assert "npm install jolt-physics@1.1.0" in row["cause"] or "fixed_grip: clamped" in row["cause"], row
     for arguments, words in [
         (("--engines", "jold"), "engine 'jold' is not known here; did you mean 'jolt'?"),
         (("--engine", "python3 lattice.py"), "'lattice' is a strategy"),
         (("--engine", "a.py", "--engine", "b/a.py"), "'a' is there twice"),
-        (("--engine-iterations", "0"), "1"),
+        (("--engine-iterations", "0"), "engines.iterations: '0' is not a whole number of at least 1"),
+        (("--engine-dt", "-1"), "engines.dt: '-1' is out of range: must be above 0 s"),
     ]:
-        assert words in elastin("compare", bar, *arguments, status=2)
+        assert words in elastin("compare", bar, *arguments, status=2), arguments
+    wrong = bar.parent / "wrong.yaml"
+    wrong.write_text(BAR + "engines: {names: [xpbd, jold]}\n")
+    assert "wrong.yaml:8:25: engines.names[1]: engine 'jold' is not known here; did you mean 'jolt'?" in elastin(
+        "compare", wrong, status=2)
 
 
 def check_calibration(folder):
@@ -264,7 +361,11 @@ def check_calibration(folder):
     bar = folder / "calibrated.yaml"
     bar.write_text(BAR.replace("0.9 mN", "0.9 N, fixed_grip: clamped").replace("[4, 4, 6]", "[2, 2, 3]"))
     weakest = min(one["stiffness"] for one in body_of(bar)["connections"])
-    for law, status in [("k / 3", 0), (f"min(k, {weakest / 2})", 1)]:
+    for law, status, remedy in [
+        ("k / 3", 0, ""),
+        (f"min(k, {weakest / 2})", 1, "however large they are"),
+        (f"min(k, {0.9 * weakest} / (60 * request['dt'])**2)", 1, "; with steps of 0.008333 s it reaches that"),
+    ]:
         (folder / "softer.py").write_text(
             "import json, sys\nrequest = json.loads(sys.stdin.readline())\n"
             "for one in request['body']['connections']:\n    k = one['stiffness']\n"
@@ -274,6 +375,7 @@ def check_calibration(folder):
         row, wanted = rows["own_engine"], modulus_of(rows["lattice"])
         if status:
             assert row["outcome"] == "limit_reached" and "saturated" in row["cause"], row
+            assert row["cause"].endswith(remedy), row["cause"]
             continue
         near(modulus_of(row), wanted, 2e-3)
         assert any("constants are 3 times" in warning for warning in row["warnings"]), row["warnings"]
@@ -291,6 +393,11 @@ def main():
         check_engines(bar.parent)
         check_faults(bar)
         check_calibration(bar.parent)
+        check_prediction(bar.parent)
+        if is_here("mujoco"):
+            check_flex(bar)
+        if shutil.which("node"):
+            check_version(bar.parent)
         if shutil.which("lmp"):
             check_lammps(bar)
 

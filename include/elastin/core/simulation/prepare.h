@@ -28,6 +28,11 @@ void prepare(Body& body, const Strategy& strategy, const std::vector<Material>& 
 /// several parts share goes by the part whose own it is.
 void take_density(Body& body, const std::vector<Material>& materials);
 
+/// The constants that a spring rule gives the connections of a body [N/m], which is prepared for it in a copy: what
+/// other engines take. Throws InputError where the strategy is no spring rule or cannot run on the body.
+VectorX spring_constants(const Strategy& strategy, Body body, const Material& material, const ParameterValues& values,
+                         const MakeVoronoi& make_voronoi);
+
 /// The second, which no strategy changes.
 void prepare_bending(Body& body, const Material& material);
 

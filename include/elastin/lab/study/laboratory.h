@@ -103,6 +103,13 @@ class Laboratory {
   /// strategy that the scene names keeps the scene's parameters. Equal to the command's numbers to the last bit. Throws
   /// InputError; numerical trouble is an outcome.
   LaboratoryResult run(const std::string& strategy = "", const RunWatch& watch = {});
+  /// The body with the constants of a strategy ("": the scene's own) as JSON, see `elastin export --to json` in
+  /// scenes/README.md. Throws InputError where the strategy does not suit.
+  std::string exported(const std::string& strategy = "");
+  /// Runs the experiment in a solver of the program's own with the constants of the scene's strategy, at the time step
+  /// and iterations of its `engines`: `solve` gets a request and gives an answer, JSON as scenes/README.md describes
+  /// it, and is measured as a strategy is. Numerical trouble is an outcome; what `solve` throws comes out.
+  LaboratoryResult measure(const std::function<std::string(const std::string& request)>& solve);
   /// The scene's body at rest (of a scene in time: as it is at time 0), its strategy, its loads, damping and contact,
   /// held by its experiment and loaded in full at once, to be stepped. Independent of the laboratory from then on.
   /// Throws InputError where the strategy does not suit, and where that state cannot be found.

@@ -18,12 +18,14 @@ async function answer({ body: data, dt, folder, most_steps, tolerance }) {
     for (let j = 0; j < model.body_jntnum[i + 1]; ++j)
       joints.push([i, [0, 1, 2].findIndex((axis) => model.jnt_axis[3 * (first + j) + axis] === 1)]);
   });
+  const load = new Float64Array(joints.length);
   for (const { molecule, force } of data.forces)
-    joints.forEach(([i, axis], q) => { if (i === molecule) state.qfrc_applied[q] = force[axis]; });
+    joints.forEach(([i, axis], q) => { if (i === molecule) load[q] = force[axis]; });
   const start = performance.now();
   let steps = 0, energy = 0, before = Array.from(state.qpos), cause;
   for (let quiet = 0; steps < most_steps && quiet < 3 && !cause;) {
     for (let i = 0; i < 50; ++i, ++steps) {
+      if (steps < 50) load.forEach((f, q) => { state.qfrc_applied[q] = (f * (steps + 1)) / 50; });
       mujoco.mj_step(model, state);
       // Kinetic damping: all that moves is stopped where the kinetic energy has passed a largest value.
       const now = state.qvel.reduce((sum, v, q) => sum + data.masses[joints[q][0]] * v * v, 0);
@@ -39,7 +41,7 @@ async function answer({ body: data, dt, folder, most_steps, tolerance }) {
   }
   const positions = data.positions.map((place) => [...place]);
   joints.forEach(([i, axis], q) => { positions[i][axis] += before[q]; });
-  return { engine: `MuJoCo ${mujoco.mj_versionString?.() ?? ""}`.trim(), positions, steps, at_rest: steps < most_steps && !cause, cause,
+  return { engine: `@mujoco/mujoco ${mujoco.mj_versionString?.() ?? ""}`.trim(), positions, steps, at_rest: steps < most_steps && !cause, cause,
            seconds_per_step: (performance.now() - start) / 1000 / steps };
 }
 

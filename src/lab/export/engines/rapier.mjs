@@ -63,7 +63,7 @@ async function answer({ body: data, dt, iterations, most_steps, tolerance }) {
     before = now;
   }
   const positions = data.positions.map((_, i) => [...before.slice(3 * i, 3 * i + 3)]);
-  return { engine: `rapier ${RAPIER.version()}`, positions, iterations: world.numSolverIterations, steps, at_rest: steps < most_steps,
+  return { engine: `@dimforge/rapier3d-compat ${RAPIER.version()}`, positions, iterations: world.numSolverIterations, steps, at_rest: steps < most_steps,
            seconds_per_step: (performance.now() - start) / 1000 / steps };
 }
 
