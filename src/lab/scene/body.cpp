@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/named.h"
 #include "elastin/core/base/text.h"
 #include "elastin/core/shapes/arrays.h"
 #include "elastin/core/shapes/orders.h"
@@ -281,12 +282,6 @@ const std::vector<Shape>& shapes() {
   return all;
 }
 
-std::vector<std::string> shape_names() {
-  std::vector<std::string> names;
-  for (const Shape& shape : shapes()) names.push_back(shape.name);
-  return names;
-}
-
 /// Spacings grow along an axis.
 struct Grade {
   int axis = 0;
@@ -496,7 +491,7 @@ Body make_shape(Reader& reader, ShapeContext& context) {
   own_body_keys().add_to_known(reader);
   list_keys().add_to_known(reader);
   reader.finish();
-  reader.fail("needs a shape: " + listed(shape_names(), "or"));
+  reader.fail("needs a shape: " + listed(names_of(shapes()), "or"));
 }
 
 }  // namespace
@@ -594,7 +589,7 @@ Body read_body(Reader reader, const Material& material, Remarks remarks,
 
 std::vector<KeySection> body_keys() {
   std::vector<KeySection> sections{{"body", "Body",
-                                    "A body has one shape, " + words_text(shape_names()) +
+                                    "A body has one shape, " + words_text(names_of(shapes())) +
                                         ", with the keys of its own table, and these keys in addition:",
                                     own_body_keys().rows()}};
   for (const Shape& shape : shapes())
