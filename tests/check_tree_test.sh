@@ -72,7 +72,6 @@ make_good_tree() {  # once by hand, which takes some hundred processes, then as 
   put src/c/handles.h '#pragma once' '#include "elastin/c/elastin.h"' '#include "lab/scene/load.h"'
   put src/python/bind.h '#pragma once' '#include <pybind11/numpy.h>' '#include "lab/scene/load.h"'
   put tests/contact/pairs_test.cpp '#include <fcl/fcl.h>'
-  put tools/bench/contact.cpp '#include <fcl/fcl.h>'
   put tests/near.h '#pragma once'
   put tests/core/linear/pcg_test.cpp '#include "near.h"' '#include "core/linear/pcg.h"' '#include "elastin/elastin.h"'
   put tests/fuzz/fuzz_test.cpp '#include <iostream>' '#include "lab/scene/load.h"'

@@ -1,6 +1,7 @@
 #include "c/handles.h"
 
 #ifdef ELASTIN_C_LAB
+#include "core/base/named.h"
 #include "elastin/lab/study/laboratory.h"
 #ifdef ELASTIN_C_FEBIO
 #include "elastin/febio/febio.h"
@@ -35,12 +36,7 @@ const elastin::lab::Measured& numbered(const elastin_result& result, std::size_t
 }
 
 const elastin::lab::Measured& named(const elastin_result& result, const std::string& name) {
-  std::vector<std::string> names;
-  for (const elastin::lab::Measured& measured : result.result.measures) {
-    if (measured.name == name) return measured;
-    names.push_back(measured.name);
-  }
-  throw elastin::InputError("'" + name + "' was not measured" + elastin::suggestion(name, names));
+  return elastin::named(result.result.measures, name, "'" + name + "' was not measured");
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 #include <set>
 
 #include "c/handles.h"
+#include "core/base/named.h"
 
 namespace elastin::c {
 namespace {
@@ -33,9 +34,8 @@ const std::map<std::string, Rows>& tables() {
 const Rows& rows_named(const std::string& table) {
   const auto found = tables().find(table);
   if (found != tables().end()) return found->second;
-  std::vector<std::string> names;
-  for (const auto& [name, rows] : tables()) names.push_back(name);
-  throw InputError("table '" + table + "' is not known" + suggestion(table, names));
+  throw InputError("table '" + table + "' is not known" +
+                   suggestion(table, names_of(tables(), [](const auto& row) { return row.first; })));
 }
 
 const Descriptor& numbered(const Rows& rows, std::size_t number) {

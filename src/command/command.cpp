@@ -14,6 +14,7 @@
 #include <system_error>
 
 #include "command/row.h"
+#include "core/base/named.h"
 #include "elastin/core/base/error.h"
 #ifdef ELASTIN_FEBIO
 #include "elastin/febio/febio.h"
@@ -48,24 +49,19 @@ std::string help_of_all(const std::string& program) {
 
 /// The command of this name. Throws InputError with the nearest name.
 const CommandRow& find_command(const std::string& word) {
-  std::vector<std::string> names;
-  for (const CommandRow* row : kCommands) {
+  for (const CommandRow* row : kCommands)
     if (word == row->name) return *row;
-    names.emplace_back(row->name);
-  }
   if (word.starts_with('-'))
     throw InputError("unknown option '" + word + "'" + suggestion(word, {"--help", "--version"}) +
                      "; the options of a command follow its name");
-  throw InputError("unknown command '" + word + "'" + suggestion(word, names));
+  throw InputError("unknown command '" + word + "'" + suggestion(word, names_of(kCommands, &CommandRow::name)));
 }
 
 int run_words(const std::string& program, const std::vector<std::string>& words, const Catalog& catalog) {
   const auto requests_help = [](const std::string& word) { return word == "-h" || word == "--help"; };
-  if (words.empty()) {
-    std::string names;
-    for (const CommandRow* row : kCommands) names += std::string(names.empty() ? "" : ", ") + row->name;
-    throw InputError("name a command: " + names + "; " + program + " --help explains them");
-  }
+  if (words.empty())
+    throw InputError("name a command: " + joined(kCommands, &CommandRow::name) + "; " + program +
+                     " --help explains them");
   if (words.front() == "--version") {
     fmt::print("elastin " ELASTIN_VERSION "\n");
     return 0;

@@ -1,6 +1,7 @@
 #include "lab/study/study.h"
 
 #include "command/row.h"
+#include "core/base/named.h"
 #include "elastin/core/base/error.h"
 #include "lab/export/formats.h"
 #include "lab/study/plan.h"
@@ -27,11 +28,9 @@ struct CompareCommand {
                 "Compare steppers on the scene's own strategy: names separated by commas, or all");
     options.add("--against", lab::kCalculix, one_of({lab::kCalculix}, into(request.against)),
                 "calculix: also run CalculiX, with its error and seconds, where ccx is installed");
-    std::string known;
-    for (const auto& row : lab::engines()) known += row->name + ", ";
-    options.add(
-        "--engines", "NAMES", into(engines),
-        "Also run the scene's own strategy in these engines: names separated by commas, of " + known + "and steppers");
+    options.add("--engines", "NAMES", into(engines),
+                "Also run the scene's own strategy in these engines: names separated by commas, of " +
+                    joined(lab::engines(), [](const auto& row) { return row->name; }) + " and steppers");
     options
         .add("--engine", "COMMAND", into(request.engine_commands),
              "The same in an engine of your own: a command that reads a request and prints an answer, each one line of "

@@ -3,6 +3,7 @@
 #include <filesystem>
 
 #include "command/row.h"
+#include "core/base/named.h"
 #include "elastin/core/base/error.h"
 #include "lab/export/formats.h"
 #include "lab/report/files.h"
@@ -16,9 +17,8 @@ struct ExportCommand {
 
   void add_to(Options& options) {
     scene.add_to(options, false);
-    std::string formats;
-    for (const auto& row : lab::export_formats())
-      formats += fmt::format("{}{}: {}", formats.empty() ? "" : "; ", row->name, row->summary);
+    const std::string formats = joined(
+        lab::export_formats(), [](const auto& row) { return row->name + ": " + row->summary; }, "; ");
     options.add("--to", "FORMAT", into(format), formats).required = true;
     options.add("--strategy", "NAME", into(strategy),
                 "The strategy whose constants are written, as in --strategies; without it the scene's own");
@@ -49,12 +49,8 @@ struct ExportCommand {
     if (out == "-" || (std::filesystem::create_directories(out, error), error))
       throw InputError("--out " + out + ": a folder is needed for the files of " + row.name +
                        (error ? ": " + error.message() : ""));
-    std::string names;
-    for (const auto& [name, text] : files) {
-      lab::write_whole(out + "/" + name, text);
-      names += (names.empty() ? "" : ", ") + name;
-    }
-    say(fmt::format("{}: {}", out, names), body.notes);
+    for (const auto& [name, text] : files) lab::write_whole(out + "/" + name, text);
+    say(fmt::format("{}: {}", out, joined(files, &lab::ExportedFile::name)), body.notes);
     return 0;
   }
 

@@ -5,6 +5,7 @@
 #include <iostream>
 
 #include "command/row.h"
+#include "core/base/named.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/shapes/shapes.h"
 #include "lab/report/files.h"
@@ -29,9 +30,8 @@ struct NewCommand {
   bool quiet = false;
 
   void add_to(Options& options) {
-    std::string names;
-    for (const lab::NewSpecimen& row : lab::new_specimens())
-      names += fmt::format("{}{}: {}", names.empty() ? "" : "; ", row.name, row.summary);
+    const std::string names = joined(
+        lab::new_specimens(), [](const auto& row) { return fmt::format("{}: {}", row.name, row.summary); }, "; ");
     options.argument("SPECIMEN", into(scene.specimen), names, false, false);
     options.add("--size", "LENGTHS", into(scene.size), "Lengths of a block along x, y, z: '40 x 10 x 4 mm'");
     options.add("--mesh", "FILE", into(scene.mesh), "File of the mesh (dogbone) or of the closed surface (organ)");
@@ -62,12 +62,9 @@ struct NewCommand {
   void complete() {
     const bool can_ask = isatty(STDIN_FILENO) && isatty(STDERR_FILENO);
     if (scene.specimen.empty()) {
-      std::string names;
-      for (const lab::NewSpecimen& row : lab::new_specimens()) {
-        if (can_ask) lab::say(fmt::format("  {:12} {}\n", row.name, row.summary));
-        names += std::string(names.empty() ? "" : ", ") + row.name;
-      }
-      if (!can_ask) throw InputError("new: name a specimen: " + names);
+      if (!can_ask) throw InputError("new: name a specimen: " + joined(lab::new_specimens(), &lab::NewSpecimen::name));
+      for (const lab::NewSpecimen& row : lab::new_specimens())
+        lab::say(fmt::format("  {:12} {}\n", row.name, row.summary));
       scene.specimen = ask("specimen", "strip");
     }
     for (const lab::NewSpecimen& row : lab::new_specimens()) {

@@ -9,6 +9,7 @@
 #include <cstdlib>
 #include <utility>
 
+#include "core/base/named.h"
 #include "elastin/core/base/error.h"
 
 namespace elastin::command {
@@ -107,9 +108,7 @@ void Options::argument(const std::string& name, Take take, const std::string& he
 }
 
 Options::Option& Options::find(const std::string& name) {
-  const auto found =
-      std::find_if(options_.begin(), options_.end(), [&](const Option& option) { return option.name == name; });
-  if (found != options_.end()) return *found;
+  if (Option* found = find_named(options_, name)) return *found;
   std::vector<std::string> known;
   for (const Option& option : options_)
     if (!option.hidden) known.push_back(option.name);

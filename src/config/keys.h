@@ -13,6 +13,7 @@
 
 #include "config/key_rows.h"
 #include "config/reader.h"
+#include "core/base/named.h"
 
 namespace elastin::config {
 
@@ -418,14 +419,13 @@ Key<Setup> row(std::string name, Member Setup::*member, const Rows& rows, std::s
 template <class Setup, class Member>
 Key<Setup> choice(std::string name, Member Setup::*member,
                   std::vector<std::pair<std::string, typename value_type<Member>::type>> words, std::string text) {
-  std::vector<std::string> names;
-  for (const auto& word : words) names.push_back(word.first);
   const auto word_of = [&](const auto& meant) {
     for (const auto& word : words)
       if (word.second == meant) return "`" + word.first + "`";
     return std::string("none");
   };
-  return {{std::move(name), words_text(names), "", "", default_of(member, word_of), std::move(text)},
+  return {{std::move(name), words_text(names_of(words, [](const auto& word) { return word.first; })), "", "",
+           default_of(member, word_of), std::move(text)},
           [=, words = std::move(words)](const Reader& value, Setup& setup, const Frame&) {
             setup.*member = value.choice(words);
           }};

@@ -4,6 +4,7 @@
 #include <string_view>
 #include <utility>
 
+#include "core/base/named.h"
 #include "elastin/core/base/error.h"
 
 namespace elastin::config {
@@ -128,12 +129,6 @@ std::string meant(const Pair (&others)[count], const std::string& given, const s
   return "";
 }
 
-std::string joined(const std::vector<std::string>& values) {
-  std::string text;
-  for (const std::string& value : values) text += (text.empty() ? "" : ", ") + value;
-  return "[" + text + "]";
-}
-
 bool is_number(std::string_view text) {
   return !text.empty() && text.find_first_not_of("+-.0123456789eE") == std::string_view::npos &&
          text.find_first_of("0123456789") != std::string_view::npos;
@@ -188,7 +183,7 @@ std::string as_list(const std::string& text) {
   const std::size_t unit = list.back().find(' ');
   for (std::string& value : list)
     if (unit != std::string::npos && value.find(' ') == std::string::npos) value += list.back().substr(unit);
-  return joined(list);
+  return "[" + joined(list) + "]";
 }
 
 std::string with_decimal_points(const std::vector<std::string>& given, std::size_t count) {
@@ -201,7 +196,7 @@ std::string with_decimal_points(const std::vector<std::string>& given, std::size
     std::vector<std::string> mended(given.begin(), given.begin() + static_cast<std::ptrdiff_t>(i));
     mended.push_back(given[i] + "." + given[i + 1]);
     mended.insert(mended.end(), given.begin() + static_cast<std::ptrdiff_t>(i) + 2, given.end());
-    return "; is one comma a decimal one? Write " + joined(mended);
+    return "; is one comma a decimal one? Write [" + joined(mended) + "]";
   }
   return "";
 }

@@ -13,6 +13,8 @@
 #include <fstream>
 #include <set>
 
+#include "core/base/named.h"
+
 namespace elastin::config {
 namespace {
 
@@ -145,23 +147,20 @@ void Reader::finish() const {
 /// "; write density: 1000 kg/m3 (allowed: …)": what a key that nobody knows should be, or where it belongs.
 std::string Reader::instead_of(const std::string& key, const YAML::Node& value,
                                const std::vector<std::string>& known) const {
-  std::string allowed;
-  for (const std::string& name : known) allowed += (allowed.empty() ? "" : ", ") + name;
+  const std::string allowed = joined(known);
   const bool short_value = value.IsScalar() && value.Scalar().size() < 40;
   if (const std::string meant = meant_key(key, known); !meant.empty())
     return "; did you mean '" + meant + "'? Write " + meant + ": " + (short_value ? value.Scalar() : "…") +
            " (allowed: " + allowed + ")";
   if (const std::string instead = instead_of_key(key); !instead.empty()) return "; " + instead;
   if (nearest_name(key, known).empty() && file_->owners) {
-    std::string owners;
     const std::vector<std::string> maps = file_->owners(key);
     // A parameter of another strategy or kind has its place here already.
     const bool here = section_ && std::any_of(maps.begin(), maps.end(), [&](const std::string& map) {
                         return *section_ == map || section_->starts_with(map + ".");
                       });
-    for (const std::string& owner : here ? std::vector<std::string>() : maps)
-      owners += (owners.empty() ? "" : " or ") + ("`" + owner + "`");
-    if (!owners.empty()) return "; it is a key of " + owners + ": write it there (allowed here: " + allowed + ")";
+    if (!here && !maps.empty())
+      return "; it is a key of `" + joined(maps, "` or `") + "`: write it there (allowed here: " + allowed + ")";
   }
   return suggestion(key, known);
 }

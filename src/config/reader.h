@@ -13,6 +13,7 @@
 #include "config/key_rows.h"
 #include "config/scene_text.h"
 #include "config/scene_tree.h"
+#include "core/base/named.h"
 #include "elastin/config/scene_source.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/base/types.h"
@@ -106,11 +107,10 @@ class Reader {
   template <class Value>
   Value choice(const std::vector<std::pair<std::string, Value>>& choices) const {
     const std::string word = text();
-    std::vector<std::string> names;
-    for (const auto& [name, value] : choices) names.push_back(name);
     for (const auto& [name, value] : choices)
       if (name == word) return value;
-    fail("'" + word + "' is not known here" + suggested_word(word, names));
+    fail("'" + word + "' is not known here" +
+         suggested_word(word, names_of(choices, [](const auto& choice) { return choice.first; })));
   }
 
   /// The molecules of the mesh's set of this name; a scene has that of its one body.

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "contact/thickness.h"
+#include "contact/distance.h"
 #include "elastin/core/base/error.h"
 
 namespace elastin::contact {

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <string>
 
-#include "contact/surface_distance.h"
 #include "core/geometry/triangle_tree.h"
 #include "elastin/core/base/error.h"
 #include "hull/convex_hull.h"
@@ -172,5 +172,43 @@ SignedDistance::SignedDistance(const ObstacleShape& shape)
 SignedDistance::~SignedDistance() = default;
 SignedDistance::SignedDistance(SignedDistance&&) noexcept = default;
 Distance SignedDistance::at(const Vector3& point) const { return solid_->at(point); }
+
+Distance distance_to_surface(const SurfaceNormals& normals, const Positions& positions, int triangle,
+                             const NearestPoint& nearest, const Vector3& point) {
+  const Vector3 outward = normals.at(positions, triangle, nearest.weights), away = point - nearest.position;
+  const auto zeros = std::count(nearest.weights.begin(), nearest.weights.end(), 0);
+  if (zeros == 0) return {away.dot(outward), outward, Matrix3::Zero()};
+  const auto& [a, b, c] = normals.triangles()[triangle];
+  const std::array<Vector3, 3> corners{positions.col(a), positions.col(b), positions.col(c)};
+  const double length = away.norm(), sign = away.dot(outward) < 0 ? -1 : 1;
+  // Rounding has a say in the direction of what is short; there it comes from the surface.
+  const double size = std::max((corners[1] - corners[0]).norm(), (corners[2] - corners[0]).norm());
+  if (!(length > 1e-9 * size)) return {sign * length, outward, Matrix3::Zero()};
+  const Vector3 normal = sign / length * away;
+  Matrix3 free = Matrix3::Identity() - normal * normal.transpose();
+  if (zeros == 1) {
+    const int out = nearest.weights[0] == 0 ? 0 : nearest.weights[1] == 0 ? 1 : 2;
+    const Vector3 side = corners[(out + 2) % 3] - corners[(out + 1) % 3];
+    const double side_length = side.norm();
+    if (side_length > 0) free -= (side / side_length) * (side / side_length).transpose();
+  }
+  return {sign * length, normal, sign / length * free};
+}
+
+double half_thickness(const ObstacleShape& obstacle) {
+  struct Visitor {
+    double operator()(const shape::Plane&) const { return std::numeric_limits<double>::infinity(); }
+    double operator()(const shape::Box& box) const { return box.size.minCoeff() / 2; }
+    double operator()(const shape::Sphere& sphere) const { return sphere.radius; }
+    double operator()(const shape::Cylinder& cylinder) const { return std::min(cylinder.radius, cylinder.length / 2); }
+    double operator()(const shape::Capsule& capsule) const { return capsule.radius; }
+    double operator()(const shape::Convex& convex) const { return of(convex.points); }
+    double operator()(const shape::Mesh& mesh) const { return of(mesh.points); }
+    static double of(const Positions& points) {
+      return (points.rowwise().maxCoeff() - points.rowwise().minCoeff()).minCoeff() / 2;
+    }
+  };
+  return std::visit(Visitor{}, obstacle);
+}
 
 }  // namespace elastin::contact

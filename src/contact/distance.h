@@ -1,6 +1,8 @@
 #pragma once
 #include <memory>
 
+#include "core/geometry/surface_normals.h"
+#include "core/geometry/triangle.h"
 #include "elastin/contact/obstacle.h"
 
 namespace elastin::contact {
@@ -39,5 +41,13 @@ std::unique_ptr<SignedDistance::Solid> make_mesh_distance(const Positions& point
 
 /// Of the convex hull of points. Throws InputError where they have none: too few, or all in one plane.
 std::unique_ptr<SignedDistance::Solid> make_hull_distance(const Positions& points);
+
+/// How far a point is from a surface, if `nearest` on that triangle is the nearest point of all; below 0 behind it.
+Distance distance_to_surface(const SurfaceNormals& normals, const Positions& positions, int triangle,
+                             const NearestPoint& nearest, const Vector3& point);
+
+/// How deep a point may get into an obstacle before the shortest way out is another than it came [m]; infinite of a
+/// plane.
+double half_thickness(const ObstacleShape& obstacle);
 
 }  // namespace elastin::contact

@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "contact/broad_phase.h"
-#include "contact/surface_distance.h"
+#include "contact/distance.h"
 #include "core/parallel/parallel.h"
 
 namespace elastin::contact {

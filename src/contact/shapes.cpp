@@ -3,6 +3,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/named.h"
 #include "elastin/contact/obstacle.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/base/text.h"
@@ -39,10 +40,7 @@ const std::vector<ShapeRow>& rows() {
 }  // namespace
 
 ObstacleShape make_shape(const std::string& name, const std::map<std::string, double>& sizes) {
-  std::vector<std::string> names;
-  for (const ShapeRow& row : rows()) names.push_back(row.name);
-  const auto row = std::find_if(rows().begin(), rows().end(), [&](const ShapeRow& one) { return one.name == name; });
-  if (row == rows().end()) throw InputError("obstacle: there is no shape '" + name + "'" + suggestion(name, names));
+  const ShapeRow* row = &named(rows(), name, "obstacle: there is no shape '" + name + "'");
   for (const auto& [key, value] : sizes)
     if (std::find(row->sizes.begin(), row->sizes.end(), key) == row->sizes.end())
       throw InputError("obstacle: a " + name + " has no '" + key + "'" + suggestion(key, row->sizes));

@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 
+#include "core/base/named.h"
 #include "core/model/check_indices.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/forces/prony.h"
@@ -164,15 +165,14 @@ Material with_given_law(const py::dict& given, const Material& material) {
   LawConstants constants{.law = row->name};
   for (const auto& [key, value] : given) {
     const std::string name = word_of(key, "a key of the law");
-    const auto info = std::find_if(row->parameters.begin(), row->parameters.end(),
-                                   [&](const ParameterInfo& parameter) { return parameter.name == name; });
+    const ParameterInfo* info = find_named(row->parameters, name);
     if (name == "law") continue;
     if (name == "terms") {
       for (const py::handle& term : value)
         constants.terms.push_back(py::isinstance<py::sequence>(term)
                                       ? entry_of<std::vector<double>>(term, name, "lists of numbers")
                                       : std::vector{number_of(term, name)});
-    } else if (info != row->parameters.end() && info->kind == ValueKind::direction) {
+    } else if (info && info->kind == ValueKind::direction) {
       const auto direction = entry_of<Vector3>(value, name, "three numbers");
       positive(name.c_str(), direction.norm(), "");
       constants.directions[name] = direction.normalized();

@@ -4,6 +4,7 @@
 
 #include <map>
 
+#include "core/base/named.h"
 #include "elastin/core/base/error.h"
 #include "python/bind.h"
 
@@ -61,8 +62,9 @@ void add_contact_to(Moving& self, double stiffness, const std::vector<py::dict>&
   if (surface != "triangles" && surface != "spheres")
     throw InputError("surface: is '" + surface + "'; allowed: triangles, spheres");
   options.surface = surface == "triangles" ? contact::ContactSurface::triangles : contact::ContactSurface::spheres;
-  std::vector<std::string> names;  // of all contacts: forces go by them
-  for (const auto& known : contact::forces_on_obstacles(self.simulation)) names.push_back(known.first);
+  // Of all contacts: forces go by them.
+  std::vector<std::string> names =
+      names_of(contact::forces_on_obstacles(self.simulation), [](const auto& known) { return known.first; });
   for (std::size_t number = 0; number < obstacles.size(); ++number) {
     options.obstacles.push_back(obstacle_from(self.simulation, obstacles[number], number, names));
     names.push_back(options.obstacles.back().name);

@@ -6,6 +6,7 @@
 #include <chrono>
 #include <variant>
 
+#include "core/base/named.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/simulation/parts.h"
 #include "elastin/core/simulation/saved_state.h"
@@ -148,9 +149,8 @@ LoadValues load_values(const LoadKind& load, const py::kwargs& given) {
   LoadValues values;
   for (const auto& [key, value] : given) {
     const auto name = key.cast<std::string>();
-    const auto info = std::find_if(load.parameters.begin(), load.parameters.end(),
-                                   [&](const ParameterInfo& one) { return one.name == name; });
-    const ValueKind kind = info == load.parameters.end() ? ValueKind::number : info->kind;
+    const ParameterInfo* info = find_named(load.parameters, name);
+    const ValueKind kind = info ? info->kind : ValueKind::number;
     if (kind == ValueKind::molecules)
       values.molecules[name] = entry_of<std::vector<int>>(value, name, "a list of numbers of molecules");
     else if (kind == ValueKind::vector || kind == ValueKind::direction)

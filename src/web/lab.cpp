@@ -111,7 +111,7 @@ elastin_status elastin_lab_open(const void* bytes, size_t count, elastin_lab** l
     given(lab, "lab");
     ByteReader reader(&given(static_cast<const char*>(bytes), "bytes"), count, "the body of this page");
     auto made = std::make_unique<elastin_lab>();
-    lab::visit(reader, made->parcel);
+    visit(reader, made->parcel);
     if (reader.left() > 0) throw InputError("the body of this page is damaged: more stands in it than a body");
     web::restore_law(made->parcel.material);
     for (Material& material : made->parcel.materials) web::restore_law(material);

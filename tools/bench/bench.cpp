@@ -40,23 +40,11 @@ constexpr Case kCases[] = {
      "a material of measured curves: homogeneous tests, and a specimen of ten thousand molecules; peer: slopes by "
      "differences of whole curves",
      bench::run_identify},
-    {"convergence",
-     "clamped tension, shear, torsion and cantilever under refinement, against converged finite elements",
-     bench::run_convergence},
-    {"accuracy",
-     "error and time on the problems of scenes/study, Elastin's and CalculiX's, as whole processes; CalculiX's rows go "
-     "beside Elastin's by "
-     "`elastin compare --peers`",
-     bench::run_accuracy},
-    {"contact", "finding what touches, and explicit steps with it; peer: FCL by hand, one collision object a molecule",
-     bench::run_contact},
     {"embed",
      "the largest soft cube (10 cm, 10 kPa) that a host steps 1000 times a second on one core, and how steadily; "
      "limit: "
      "its force passes alone, peer: Bullet",
-     bench::run_embed},
-    {"web", "explicit steps of springs and of cells; peer: the same core as WebAssembly, in node, on one thread",
-     bench::run_web}};
+     bench::run_embed}};
 
 }  // namespace
 

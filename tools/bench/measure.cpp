@@ -40,7 +40,6 @@ std::string millions(double value) { return fmt::format("{:.1f}", value / 1e6); 
 
 constexpr Column kColumns[] = {
     {"molecules", "molecules", &Figures::molecules, [](double v) { return fmt::format("{:.0f}", v); }},
-    {"touches", "touches", &Figures::touches, [](double v) { return fmt::format("{:.0f}", v); }},
     {"springs", "springs", &Figures::springs, [](double v) { return fmt::format("{:.0f}", v); }},
     {"cells", "cells", &Figures::cells, [](double v) { return fmt::format("{:.0f}", v); }},
     {"build_s", "build", &Figures::build, seconds_text},
@@ -55,7 +54,6 @@ constexpr Column kColumns[] = {
     {"peer_over_this_with_build", "with build", &Figures::whole_ratio,
      [](double v) { return fmt::format("{:.2f}", v); }},
     {"over_elastin_lattice", "elastin ahead", &Figures::behind, [](double v) { return fmt::format("{:.2f}", v); }},
-    {"over_without_contact", "/no contact", &Figures::without, [](double v) { return fmt::format("{:.3f}", v); }},
     {"late_s", "99 %", &Figures::late, seconds_text},
     {"later_s", "99.9 %", &Figures::later, seconds_text},
     {"most_s", "most", &Figures::most, seconds_text},
@@ -65,9 +63,7 @@ constexpr Column kColumns[] = {
     {"newton_iterations", "Newton", &Figures::newton, [](double v) { return fmt::format("{:.0f}", v); }},
     {"cg_iterations", "CG", &Figures::iterations, [](double v) { return fmt::format("{:.0f}", v); }},
     {"residual", "residual", &Figures::residual, [](double v) { return fmt::format("{:.1e}", v); }},
-    {"over_reference", "/reference", &Figures::value, [](double v) { return fmt::format("{:.6f}", v); }},
     {"error", "error", &Figures::error, [](double v) { return fmt::format("{:.4f} %", 100 * v); }},
-    {"order", "order", &Figures::order, [](double v) { return fmt::format("{:.2f}", v); }},
     {"peak_B", "peak MB", &Figures::peak, millions},
 };
 
@@ -192,14 +188,14 @@ void write_csv(const std::string& path, const std::string& machine, const std::v
   std::ofstream file(path);
   file << "case,side,method,threads,repeats";
   for (const Column& column : kColumns) file << ',' << column.key;
-  file << ",note,scene,machine\n";
+  file << ",note,machine\n";
   for (const Row& row : rows) {
     file << fmt::format("{},{},{},{},{}", row.scenario, row.side, quoted(row.method), row.threads, row.repeats);
     for (const Column& column : kColumns) {
       const double value = row.figures.*column.value;
       file << ',' << (std::isnan(value) ? "" : fmt::format("{:.6g}", value));
     }
-    file << ',' << quoted(row.note) << ',' << row.scene << ',' << quoted(machine) << '\n';
+    file << ',' << quoted(row.note) << ',' << quoted(machine) << '\n';
   }
   if (!file.flush()) throw std::runtime_error("cannot write " + path);
 }

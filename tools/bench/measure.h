@@ -16,7 +16,6 @@ inline constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 /// pipe.
 struct Figures {
   double molecules = kNone;
-  double touches = kNone;  ///< pairs that touch
   double springs = kNone;
   double cells = kNone;
   double build = kNone;        ///< median [s] of making all that the solve needs: body, constants, model, matrix
@@ -30,7 +29,6 @@ struct Figures {
   double ratio = kNone;        ///< the peer's best minimum on no more threads over this minimum: > 1 is faster
   double whole_ratio = kNone;  ///< the same of build + solve medians: what one solve costs from nothing
   double behind = kNone;       ///< this median over that of Elastin's lattice steps: what those are ahead by
-  double without = kNone;      ///< this minimum over that without contact
   double late = kNone;         ///< 99 % of the steps take no longer [s]
   double later = kNone;        ///< 99.9 % of them [s]
   double most = kNone;         ///< all of them [s]
@@ -40,9 +38,7 @@ struct Figures {
   double newton = kNone;       ///< Newton iterations
   double iterations = kNone;   ///< of conjugate gradients, all Newton iterations together
   double residual = kNone;  ///< ‖b − K x‖/‖b‖ with the assembled matrix; of Newton, unbalanced force over loads
-  double value = kNone;     ///< what was solved for over its reference
-  double error = kNone;     ///< |value − 1|
-  double order = kNone;     ///< log₂ of the error of twice the spacing over this one
+  double error = kNone;     ///< relative
   double peak = kNone;      ///< [B]: how far the peak of the process's resident memory grew
 };
 
@@ -53,7 +49,6 @@ struct Row {
   int threads = 1, repeats = 1;
   Figures figures;
   std::string note;
-  std::string scene = {};  ///< whose problem it is, where that is one of scenes/
 };
 
 struct Settings {
@@ -104,10 +99,6 @@ std::vector<Row> run_steps(const Settings& settings);
 std::vector<Row> run_embed(const Settings& settings);
 std::vector<Row> run_laws(const Settings& settings);
 std::vector<Row> run_identify(const Settings& settings);
-std::vector<Row> run_convergence(const Settings& settings);
-std::vector<Row> run_accuracy(const Settings& settings);
-std::vector<Row> run_contact(const Settings& settings);
 std::vector<Row> run_cut(const Settings& settings);
-std::vector<Row> run_web(const Settings& settings);
 
 }  // namespace bench

@@ -1,4 +1,4 @@
-// The other side of `elastin_bench web`: node web.js NPM CELLS KIND STRATEGY SIDE DT STEPS takes the same steps in WebAssembly
+// The other side of `tools/bench/commands web`: node web.js NPM CELLS KIND STRATEGY SIDE DT STEPS takes the same steps in WebAssembly
 // and prints the seconds that they took and where the first molecule is then.
 'use strict';
 const fs = require('node:fs');

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <numeric>
 
+#include "core/base/named.h"
+
 namespace elastin {
 namespace {
 
@@ -57,8 +59,7 @@ std::string nearest_name(std::string_view word, const std::vector<std::string>& 
 std::string suggestion(std::string_view word, const std::vector<std::string>& candidates) {
   const std::string near = nearest_name(word, candidates);
   std::string text = near.empty() ? "" : "; did you mean '" + near + "'?";
-  text += near.empty() ? "; allowed: " : " (allowed: ";
-  for (std::size_t i = 0; i < candidates.size(); ++i) text += (i ? ", " : "") + candidates[i];
+  text += (near.empty() ? "; allowed: " : " (allowed: ") + joined(candidates);
   return near.empty() ? text : text + ")";
 }
 

@@ -1,8 +1,19 @@
 #include "core/base/rows.h"
 
-#include "core/base/count.h"
+#include <limits>
+#include <string>
+
+#include "elastin/core/base/error.h"
 
 namespace elastin {
+
+int numbered(std::int64_t count, const char* what) {
+  constexpr int most = std::numeric_limits<int>::max();
+  if (count > most)
+    throw InputError(std::to_string(count) + " " + what + " are more than " + std::to_string(most) +
+                     ", the most that a body can have");
+  return static_cast<int>(count);
+}
 
 Rows rows_by_target(int rows, std::span<const int> targets) {
   numbered(static_cast<std::int64_t>(targets.size()), "ends of connections or corners of cells");

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "core/base/named.h"
 #include "elastin/core/base/text.h"
 
 namespace elastin {
@@ -37,20 +38,12 @@ const char* name_of(ValueKind kind) {
 
 const ParameterInfo& checked_parameter(const std::string& owner, const std::vector<ParameterInfo>& parameters,
                                        const std::string& name, double value) {
-  std::vector<std::string> names;
-  for (const ParameterInfo& info : parameters) {
-    if (info.name != name) {
-      names.push_back(info.name);
-      continue;
-    }
-    const bool whole = info.kind == ValueKind::whole,
-               low_enough = info.above_low ? value > info.low : value >= info.low;
-    if (low_enough && value <= info.high && (!whole || value == std::floor(value))) return info;
-    throw InputError(owner + "." + name + ": " + number(value) + " is out of range: it must be " +
-                     (whole ? "whole, " : "") + range_text(info) + " (" + info.text + ")");
-  }
-  if (names.empty()) throw InputError("'" + name + "': " + owner + " takes no parameters");
-  throw InputError("unknown parameter '" + name + "' of " + owner + suggestion(name, names));
+  if (parameters.empty()) throw InputError("'" + name + "': " + owner + " takes no parameters");
+  const ParameterInfo& info = named(parameters, name, "unknown parameter '" + name + "' of " + owner);
+  const bool whole = info.kind == ValueKind::whole, low_enough = info.above_low ? value > info.low : value >= info.low;
+  if (low_enough && value <= info.high && (!whole || value == std::floor(value))) return info;
+  throw InputError(owner + "." + name + ": " + number(value) + " is out of range: it must be " +
+                   (whole ? "whole, " : "") + range_text(info) + " (" + info.text + ")");
 }
 
 ParameterValues complete_values(const std::string& owner, const std::vector<ParameterInfo>& parameters,

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/named.h"
 #include "elastin/core/base/error.h"
 
 namespace elastin {
@@ -31,14 +32,8 @@ bool fits(ValueKind kind, const LoadValues& values, const std::string& name) {
 }
 
 void check_name(const LoadKind& load, const LoadValues& values, const std::string& name) {
-  std::vector<std::string> names;
-  for (const ParameterInfo& info : load.parameters) {
-    names.push_back(info.name);
-    if (info.name != name) continue;
-    if (!fits(info.kind, values, name)) throw InputError(load.name + "." + name + ": must be a " + name_of(info.kind));
-    return;
-  }
-  throw InputError(load.name + " has no '" + name + "'" + suggestion(name, names));
+  const ParameterInfo& info = named(load.parameters, name, load.name + " has no '" + name + "'");
+  if (!fits(info.kind, values, name)) throw InputError(load.name + "." + name + ": must be a " + name_of(info.kind));
 }
 
 }  // namespace

@@ -5,12 +5,8 @@
 /// The one description of what a support is made of, for saved states; see base/archive.
 namespace elastin {
 
-template <class Archive>
-void visit(Archive& archive, Support& support) {
-  archive.whole(support.molecule);
-  visit(archive, support.free);
-  visit(archive, support.displacement);
-  visit(archive, support.velocity);
+inline auto members(Support& support) {
+  return std::tie(support.molecule, support.free, support.displacement, support.velocity);
 }
 
 }  // namespace elastin

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <string>
 
+#include "core/base/named.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/geometry/cell_kind.h"
 
@@ -389,12 +390,8 @@ std::span<const CellKind> cell_kinds() {
 }
 
 const CellKind& cell_kind(std::string_view name) {
-  std::vector<std::string> names;
-  for (const CellKind& kind : cell_kinds()) {
-    if (kind.name == name) return kind;
-    names.emplace_back(kind.name);
-  }
-  throw InputError("unknown cell shape '" + std::string(name) + "'" + suggestion(std::string(name), names));
+  const auto kinds = cell_kinds();
+  return named(kinds, name, "unknown cell shape '" + std::string(name) + "'");
 }
 
 std::vector<std::vector<int>> hexahedra_of_27() {

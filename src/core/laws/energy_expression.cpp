@@ -6,6 +6,7 @@
 #include <limits>
 #include <utility>
 
+#include "core/base/named.h"
 #include "core/laws/jet3.h"
 #include "core/laws/solids/components.h"
 #include "elastin/core/base/dense.h"
@@ -76,12 +77,7 @@ constexpr Named kKinds[] = {{"number", Kind::number, 0},     {"parameter", Kind:
                             {"less", Kind::less, 2},         {"select", Kind::select, 3}};
 
 const Named& named(const EnergyOperation& operation) {
-  std::vector<std::string> names;
-  for (const Named& one : kKinds) {
-    if (operation.kind == one.name) return one;
-    names.emplace_back(one.name);
-  }
-  throw InputError("unknown operation '" + operation.kind + "'" + suggestion(operation.kind, names));
+  return elastin::named(kKinds, operation.kind, "unknown operation '" + operation.kind + "'");
 }
 
 Jet3 power(const Jet3& a, const Jet3& b) {

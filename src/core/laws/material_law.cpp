@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "core/base/named.h"
 #include "elastin/core/base/dense.h"
 #include "elastin/core/base/text.h"
 #include "elastin/core/laws/homogeneous.h"
@@ -21,19 +22,7 @@ constexpr NamedForm kForms[] = {{"logarithmic", Volumetric::Form::logarithmic},
                                 {"mixed", Volumetric::Form::mixed},
                                 {"quadratic", Volumetric::Form::quadratic}};
 
-const ParameterInfo* find(const std::vector<ParameterInfo>& infos, const std::string& name) {
-  const auto found = std::find_if(infos.begin(), infos.end(), [&](const auto& info) { return info.name == name; });
-  return found == infos.end() ? nullptr : &*found;
-}
-
 bool is_direction(const ParameterInfo& info) { return info.kind == ValueKind::direction; }
-
-std::vector<std::string> names_of(const MaterialLaw& row, bool directions) {
-  std::vector<std::string> names;
-  for (const ParameterInfo& info : row.parameters)
-    if (is_direction(info) == directions) names.push_back(info.name);
-  return names;
-}
 
 void check_terms(const MaterialLaw& row, const LawConstants& constants) {
   const std::size_t count = constants.terms.size(), most = static_cast<std::size_t>(row.most_terms);
@@ -51,14 +40,11 @@ void check_terms(const MaterialLaw& row, const LawConstants& constants) {
 }
 
 void complete(const MaterialLaw& row, LawConstants& constants) {
-  std::vector<ParameterInfo> numbers;
-  for (const ParameterInfo& info : row.parameters)
-    if (!is_direction(info)) numbers.push_back(info);
+  std::vector<ParameterInfo> numbers, directions;
+  for (const ParameterInfo& info : row.parameters) (is_direction(info) ? directions : numbers).push_back(info);
   constants.numbers = complete_values(row.name, numbers, constants.numbers);
   for (const auto& [name, direction] : constants.directions) {
-    const ParameterInfo* info = find(row.parameters, name);
-    if (!info || !is_direction(*info))
-      throw InputError("unknown direction '" + name + "' of " + row.name + suggestion(name, names_of(row, true)));
+    named(directions, name, "unknown direction '" + name + "' of " + row.name);
     if (!(std::abs(direction.norm() - 1) < 1e-9))
       throw InputError(row.name + "." + name + ": the direction has length " + number(direction.norm()) +
                        "; it must be 1");
@@ -68,14 +54,9 @@ void complete(const MaterialLaw& row, LawConstants& constants) {
         (is_direction(info) ? !constants.directions.contains(info.name) : !constants.numbers.contains(info.name)))
       throw InputError(row.name + " needs '" + info.name + "': " + info.text);
   for (const auto& [name, word] : constants.words) {
-    const auto named = [&name = name](const WordInfo& info) { return info.name == name; };
-    const auto info = std::find_if(row.words.begin(), row.words.end(), named);
-    std::vector<std::string> names;
-    for (const WordInfo& other : row.words) names.push_back(other.name);
-    if (info == row.words.end())
-      throw InputError("unknown key '" + name + "' of " + row.name + suggestion(name, names));
-    if (std::find(info->words.begin(), info->words.end(), word) == info->words.end())
-      throw InputError(row.name + "." + name + ": '" + word + "' is not known here" + suggestion(word, info->words));
+    const WordInfo& info = named(row.words, name, "unknown key '" + name + "' of " + row.name);
+    if (std::find(info.words.begin(), info.words.end(), word) == info.words.end())
+      throw InputError(row.name + "." + name + ": '" + word + "' is not known here" + suggestion(word, info.words));
   }
   for (const WordInfo& info : row.words) constants.words.try_emplace(info.name, info.words.front());
   check_terms(row, constants);

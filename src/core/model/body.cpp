@@ -6,7 +6,7 @@
 #include <numeric>
 #include <utility>
 
-#include "core/base/count.h"
+#include "core/base/rows.h"
 #include "core/geometry/point_buckets.h"
 #include "core/model/block_geometry.h"
 #include "elastin/core/base/error.h"

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "core/base/named.h"
 #include "elastin/core/base/error.h"
 
 namespace elastin {
@@ -112,13 +113,8 @@ std::vector<int> molecules_of(const Part& part) {
 }
 
 const Part& find_part(const Body& body, const std::string& name) {
-  std::vector<std::string> names;
-  for (const Part& part : body.parts) {
-    if (part.name == name) return part;
-    names.push_back(part.name);
-  }
-  if (names.empty()) throw InputError("'" + name + "': the scene has no named bodies; give it `bodies:`");
-  throw InputError("there is no body '" + name + "'" + suggestion(name, names));
+  if (body.parts.empty()) throw InputError("'" + name + "': the scene has no named bodies; give it `bodies:`");
+  return named(body.parts, name, "there is no body '" + name + "'");
 }
 
 PartAlone part_alone(const Body& whole, const Part& part) {

@@ -1,9 +1,5 @@
 #pragma once
-#include <array>
-#include <map>
-#include <optional>
 #include <string>
-#include <vector>
 
 #include "core/model/visit_state.h"
 #include "elastin/core/geometry/cell_kind.h"
@@ -14,189 +10,57 @@
 /// machine; see base/archive. Bytes are taken as they come: the reader must have written them.
 namespace elastin {
 
-template <class Archive>
-void visit(Archive& archive, VectorX& numbers) {
-  numbers.resize(static_cast<Eigen::Index>(archive.count(static_cast<std::size_t>(numbers.size()), sizeof(double))));
-  archive.numbers(numbers.data(), static_cast<std::size_t>(numbers.size()));
+inline auto members(VoronoiCells& cells) {
+  return std::tie(cells.problem, cells.face_area, cells.volume, cells.surface_area);
 }
-
-template <class Archive>
-void visit(Archive& archive, std::string& word) {
-  archive.word(word);
-}
-
-template <class Archive, class Item, std::size_t size>
-void visit(Archive& archive, std::array<Item, size>& items) {
-  for (Item& item : items) visit(archive, item);
-}
-
-template <class Archive, class First, class Second>
-void visit(Archive& archive, std::pair<First, Second>& pair) {
-  visit(archive, pair.first);
-  visit(archive, pair.second);
-}
-
-template <class Archive, class Item>
-void visit(Archive& archive, std::vector<Item>& items) {
-  visit_all(archive, items);
-}
-
-template <class Archive, class Item>
-void visit(Archive& archive, std::optional<Item>& item) {
-  int present = item.has_value();
-  archive.whole(present);
-  if (present && !item) item.emplace();
-  if (item) visit(archive, *item);
-}
-
-template <class Archive, class Item>
-void visit(Archive& archive, std::map<std::string, Item>& items) {
-  std::vector<std::pair<std::string, Item>> list(items.begin(), items.end());
-  visit_all(archive, list);
-  items = {list.begin(), list.end()};
-}
-
-template <class Archive>
-void visit(Archive& archive, VoronoiCells& cells) {
-  archive.word(cells.problem);
-  visit(archive, cells.face_area);
-  visit(archive, cells.volume);
-  visit(archive, cells.surface_area);
-}
-
-template <class Archive>
-void visit(Archive& archive, CellRange& range) {
-  archive.whole(range.first);
-  archive.whole(range.count);
-}
+inline auto members(CellRange& range) { return std::tie(range.first, range.count); }
 
 template <class Archive>
 void visit(Archive& archive, CellBlock& block) {
   std::string name(block.kind ? block.kind->name : std::string_view());
   archive.word(name);
   block.kind = &cell_kind(name);
-  visit_all(archive, block.nodes);
-  visit(archive, block.stiffness);
+  visit_each(archive, block.nodes, block.stiffness);
 }
 
-template <class Archive>
-void visit(Archive& archive, Part& part) {
-  archive.word(part.name);
-  int rigid = part.rigid;
-  for (int* value : {&part.first, &part.count, &rigid, &part.material}) archive.whole(*value);
-  part.rigid = rigid != 0;
-  visit_all(archive, part.shared);
-  for (CellRange* range : {&part.triangles, &part.tetrahedra, &part.cubes, &part.blocks}) visit(archive, *range);
-  visit(archive, part.voronoi);
+inline auto members(Part& part) {
+  return std::tie(part.name, part.first, part.count, part.rigid, part.material, part.shared, part.triangles,
+                  part.tetrahedra, part.cubes, part.blocks, part.voronoi);
 }
-
-template <class Archive>
-void visit(Archive& archive, Tie& tie) {
-  archive.whole(tie.molecule);
-  visit(archive, tie.corners);
-  archive.numbers(tie.weights.data(), tie.weights.size());
-  visit(archive, tie.stiffness);
-}
-
-template <class Archive>
-void visit(Archive& archive, Cable& cable) {
-  archive.whole(cable.connection);
-  visit(archive, cable.stiffness);
-}
-
-template <class Archive>
-void visit(Archive& archive, Body& body) {
-  visit(archive, body.rest);
-  for (VectorX* of_each : {&body.mass, &body.radius, &body.connection_stiffness, &body.cell_stiffness})
-    visit(archive, *of_each);
-  visit(archive, body.connections.rest_length);
-  visit(archive, body.connections.ends);
-  archive.whole(body.connections.cell_sides);
-  visit(archive, body.triangles);
-  visit(archive, body.cables);
-  visit(archive, body.tetrahedra);
-  visit(archive, body.blocks);
-  visit(archive, body.cubes);
-  visit(archive, body.grid);
-  visit(archive, body.voronoi);
-  visit(archive, body.parts);
-  visit(archive, body.ties);
-  visit(archive, body.between);
-  visit(archive, body.assumed_density);
+inline auto members(Tie& tie) { return std::tie(tie.molecule, tie.corners, tie.weights, tie.stiffness); }
+inline auto members(Cable& cable) { return std::tie(cable.connection, cable.stiffness); }
+inline auto members(Body& body) {
+  return std::tie(body.rest, body.mass, body.radius, body.connection_stiffness, body.cell_stiffness,
+                  body.connections.rest_length, body.connections.ends, body.connections.cell_sides, body.triangles,
+                  body.cables, body.tetrahedra, body.blocks, body.cubes, body.grid, body.voronoi, body.parts, body.ties,
+                  body.between, body.assumed_density);
 }
 
 template <class Archive>
 void visit(Archive& archive, StressStrain& curve) {
   auto pieces = *curve.pieces_;
   pieces.resize(archive.count(pieces.size(), sizeof(StressStrain::Piece)));
-  for (StressStrain::Piece& p : pieces)
-    for (double* value : {&p.end, &p.strain, &p.stress, &p.c1, &p.c2, &p.c3, &p.energy}) visit(archive, *value);
+  for (auto& p : pieces) visit_each(archive, p.end, p.strain, p.stress, p.c1, p.c2, p.c3, p.energy);
   curve.pieces_ = std::make_shared<const std::vector<StressStrain::Piece>>(std::move(pieces));
 }
 
-template <class Archive>
-void visit(Archive& archive, Fibre& fibre) {
-  visit(archive, fibre.direction);
-  visit(archive, fibre.curve);
+inline auto members(Fibre& fibre) { return std::tie(fibre.direction, fibre.curve); }
+inline auto members(Relaxation::Term& term) { return std::tie(term.share, term.time); }
+inline auto members(Relaxation& relaxation) {
+  return std::tie(relaxation.terms, relaxation.instantaneous, relaxation.retardation);
 }
-
-template <class Archive>
-void visit(Archive& archive, Relaxation::Term& term) {
-  visit(archive, term.share);
-  visit(archive, term.time);
-}
-
-template <class Archive>
-void visit(Archive& archive, Relaxation& relaxation) {
-  visit_all(archive, relaxation.terms);
-  int instantaneous = relaxation.instantaneous;
-  archive.whole(instantaneous);
-  relaxation.instantaneous = instantaneous != 0;
-  visit(archive, relaxation.retardation);
-}
-
-template <class Archive>
-void visit(Archive& archive, Softening& softening) {
-  for (double* value : {&softening.r, &softening.m, &softening.beta}) visit(archive, *value);
-}
-
-template <class Archive>
-void visit(Archive& archive, RoundAxis& axis) {
-  visit(archive, axis.point);
-  visit(archive, axis.direction);
-}
-
+inline auto members(Softening& softening) { return std::tie(softening.r, softening.m, softening.beta); }
+inline auto members(RoundAxis& axis) { return std::tie(axis.point, axis.direction); }
 /// Without its function of time: see beyond_numbers.
-template <class Archive>
-void visit(Archive& archive, ActiveFibre& active) {
-  visit(archive, active.direction);
-  visit(archive, active.stress);
-  visit(archive, active.optimal_stretch);
-}
-
+inline auto members(ActiveFibre& active) { return std::tie(active.direction, active.stress, active.optimal_stretch); }
 /// Without its function, which with_law gives again.
-template <class Archive>
-void visit(Archive& archive, LawConstants& law) {
-  archive.word(law.law);
-  visit(archive, law.numbers);
-  visit(archive, law.directions);
-  visit(archive, law.words);
-  visit(archive, law.terms);
-  visit(archive, law.youngs_modulus);
+inline auto members(LawConstants& law) {
+  return std::tie(law.law, law.numbers, law.directions, law.words, law.terms, law.youngs_modulus);
 }
-
-template <class Archive>
-void visit(Archive& archive, Material& material) {
-  for (double* value : {&material.youngs_modulus, &material.poissons_ratio, &material.density, &material.thickness,
-                        &material.bending_rigidity})
-    visit(archive, *value);
-  visit(archive, material.curve);
-  visit(archive, material.fibre);
-  visit(archive, material.law);
-  visit(archive, material.relaxation);
-  visit(archive, material.softening);
-  visit(archive, material.around);
-  visit(archive, material.active);
+inline auto members(Material& material) {
+  return std::tie(material.youngs_modulus, material.poissons_ratio, material.density, material.thickness,
+                  material.bending_rigidity, material.curve, material.fibre, material.law, material.relaxation,
+                  material.softening, material.around, material.active);
 }
 
 /// Why the numbers of a material are not all of it; "" where they are.

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <cstdlib>
 
-#include "core/base/count.h"
+#include "core/base/rows.h"
 #include "elastin/core/shapes/shapes.h"
 
 namespace elastin {

@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <utility>
 
+#include "core/base/named.h"
 #include "core/laws/membranes/hencky_energy_membrane.h"
 #include "core/laws/membranes/hencky_membrane.h"
 #include "core/laws/membranes/two_parameter.h"
@@ -293,7 +294,7 @@ const Strategy* Catalog::named(const std::string& name) const {
 void Catalog::refuse(const StrategyName& name) const {
   name.check();
   const std::string& rule = name.rule;
-  if (std::any_of(strategies_.begin(), strategies_.end(), [&](const Strategy& other) { return other.name == rule; }))
+  if (find_named(strategies_, rule))
     throw InputError("'" + rule + "' goes with a " +
                      (rule == "wrinkling"                    ? "membrane law: hencky_energy_membrane+wrinkling"
                       : rule == "prony" || rule == "mullins" ? "strategy: " + rule + ":lattice"
@@ -301,11 +302,7 @@ void Catalog::refuse(const StrategyName& name) const {
   throw InputError("unknown strategy '" + rule + "'" + suggestion(rule, names()));
 }
 
-std::vector<std::string> Catalog::names() const {
-  std::vector<std::string> names;
-  for (const Strategy& strategy : strategies_) names.push_back(strategy.name);
-  return names;
-}
+std::vector<std::string> Catalog::names() const { return names_of(strategies_); }
 
 namespace detail {
 

@@ -23,57 +23,24 @@ struct Head {
 
 }  // namespace
 
-template <class Archive>
-void visit(Archive& archive, Coupling& coupling) {
-  archive.whole(coupling.id);
-  archive.whole(coupling.molecule);
-  for (double* value : {&coupling.stiffness, &coupling.damping}) visit(archive, *value);
-  for (Vector3* value : {&coupling.position, &coupling.velocity}) visit(archive, *value);
+inline auto members(Coupling& coupling) {
+  return std::tie(coupling.id, coupling.molecule, coupling.stiffness, coupling.damping, coupling.position,
+                  coupling.velocity);
 }
-
-template <class Archive>
-void visit(Archive& archive, SimulationState::HostSupport& support) {
-  archive.whole(support.molecule);
-  int moves = support.next.has_value();
-  archive.whole(moves);
-  if (moves && !support.next) support.next.emplace();
-  if (moves) visit(archive, *support.next);
-}
-
-template <class Archive>
-void visit(Archive& archive, Tool& tool) {
-  const auto visit_pose = [&](Pose& pose) {
-    visit(archive, pose.turn);
-    visit(archive, pose.position);
-  };
-  visit_pose(tool.pose);
-  int moves = tool.next.has_value();
-  archive.whole(moves);
-  if (moves && !tool.next) tool.next.emplace();
-  if (moves) visit_pose(*tool.next);
-}
+inline auto members(SimulationState::HostSupport& support) { return std::tie(support.molecule, support.next); }
+inline auto members(Pose& pose) { return std::tie(pose.turn, pose.position); }
+inline auto members(Tool& tool) { return std::tie(tool.pose, tool.next); }
+inline auto members(Topology& topology) { return std::tie(topology.body, topology.constants, topology.origin); }
 
 template <class Archive>
 void visit(Archive& archive, SimulationState& saved) {
-  visit(archive, saved.state);
-  visit_all(archive, saved.supports);
-  visit(archive, saved.host_forces);
-  visit_all(archive, saved.couplings);
-  visit_all(archive, saved.host_supports);
-  archive.whole(saved.others_supports);
-  visit_all(archive, saved.tools);
-  archive.whole(saved.effort);
-  visit(archive, saved.seen.frequency);
-  archive.whole(saved.seen.turn);
-  for (Positions* field : {&saved.seen.positions, &saved.seen.elastic_forces}) visit(archive, *field);
-  int changed = saved.topology != nullptr;
-  archive.whole(changed);
-  if (!changed) return;
-  Topology topology = saved.topology ? *saved.topology : Topology();
-  visit(archive, topology.body);
-  visit(archive, topology.constants);
-  visit_all(archive, topology.origin);
-  if constexpr (Archive::reads) saved.topology = std::make_shared<const Topology>(std::move(topology));
+  std::optional<Topology> topology;
+  if (saved.topology) topology = *saved.topology;
+  visit_each(archive, saved.state, saved.supports, saved.host_forces, saved.couplings, saved.host_supports,
+             saved.others_supports, saved.tools, saved.effort, saved.seen.frequency, saved.seen.turn,
+             saved.seen.positions, saved.seen.elastic_forces, topology);
+  if constexpr (Archive::reads)
+    if (topology) saved.topology = std::make_shared<const Topology>(std::move(*topology));
 }
 
 std::vector<char> bytes_of(const SimulationState& state) {

@@ -1,3 +1,4 @@
+#include "core/base/named.h"
 #include "core/solve/steppers.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/solve/engine.h"
@@ -41,11 +42,11 @@ const Table<Stepper>& built_in_steppers() {
 
 std::string unsuited_for(const Stepper& scheme, const Model& model) {
   if (model.body().share && !scheme.of_shares) {
-    std::string able;
+    std::vector<std::string> able;
     for (const auto& row : built_in_steppers())
-      if (row->of_shares) able += (able.empty() ? "" : ", ") + row->name;
+      if (row->of_shares) able.push_back(row->name);
     return scheme.name + " steps whole bodies alone, and each process has its share; those that step shares are " +
-           able;
+           joined(able);
   }
   return scheme.unsuited ? scheme.unsuited(model) : "";
 }

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/named.h"
 #include "elastin/core/base/text.h"
 #include "lab/report/table.h"
 
@@ -248,10 +249,9 @@ void warn_of_stability(const Answer& answer, std::vector<std::string>& warnings)
 std::string relaxation_yaml(const Relaxation& relaxation, bool plain) {
   if (relaxation.retardation > 0)
     return "{model: kelvin_voigt, time: " + quantity_text(relaxation.retardation, dimension::time, plain) + "}";
-  std::string terms;
-  for (const auto& [share, time] : relaxation.terms)
-    terms +=
-        fmt::format("{}[{:.9g}, {}]", terms.empty() ? "" : ", ", share, quantity_text(time, dimension::time, plain));
+  const std::string terms = joined(relaxation.terms, [&](const Relaxation::Term& term) {
+    return fmt::format("[{:.9g}, {}]", term.share, quantity_text(term.time, dimension::time, plain));
+  });
   return fmt::format("{{terms: [{}], moduli: {}}}", terms, relaxation.instantaneous ? "instantaneous" : "long_term");
 }
 

@@ -3,12 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <exception>
 #include <numbers>
 
+#include "core/base/named.h"
 #include "core/base/random.h"
+#include "core/base/stopwatch.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/base/text.h"
 #include "lab/run/least_squares.h"
@@ -256,7 +257,7 @@ void judge(const UnknownMaterial& unknown, Fit& fit) {
     fit.cause = "the residuals would still fall where the law is not admissible: it becomes unstable at rest";
   } else if (!fit.at_bound.empty()) {
     fit.outcome = FitOutcome::bound_reached;
-    for (const std::size_t i : fit.at_bound) fit.cause += (fit.cause.empty() ? "" : ", ") + unknown.unknowns[i].name;
+    fit.cause = joined(fit.at_bound, [&](std::size_t i) { return unknown.unknowns[i].name; });
     fit.cause += fit.at_bound.size() > 1 ? " lie at bounds" : " lies at a bound";
   } else {
     fit.outcome = FitOutcome::converged;
@@ -265,7 +266,7 @@ void judge(const UnknownMaterial& unknown, Fit& fit) {
 
 /// The best end of several searches, gone on with to the last digit.
 SearchEnd searched(const UnknownMaterial& unknown, Residuals& residuals, const FitOptions& options) {
-  const auto begin = std::chrono::steady_clock::now();
+  const Stopwatch watch;
   LeastSquaresProblem problem = problem_of(residuals, options);
   const bool several = options.starts > 1;
   if (options.rough) problem.iterations = kRoughIterations;
@@ -306,7 +307,7 @@ SearchEnd searched(const UnknownMaterial& unknown, Residuals& residuals, const F
     if (last.usable) best = last;
   }
   end.starts = static_cast<int>(ends.size());
-  end.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  end.seconds = watch.seconds();
   if (!best.usable) return end;
   for (const double squares : ends)
     if (squares <= best.squares * (1 + kSameLeast) + 1e-30) ++end.agreeing;

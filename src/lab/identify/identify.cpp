@@ -9,6 +9,7 @@
 #include <fstream>
 #include <iterator>
 
+#include "core/base/named.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/base/text.h"
 #include "lab/run/config_names.h"
@@ -83,12 +84,6 @@ std::vector<std::string> words_of(const std::string& text) {
   return words;
 }
 
-std::vector<std::string> names_of(const std::vector<DataTest>& tests) {
-  std::vector<std::string> names;
-  for (const DataTest& test : tests) names.push_back(test.name);
-  return names;
-}
-
 /// Puts in what the command line says instead of the scene.
 void apply(const IdentifyRequest& request, IdentifyTask& task) {
   for (const std::string& given : request.data) {
@@ -103,9 +98,7 @@ void apply(const IdentifyRequest& request, IdentifyTask& task) {
                        suggestion(name, names_of(task.tests)));
   }
   for (const std::string& name : request.tests)
-    if (std::none_of(task.tests.begin(), task.tests.end(), [&](const auto& test) { return test.name == name; }))
-      throw InputError("--tests " + name + ": " + task.source.path() + " has no such test" +
-                       suggestion(name, names_of(task.tests)));
+    named(task.tests, name, "--tests " + name + ": " + task.source.path() + " has no such test");
   if (!request.tests.empty())
     for (DataTest& test : task.tests)
       if (std::find(request.tests.begin(), request.tests.end(), test.name) == request.tests.end()) test.weight = 0;
@@ -136,12 +129,6 @@ bool unknown_by_itself(const MaterialNumber& number, const IdentifyTask& task) {
   return std::find(task.fixed.begin(), task.fixed.end(), number.name) == task.fixed.end();
 }
 
-std::vector<std::string> names_of(const std::vector<MaterialNumber>& numbers) {
-  std::vector<std::string> names;
-  for (const MaterialNumber& number : numbers) names.push_back(number.name);
-  return names;
-}
-
 /// The material that the scene states, where the search begins.
 Trial trial_of(const IdentifyTask& task) {
   Trial trial = task.material;
@@ -156,9 +143,7 @@ UnknownMaterial stated_unknowns(const IdentifyTask& task, const Catalog& catalog
   UnknownMaterial unknown{label_of(row, task.material), row, trial_of(task), {}, task.kept, task.plain};
   std::vector<MaterialNumber> all = material_numbers(row, unknown.trial);
   for (const std::string& name : task.fixed)
-    if (std::none_of(all.begin(), all.end(), [&](const auto& number) { return number.name == name; }))
-      throw InputError(task.source.path() + ": identify.fixed: the material has no number '" + name + "'" +
-                       suggestion(name, names_of(all)));
+    named(all, name, task.source.path() + ": identify.fixed: the material has no number '" + name + "'");
   if (task.unknowns.empty()) {
     for (const MaterialNumber& number : all)
       if (unknown_by_itself(number, task)) unknown.unknowns.push_back(number);
@@ -166,13 +151,10 @@ UnknownMaterial stated_unknowns(const IdentifyTask& task, const Catalog& catalog
   }
   for (const WeightedTest& test : tests)
     for (const MaterialNumber& number : test.test->own_numbers())
-      if (std::none_of(all.begin(), all.end(), [&](const auto& other) { return other.name == number.name; }))
-        all.push_back(number);
+      if (!find_named(all, number.name)) all.push_back(number);
   for (const UnknownChoice& choice : task.unknowns) {
-    const auto found =
-        std::find_if(all.begin(), all.end(), [&](const auto& number) { return number.name == choice.name; });
-    if (found == all.end())
-      choice.fail("there is no number '" + choice.name + "' here" + suggestion(choice.name, names_of(all)));
+    const MaterialNumber* found = find_named(all, choice.name);
+    if (!found) choice.fail("there is no number '" + choice.name + "' here" + suggestion(choice.name, names_of(all)));
     MaterialNumber number = *found;
     if (choice.low)
       number.low = std::max(number.low, choice.low(number.unit)),
@@ -366,10 +348,8 @@ ParameterValues published_numbers(const IdentifyTask& task, const UnknownMateria
   ParameterValues published;
   const std::vector<MaterialNumber> all = material_numbers(own.row, own.trial);
   for (const PublishedNumber& given : task.published) {
-    const auto found =
-        std::find_if(all.begin(), all.end(), [&](const auto& number) { return number.name == given.name; });
-    if (found == all.end())
-      given.fail("the material has no number '" + given.name + "'" + suggestion(given.name, names_of(all)));
+    const MaterialNumber* found = find_named(all, given.name);
+    if (!found) given.fail("the material has no number '" + given.name + "'" + suggestion(given.name, names_of(all)));
     published[given.name] = given.value(found->unit);
   }
   return published;

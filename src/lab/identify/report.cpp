@@ -6,6 +6,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "core/base/named.h"
 #include "lab/report/machine.h"
 #include "lab/report/page.h"
 #include "lab/report/table.h"
@@ -129,9 +130,9 @@ Table stability_table(const Answer& answer) {
 Table strategy_table(const std::vector<Answer>& answers) {
   Table table({answers.front().strategy.empty() ? "scene" : "strategy", "numbers", "rms", "time", ""});
   for (const Answer& answer : answers) {
-    std::string numbers;
-    for (const FoundNumber& number : answer.numbers)
-      numbers += (numbers.empty() ? "" : ", ") + number.name + " " + readable(number.value, number.unit);
+    const std::string numbers = joined(answer.numbers, [](const FoundNumber& number) {
+      return number.name + " " + readable(number.value, number.unit);
+    });
     table.add(
         {{answer.strategy.empty() ? answer.scene : answer.strategy},
          {numbers},

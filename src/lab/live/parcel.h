@@ -36,59 +36,18 @@ struct Parcel {
   double tolerance = 1e-10;       ///< of equilibria
 };
 
-template <class Archive>
-void visit(Archive& archive, Parcel::Strategy& strategy) {
-  archive.word(strategy.label);
-  archive.word(strategy.name);
-  visit(archive, strategy.values);
+inline auto members(Parcel::Strategy& strategy) { return std::tie(strategy.label, strategy.name, strategy.values); }
+inline auto members(Parcel::NamedLoad& load) {
+  return std::tie(load.name, load.values.numbers, load.values.vectors, load.values.molecules);
 }
-
-template <class Archive>
-void visit(Archive& archive, Parcel::NamedLoad& load) {
-  archive.word(load.name);
-  visit(archive, load.values.numbers);
-  visit(archive, load.values.vectors);
-  visit(archive, load.values.molecules);
+inline auto members(TensionSetup& setup) {
+  return std::tie(setup.axis, setup.force, setup.displacement, setup.gravity, setup.fixed_grip, setup.loaded_grip,
+                  setup.sharing, setup.reading, setup.cross_section, setup.thickness, setup.gauge_length,
+                  setup.grip_depth, setup.gauge, setup.fixed, setup.loaded, setup.load_steps);
 }
-
-template <class Archive, class Choice>
-void visit_choice(Archive& archive, Choice& choice) {
-  int number = static_cast<int>(choice);
-  archive.whole(number);
-  choice = static_cast<Choice>(number);
-}
-
-template <class Archive>
-void visit(Archive& archive, TensionSetup& setup) {
-  visit(archive, setup.axis);
-  visit(archive, setup.force);
-  visit(archive, setup.displacement);
-  visit(archive, setup.gravity);
-  visit_choice(archive, setup.fixed_grip);
-  visit_choice(archive, setup.loaded_grip);
-  visit_choice(archive, setup.sharing);
-  visit_choice(archive, setup.reading);
-  for (double* value : {&setup.cross_section, &setup.thickness, &setup.gauge_length, &setup.grip_depth})
-    visit(archive, *value);
-  visit(archive, setup.gauge);
-  visit(archive, setup.fixed);
-  visit(archive, setup.loaded);
-  archive.whole(setup.load_steps);
-}
-
-template <class Archive>
-void visit(Archive& archive, Parcel& parcel) {
-  visit(archive, parcel.body);
-  visit(archive, parcel.material);
-  visit(archive, parcel.materials);
-  visit(archive, parcel.strategies);
-  visit(archive, parcel.loads);
-  visit(archive, parcel.supports);
-  visit(archive, parcel.positions);
-  visit(archive, parcel.own_load);
-  visit(archive, parcel.tension);
-  visit_choice(archive, parcel.linear);
-  visit(archive, parcel.tolerance);
+inline auto members(Parcel& parcel) {
+  return std::tie(parcel.body, parcel.material, parcel.materials, parcel.strategies, parcel.loads, parcel.supports,
+                  parcel.positions, parcel.own_load, parcel.tension, parcel.linear, parcel.tolerance);
 }
 
 }  // namespace elastin::lab

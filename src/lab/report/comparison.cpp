@@ -7,6 +7,7 @@
 #include <cmath>
 #include <fstream>
 
+#include "core/base/named.h"
 #include "elastin/core/base/error.h"
 #include "lab/report/records.h"
 
@@ -194,11 +195,9 @@ namespace {
 
 /// "E +0.1 %, torsional stiffness -2.0 %": the errors that count.
 std::string errors_text(const Ranking& ranking, const Record& record) {
-  std::string text;
-  for (const std::string& name : ranking.measures)
-    text += (text.empty() ? "" : ", ") + record.measure(name).label() + " " +
-            percent(record.error(ranking.error_name(name)));
-  return text;
+  return joined(ranking.measures, [&](const std::string& name) {
+    return record.measure(name).label() + " " + percent(record.error(ranking.error_name(name)));
+  });
 }
 
 /// What comes nearer than anything without a warning; "" where nothing does that would be near enough.
@@ -221,8 +220,8 @@ std::string advice_text(const Ranking& ranking, bool colours) {
     return "\n  no recommendation: " + laws + " each meet their own target, " + ranking.rival_targets +
            " at this strain, and the material states E and nu alone; state its `law` or `curve`\n";
   }
-  std::string found = errors_text(ranking, *best), goal;
-  for (const std::string& name : ranking.measures) goal += (goal.empty() ? "" : ", ") + best->measure(name).label();
+  const auto label_of = [&](const std::string& name) { return best->measure(name).label(); };
+  std::string found = errors_text(ranking, *best);
   if (ranking.by_reference) found += " to the reference";
   for (const auto& [name, prescribed, strain] : best->main_measures) {
     const MeasureInfo& info = best->measure(name);
@@ -242,7 +241,9 @@ std::string advice_text(const Ranking& ranking, bool colours) {
   for (const Record* record : ranking.tied) tied += (tied.empty() ? " (tied with " : ", ") + record->run.strategy;
   if (!tied.empty()) tied += ")";
   return fmt::format("\n  {} {}{}: {} (target: {}), {}{}{}{}\n",
-                     ranking.recommends() ? "recommended:" : "no strategy is near " + goal + "; the nearest is",
+                     ranking.recommends()
+                         ? "recommended:"
+                         : "no strategy is near " + joined(ranking.measures, label_of) + "; the nearest is",
                      painted(best->run.strategy, Tone::bold, colours), tied, found, best->target_text(),
                      readable_seconds(best->run.build_seconds + best->run.solve_seconds), warned_text(ranking),
                      passed_over, directions_text(ranking));

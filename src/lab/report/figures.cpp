@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/named.h"
 #include "elastin/core/simulation/strategy_name.h"
 #include "lab/format/csv.h"
 
@@ -174,9 +175,8 @@ Plot error_plot(const std::vector<Record>& records, const Ranking& ranking, cons
                 const std::vector<Peer>& peers) {
   Plot plot;
   if (records.empty() || ranking.measures.empty()) return plot;
-  std::string of;
-  for (const std::string& name : ranking.measures)
-    of += (of.empty() ? "" : ", ") + records.front().measure(name).label();
+  const std::string of =
+      joined(ranking.measures, [&](const std::string& name) { return records.front().measure(name).label(); });
   plot.title = records.front().title + ": error of " + of + " against time";
   plot.x = {"time: build and solve", "s", true};
   plot.y = {"error of " + of + (ranking.by_reference ? ", to the reference" : ""), "%", true};

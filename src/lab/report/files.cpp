@@ -12,6 +12,7 @@
 #include <system_error>
 
 #include "contact/search.h"
+#include "core/base/named.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/model/share.h"
 #include "lab/format/cell_stress.h"
@@ -40,9 +41,8 @@ std::string csv_field(std::string text) {
 
 /// "body.lattice.molecules=[5, 5, 5]; …": what a study has changed.
 std::string variant_field(const Record& record) {
-  std::string text;
-  for (const auto& [key, value] : record.variant) text += (text.empty() ? "" : "; ") + key + "=" + value;
-  return csv_field(text);
+  return csv_field(joined(
+      record.variant, [](const auto& changed) { return changed.first + "=" + changed.second; }, "; "));
 }
 
 /// The measures that some row has.
@@ -54,20 +54,6 @@ std::vector<const MeasureInfo*> columns_of(const Record& record) {
                     [&](const CurvePoint& row) { return std::isfinite(row.measures.get(info.name)); }))
       columns.push_back(&info);
   return columns;
-}
-
-/// One row a frame.
-std::string history_csv_text(const Record& record) {
-  const std::vector<const MeasureInfo*> columns = columns_of(record);
-  std::string out = "time [s]";
-  for (const MeasureInfo* info : columns) out += "," + headed(*info);
-  out += ",step [s],steps,newton_iterations,linear_iterations\n";
-  for (const CurvePoint& row : record.run.curve) {
-    out += cell(row.time);
-    for (const MeasureInfo* info : columns) out += "," + cell(row.measures.get(info->name));
-    out += fmt::format(",{},{},{},{}\n", cell(row.step), row.steps, row.newton_iterations, row.linear_iterations);
-  }
-  return out;
 }
 
 /// The cells of a body in a file, after its connections: triangles, tetrahedra; or, of those dimensions that have
@@ -196,15 +182,18 @@ std::string csv_text(const std::vector<Record>& records) {
 }
 
 std::string curve_csv_text(const Record& record) {
-  if (record.run.time) return history_csv_text(record);
+  const bool in_time = record.run.time.has_value();
   const std::vector<const MeasureInfo*> columns = columns_of(record);
-  std::string out = "load_factor";
+  std::string out = in_time ? "time [s]" : "load_factor";
   for (const MeasureInfo* info : columns) out += "," + headed(*info);
-  out += ",newton_iterations,linear_iterations,residual\n";
-  for (const CurvePoint& point : record.run.curve) {
-    out += cell(point.load_factor);
-    for (const MeasureInfo* info : columns) out += "," + cell(point.measures.get(info->name));
-    out += fmt::format(",{},{},{}\n", point.newton_iterations, point.linear_iterations, cell(point.residual));
+  out += in_time ? ",step [s],steps,newton_iterations,linear_iterations\n"
+                 : ",newton_iterations,linear_iterations,residual\n";
+  for (const CurvePoint& row : record.run.curve) {
+    out += cell(in_time ? row.time : row.load_factor);
+    for (const MeasureInfo* info : columns) out += "," + cell(row.measures.get(info->name));
+    if (in_time) out += fmt::format(",{},{}", cell(row.step), row.steps);
+    out += fmt::format(",{},{}{}\n", row.newton_iterations, row.linear_iterations,
+                       in_time ? "" : "," + cell(row.residual));
   }
   return out;
 }

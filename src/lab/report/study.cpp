@@ -8,6 +8,7 @@
 #include <optional>
 #include <set>
 
+#include "core/base/named.h"
 #include "elastin/core/base/error.h"
 
 namespace elastin::lab {
@@ -40,9 +41,7 @@ double signed_error(const Record& record, const Ranking& ranking, const std::str
 }  // namespace
 
 std::string variant_text(const Record& record) {
-  std::string text;
-  for (const auto& [key, value] : record.variant) text += (text.empty() ? "" : ", ") + value;
-  return text;
+  return joined(record.variant, [](const auto& changed) { return changed.second; });
 }
 
 std::string run_name(const Record& record) {

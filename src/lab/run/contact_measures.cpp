@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "contact/distance.h"
+#include "core/base/named.h"
 #include "elastin/core/base/text.h"
 #include "elastin/core/model/share.h"
 #include "elastin/core/solve/engine.h"
@@ -41,8 +42,8 @@ std::string gap_text(const contact::Contact& contact, const Body& body, const St
 }
 
 int find_obstacle(const std::vector<contact::Obstacle>& obstacles, const std::string& name) {
-  const auto found = std::find_if(obstacles.begin(), obstacles.end(), [&](const auto& o) { return o.name == name; });
-  return found == obstacles.end() ? -1 : static_cast<int>(found - obstacles.begin());
+  const contact::Obstacle* found = find_named(obstacles, name);
+  return found ? static_cast<int>(found - obstacles.data()) : -1;
 }
 
 double largest_force(const contact::ContactReport& report) {

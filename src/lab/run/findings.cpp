@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "contact/thickness.h"
+#include "contact/distance.h"
 #include "core/simulation/warnings.h"
 #include "core/solve/trial.h"
 #include "elastin/core/base/error.h"

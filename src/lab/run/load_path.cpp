@@ -5,7 +5,7 @@
 #include <cstdio>
 #include <utility>
 
-#include "contact/thickness.h"
+#include "contact/distance.h"
 #include "elastin/core/base/text.h"
 #include "elastin/core/forces/tension.h"
 #include "elastin/core/model/share.h"
@@ -348,7 +348,8 @@ void solve_load_curve(Model& model, const StaticExperiment& experiment, StaticRi
   const auto taken = [&](const Measures& measures, MeasureRole role) { return measures.get(list.named(role)); };
   const int steps = experiment.load_steps();
   for (int step = 1; step <= steps; ++step) {
-    const std::string which = steps > 1 ? "load step " + std::to_string(step) + " of " + std::to_string(steps) : "";
+    const std::string which = steps > 1 ? "load step " + std::to_string(step) + " of " + std::to_string(steps) : "",
+                      where = which.empty() ? "" : " (" + which + ")";
     if (step > 1 && options.stop && options.stop()) {
       run.outcome = Outcome::interrupted;
       run.cause = "stopped before " + which;
@@ -371,15 +372,14 @@ void solve_load_curve(Model& model, const StaticExperiment& experiment, StaticRi
       }
     }
     run.bisected_load_steps = path.halvings();
-    if (!note_solve(solved, which.empty() ? "" : " (" + which + ")", run)) return;
+    if (!note_solve(solved, where, run)) return;
     if (loaded)
       check_balance(solved, measures, taken(measures, MeasureRole::force), options.statics.tolerance, step == steps,
-                    which.empty() ? "" : " (" + which + ")", run);
+                    where, run);
     if (run.outcome != Outcome::converged) return;
     if (taken(measures, MeasureRole::displacement) < 0 && taken(measures, MeasureRole::strain) <= -1) {
       run.outcome = Outcome::inverted;
-      run.cause =
-          "the load presses the body through itself: strain below −100 %" + (which.empty() ? "" : " (" + which + ")");
+      run.cause = "the load presses the body through itself: strain below −100 %" + where;
       return;
     }
     run.curve.push_back({load_factor, measures, solved.newton_iterations, solved.linear_iterations, solved.residual});

@@ -5,6 +5,7 @@
 #include <array>
 #include <limits>
 
+#include "core/base/named.h"
 #include "elastin/core/base/error.h"
 
 namespace elastin::lab {
@@ -53,26 +54,27 @@ StressStrain CurveNumbers::curve() const {
 
 std::string CurveNumbers::yaml(bool plain) const {
   const auto text = [&](double value, const Dimension& unit) { return quantity_text(value, unit, plain); };
-  std::string list, named;
-  for (const Number& number : numbers) {
-    list += (list.empty() ? "" : ", ") + text(number.value, number.unit);
-    named += (named.empty() ? "" : ", ") + number.name + ": " + text(number.value, number.unit);
-  }
-  std::string pairs;
-  if (form == Form::points || form == Form::secant_table)
-    for (const auto& [strain, value] : points_of(*this))
-      pairs += fmt::format("{}[{:.9g}, {}]", pairs.empty() ? "" : ", ", strain, text(value, dimension::pressure));
+  const auto value_of = [&](const Number& number) { return text(number.value, number.unit); };
+  const auto named = [&] {
+    return joined(numbers, [&](const Number& number) { return number.name + ": " + value_of(number); });
+  };
+  const auto pairs = [&] {
+    return joined(points_of(*this), [&](const StressStrain::Point& point) {
+      return fmt::format("[{:.9g}, {}]", point.strain, text(point.stress, dimension::pressure));
+    });
+  };
   switch (form) {
     case Form::points:
-      return "curve: {points: [" + pairs + "]}";
+      return "curve: {points: [" + pairs() + "]}";
     case Form::toe:
-      return "curve: {" + named + "}";
+      return "curve: {" + named() + "}";
     case Form::two_moduli:
-      return fmt::format("curve: {{{}, smoothing: {:.9g}}}", named, strains.at(0));
+      return fmt::format("curve: {{{}, smoothing: {:.9g}}}", named(), strains.at(0));
     case Form::secant_polynomial:
-      return fmt::format("secant_modulus: {{polynomial: [{}], up_to: {:.9g}}}", list, strains.at(0));
+      return fmt::format("secant_modulus: {{polynomial: [{}], up_to: {:.9g}}}", joined(numbers, value_of),
+                         strains.at(0));
     case Form::secant_table:
-      return "secant_modulus: {points: [" + pairs + "]}";
+      return "secant_modulus: {points: [" + pairs() + "]}";
   }
   return "";
 }

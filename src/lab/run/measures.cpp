@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "core/base/named.h"
 #include "elastin/core/base/error.h"
 
 namespace elastin::lab {
@@ -31,9 +32,7 @@ const MeasureInfo* MeasureList::find(std::string_view name) const {
 
 const MeasureInfo& MeasureList::at(const std::string& name) const {
   if (const MeasureInfo* info = find(name)) return *info;
-  std::vector<std::string> names;
-  for (const MeasureInfo& info : rows_) names.push_back(info.name);
-  throw InputError("unknown measure '" + name + "'" + suggestion(name, names));
+  throw InputError("unknown measure '" + name + "'" + suggestion(name, names_of(rows_)));
 }
 
 std::string MeasureList::named(MeasureRole role) const {

@@ -5,6 +5,7 @@
 #include <optional>
 #include <thread>
 
+#include "core/base/stopwatch.h"
 #include "core/model/visit_state.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/base/text.h"
@@ -24,10 +25,6 @@ constexpr double kEnergyFromNothing = 0.05;
 constexpr double kEnergyLost = 2;
 /// Part of the steps that may take longer than their budget without a word.
 constexpr double kLate = 0.01;
-
-using Clock = std::chrono::steady_clock;
-
-double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
 double largest_strain(const Model& model, const State& state) {
   const Connections& connections = model.body().connections;
@@ -79,8 +76,8 @@ class TimedRun {
   }
 
   void go() {
-    const Clock::time_point start = Clock::now();
-    began_ = start, began_at_ = state_.time;
+    const Stopwatch watch;
+    began_ = {}, began_at_ = state_.time;
     const TimeOptions& time = *options_.time;
     const double critical = control_.memory.critical;
     if (time.choice == StepChoice::fixed && critical > 0 && time.step > critical)
@@ -95,15 +92,15 @@ class TimedRun {
       if (!advance_frame(time.time_of(frame_ + 1))) break;
       ++frame_;
       keep_snapshot();
-      const Clock::time_point look = Clock::now();
+      const Stopwatch look;
       control_.look(model_, state_);
-      looked += seconds_since(look);
+      looked += look.seconds();
       if (options_.checkpoint && time.checkpoint && frame_ % time.checkpoint == 0) save();
-      if (options_.live) wait(start, (frame_ - first_frame) / time.frame_rate);
+      if (options_.live) wait(watch, (frame_ - first_frame) / time.frame_rate);
       if (frame_ < time.frames && is_stopped()) interrupt();
     }
     run_.time->simulated = state_.time - first;
-    run_.time->seconds = seconds_since(start) - looked;
+    run_.time->seconds = watch.seconds() - looked;
     report(control_.memory.steps - first_step);
   }
 
@@ -122,11 +119,11 @@ class TimedRun {
 
   /// Where the run is, and how long the rest takes at this pace: four times a second.
   void tell(double now) {
-    if (!options_.progress || (told_ && seconds_since(*told_) < 0.25)) return;
-    const double left = (options_.time->duration - now) / (now - began_at_) * seconds_since(began_);
+    if (!options_.progress || told_.seconds() < 0.25) return;
+    const double left = (options_.time->duration - now) / (now - began_at_) * began_.seconds();
     options_.progress("t = " + number(now, 4) + " s of " + number(options_.time->duration, 4) + " s, about " +
                       number(left, 2) + " s left");
-    told_ = Clock::now();
+    told_ = {};
   }
 
   bool advance_frame(double until) {
@@ -292,9 +289,8 @@ class TimedRun {
                  ", at t = " + number(state_.time, 4) + " s";
   }
 
-  static void wait(Clock::time_point start, double seconds) {
-    std::this_thread::sleep_until(start +
-                                  std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds)));
+  static void wait(const Stopwatch& watch, double until) {
+    std::this_thread::sleep_for(std::chrono::duration<double>(until - watch.seconds()));
   }
 
   void report(int steps) {
@@ -344,10 +340,9 @@ class TimedRun {
   Ledger ledger_;
   double available_ = 0;  ///< the most energy that there has been [J]
   StepControl control_;
-  double mass_;              ///< of the whole [kg]
-  Clock::time_point began_;  // at began_at_ [s]
-  double began_at_ = 0;
-  std::optional<Clock::time_point> told_;
+  double mass_;  ///< of the whole [kg]
+  Stopwatch began_, told_;
+  double began_at_ = 0;  // [s] of the run, when the first was started
   int frame_ = 0;
 };
 

@@ -1,11 +1,11 @@
 #include "lab/run/specimen.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cstdio>
 #include <string>
 #include <utility>
 
+#include "core/base/stopwatch.h"
 #include "core/simulation/warnings.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/base/text.h"
@@ -91,14 +91,6 @@ std::vector<StrategyChoice> all_strategies(const Catalog& catalog, const Body& b
 }
 
 namespace {
-
-class Stopwatch {
- public:
-  double seconds() const { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count(); }
-
- private:
-  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-};
 
 void note_negative_constants(const Body& body, Run& run) {
   int negative = 0;

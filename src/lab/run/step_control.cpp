@@ -1,7 +1,6 @@
 #include "lab/run/step_control.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
@@ -10,6 +9,7 @@
 #include <string_view>
 
 #include "core/base/archive.h"
+#include "core/base/stopwatch.h"
 #include "core/model/visit_state.h"
 #include "core/solve/steppers.h"
 #include "elastin/core/base/error.h"
@@ -50,11 +50,10 @@ void PacedSteps::set_effort(int effort) {
 }
 
 StepResult PacedSteps::advance(Model& model, State& state, double dt) {
-  using Clock = std::chrono::steady_clock;
-  const Clock::time_point begun = Clock::now();
+  const Stopwatch watch;
   set_effort(budget_.next(seconds_, effort_));
   const StepResult result = integrator_.advance(model, state, dt);
-  const double took = std::chrono::duration<double>(Clock::now() - begun).count();
+  const double took = watch.seconds();
   budget_.took(took, effort_);
   efforts_.push_back(effort_);
   times_.push_back(took);
@@ -189,29 +188,22 @@ std::string hex(std::uint64_t value) {
 }  // namespace
 
 template <class Archive>
-void visit(Archive& archive, CurvePoint& row) {
-  for (double* value : {&row.load_factor, &row.residual, &row.time, &row.step}) visit(archive, *value);
-  for (int* value : {&row.newton_iterations, &row.linear_iterations, &row.steps}) archive.whole(*value);
-  auto measures = row.measures.all();
-  measures.resize(archive.count(measures.size(), 1));
-  for (auto& [name, value] : measures) {
-    archive.word(name);
-    visit(archive, value);
-    if constexpr (Archive::reads) row.measures.set(name, value);
-  }
+void visit(Archive& archive, Measures& measures) {
+  auto all = measures.all();
+  visit(archive, all);
+  if constexpr (Archive::reads)
+    for (const auto& [name, value] : all) measures.set(name, value);
 }
 
-template <class Archive>
-void visit(Archive& archive, RestartPoint& point) {
+inline auto members(CurvePoint& row) {
+  return std::tie(row.load_factor, row.residual, row.time, row.step, row.newton_iterations, row.linear_iterations,
+                  row.steps, row.measures);
+}
+inline auto members(RestartPoint& point) {
   auto& m = point.memory;
-  for (int* value : {&point.frame, &m.steps, &m.rejected, &point.newton_iterations, &point.linear_iterations})
-    archive.whole(*value);
-  for (double* value : {&point.dissipated, &point.work, &point.taken, &point.jumps, &m.wanted, &m.first_bound,
-                        &m.stable, &m.critical, &m.frequency, &m.shortest, &m.last})
-    visit(archive, *value);
-  visit(archive, point.state);
-  visit_all(archive, point.curve);
-  visit_all(archive, point.history);
+  return std::tie(point.frame, m.steps, m.rejected, point.newton_iterations, point.linear_iterations, point.dissipated,
+                  point.work, point.taken, point.jumps, m.wanted, m.first_bound, m.stable, m.critical, m.frequency,
+                  m.shortest, m.last, point.state, point.curve, point.history);
 }
 
 std::string restart_text(const RestartPoint& point, const std::string& identity) {

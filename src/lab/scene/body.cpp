@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "core/base/named.h"
 #include "elastin/core/base/text.h"
 #include "elastin/core/shapes/arrays.h"
 #include "elastin/core/shapes/orders.h"
@@ -282,12 +283,6 @@ const std::vector<Shape>& shapes() {
   return all;
 }
 
-std::vector<std::string> shape_names() {
-  std::vector<std::string> names;
-  for (const Shape& shape : shapes()) names.push_back(shape.name);
-  return names;
-}
-
 /// Spacings grow along an axis.
 struct Grade {
   int axis = 0;
@@ -497,7 +492,7 @@ Body make_shape(Reader& reader, ShapeContext& context) {
   own_body_keys().add_to_known(reader);
   list_keys().add_to_known(reader);
   reader.finish();
-  reader.fail("needs a shape: " + listed(shape_names(), "or"));
+  reader.fail("needs a shape: " + listed(names_of(shapes()), "or"));
 }
 
 }  // namespace
@@ -596,7 +591,7 @@ Body read_body(Reader reader, const Material& material, Remarks remarks,
 
 std::vector<KeySection> body_keys() {
   std::vector<KeySection> sections{{"body", "Body",
-                                    "A body has one shape, " + words_text(shape_names()) +
+                                    "A body has one shape, " + words_text(names_of(shapes())) +
                                         ", with the keys of its own table, and these keys in addition:",
                                     own_body_keys().rows()}};
   for (const Shape& shape : shapes())

@@ -3,6 +3,7 @@
 #include <cctype>
 #include <optional>
 
+#include "core/base/named.h"
 #include "elastin/contact/surface_check.h"
 #include "elastin/core/base/dense.h"
 #include "elastin/mesh/mesh_file.h"
@@ -107,10 +108,9 @@ const Keys<ObstacleSetup>& obstacle_keys() {
     return given && setup.motion ? "there is a motion already; give one of them" : "";
   };
   std::vector<Key<S>> shapes = shape_keys();
-  std::string names;
-  for (const Key<S>& shape : shapes) names += (names.empty() ? "" : ", ") + shape.name();
   static const Keys<S> keys{
-      KeyGroup<S>{shapes, "an obstacle is one of " + names + "; write each as an item of its own"},
+      KeyGroup<S>{shapes,
+                  "an obstacle is one of " + joined(shapes, &Key<S>::name) + "; write each as an item of its own"},
       key::text("name", &S::name, "name of the obstacle").otherwise("the shape, numbered"),
       key::vector("at", &S::at, dimension::length, "position; not of a plane")
           .otherwise("0")

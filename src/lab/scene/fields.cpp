@@ -4,6 +4,7 @@
 #include <memory>
 #include <utility>
 
+#include "core/base/named.h"
 #include "core/geometry/box_tree.h"
 #include "elastin/core/base/text.h"
 #include "elastin/core/laws/material_law.h"
@@ -187,12 +188,10 @@ void read_constants(const Reader& constants, const MaterialLaw& law, const Mater
       setters.push_back(read_terms(field, law, material));
       continue;
     }
-    std::vector<std::string> names;
-    for (const ParameterInfo& info : law.parameters) names.push_back(info.name);
+    std::vector<std::string> names = names_of(law.parameters);
     if (!law.columns.empty()) names.push_back("terms");
-    const auto info = std::find_if(law.parameters.begin(), law.parameters.end(),
-                                   [&key = key](const ParameterInfo& own) { return own.name == key; });
-    if (info == law.parameters.end()) field.fail("is no constant of " + law.name + suggestion(key, names));
+    const ParameterInfo* info = find_named(law.parameters, key);
+    if (!info) field.fail("is no constant of " + law.name + suggestion(key, names));
     if (info->kind == ValueKind::direction) {
       if (!material.law->directions.contains(key)) field.fail("the material has no " + key);
       setters.push_back([name = key, at = read_directions(field)](Material& own, const Vector3& place) {
@@ -326,14 +325,10 @@ void add_regions(const Reader& list, const MaterialLaw* law, const Material& mat
     if (!setup.constants) continue;
     if (moduli) setup.constants->fail("are those of a `law`, and the material has none");
     for (const auto& [key, value] : setup.constants->entries()) {
-      std::vector<std::string> names;
-      const ParameterInfo* info = nullptr;
-      for (const ParameterInfo& own : law->parameters) {
-        if (own.kind == ValueKind::direction) continue;
-        names.push_back(own.name);
-        if (own.name == key) info = &own;
-      }
-      if (!info) value.fail("is no number of " + law->name + suggestion(key, names));
+      std::vector<ParameterInfo> numbers = law->parameters;
+      std::erase_if(numbers, [](const ParameterInfo& own) { return own.kind == ValueKind::direction; });
+      const ParameterInfo* info = find_named(numbers, key);
+      if (!info) value.fail("is no number of " + law->name + suggestion(key, names_of(numbers)));
       constants[&setup][key] = value.quantity(info->unit, {info->low, info->high, info->above_low});
     }
   }

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "core/base/named.h"
 #include "elastin/core/base/units.h"
 #include "lab/scene/identify.h"
 #include "lab/scene/parts.h"
@@ -21,12 +22,11 @@ std::string cell(const std::string& text) { return text.empty() ? " |" : " " + r
 std::string unit_cell(const std::string& unit) { return cell(replaced(replaced(unit, "^2", "²"), "^3", "³")); }
 
 std::vector<KeySection> experiment_sections(const ExperimentCatalog& experiments) {
-  std::vector<std::string> names;
-  for (const ExperimentInfo& info : experiments.experiments()) names.push_back(info.name);
-  std::vector<KeySection> sections{{"experiment",
-                                    "Experiment",
-                                    "Each kind of experiment has keys of its own beside `kind`.",
-                                    {{"kind", words_text(names), "", "", "needed", "what is done with the body"}}}};
+  std::vector<KeySection> sections{
+      {"experiment",
+       "Experiment",
+       "Each kind of experiment has keys of its own beside `kind`.",
+       {{"kind", words_text(names_of(experiments.experiments())), "", "", "needed", "what is done with the body"}}}};
   for (const ExperimentInfo& info : experiments.experiments())
     sections.push_back({"experiment." + info.name, "",
                         fmt::format("`kind: {}`: {}{}.", info.name, info.summary,

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/named.h"
 #include "elastin/contact/contact.h"
 #include "elastin/core/forces/time_function.h"
 #include "elastin/core/model/body.h"
@@ -123,9 +124,7 @@ std::vector<Key<Setup>> parameter_keys(const Rows& rows, ParameterValues Setup::
   std::vector<SceneKey> known;
   for (const auto& row : rows)
     for (const ParameterInfo& info : row->parameters) {
-      const auto same =
-          std::find_if(known.begin(), known.end(), [&](const SceneKey& key) { return key.name == info.name; });
-      if (same != known.end()) {
+      if (SceneKey* same = find_named(known, info.name)) {
         same->text.insert(same->text.find(": "), ", `" + row->name + "`");
         continue;
       }

@@ -1,11 +1,12 @@
 #include "lab/scene/scene.h"
 
 #include <algorithm>
-#include <chrono>
 #include <filesystem>
 #include <new>
 #include <stdexcept>
 
+#include "core/base/named.h"
+#include "core/base/stopwatch.h"
 #include "core/simulation/warnings.h"
 #include "elastin/core/base/text.h"
 #include "elastin/core/model/parts.h"
@@ -185,13 +186,12 @@ std::string needs_whole_body(Reader& reader, const Catalog& catalog, const Exper
   for (const char* key : {"fields", "bending"})
     if (reader.at("material").has(key)) return "`material." + std::string(key) + "` is read on the whole body";
   std::vector<std::string> able;
-  std::string names;
   for (const auto& load : scene_loads(catalog))
-    if (load->of_shares) able.push_back(load->name), names += (names.empty() ? "" : ", ") + load->name;
+    if (load->of_shares) able.push_back(load->name);
   if (auto loads = reader.find("loads"))
     for (Reader& item : loads->items())
       if (!item.is_map() || std::none_of(able.begin(), able.end(), [&](const auto& name) { return item.has(name); }))
-        return "loads other than " + names + " are read on the whole body";
+        return "loads other than " + joined(able) + " are read on the whole body";
   return is_of_shares(reader.at("experiment"), experiments) ? "" : "the experiment is measured on the whole body";
 }
 
@@ -294,7 +294,7 @@ void refuse_of_engine(Reader& reader, const Scene& scene, bool timed, bool conta
 /// @param reader of a scene that names the model, or of keys alone that the command line changes
 std::unique_ptr<Scene> read_other_format(const SceneFormat& format, const SceneSource& model, const SceneSource& source,
                                          Reader reader, const Catalog& catalog, double most_molecules) {
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch watch;
   for (const std::string& key : reader.keys())
     if (key != "model" && key != "title" && key != "solver" && key != "expect")
       reader.at(key).fail(model.path() + " is a " + format.summary +
@@ -317,7 +317,7 @@ std::unique_ptr<Scene> read_other_format(const SceneFormat& format, const SceneS
     for (const Reader& item : expect->items())
       scene->expectations.push_back(read_expectation(item, scene->strategies, catalog, *scene->measures));
   reader.finish();
-  scene->build_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  scene->build_seconds = watch.seconds();
   return scene;
 }
 
@@ -335,7 +335,7 @@ std::unique_ptr<Scene> read_model(const Reader& model, const SceneSource& source
 std::unique_ptr<Scene> read_scene(const SceneSource& source, const Catalog& catalog,
                                   const std::vector<std::string>& overrides, double most_molecules,
                                   const ExperimentCatalog& experiments, const BodyChange& change = {}) {
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch watch;
   Reader reader = open_scene(source, overrides, most_molecules);
   reader.set_owners([&](const std::string& key) { return owners_of(key, key_sections(catalog, experiments)); });
   read_preamble(reader);
@@ -433,7 +433,7 @@ std::unique_ptr<Scene> read_scene(const SceneSource& source, const Catalog& cata
   if (auto engines = reader.find("engines")) scene->engines = read_engine_study(*engines);
   if (const auto identify = reader.find("identify")) check_identify(*identify);
   reader.finish();
-  scene->build_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  scene->build_seconds = watch.seconds();
   return scene;
 }
 

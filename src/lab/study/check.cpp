@@ -6,6 +6,7 @@
 #include <cmath>
 #include <map>
 
+#include "core/base/named.h"
 #include "elastin/core/model/parts.h"
 #include "elastin/core/shapes/surfaces.h"
 #include "elastin/core/simulation/fibres.h"
@@ -234,11 +235,9 @@ CheckReport check_scene(Scene& scene, const Catalog& catalog, const std::vector<
                                     scene.specimen.material.fibre ? " and the material's fibres" : "");
   if (!scene.specimen.loads.empty()) objects += ", " + counted(static_cast<int>(scene.specimen.loads.size()), "load");
   if (const auto& contact = scene.specimen.contact) {
-    std::vector<std::string> names;
-    for (const contact::Obstacle& obstacle : contact->obstacles) names.push_back(obstacle.name);
-    objects += fmt::format(", contact of its {}{}{}",
-                           contact->surface == contact::ContactSurface::spheres ? "spheres" : "surface",
-                           names.empty() ? "" : " with ", fmt::join(names, ", "));
+    objects += fmt::format(
+        ", contact of its {}{}{}", contact->surface == contact::ContactSurface::spheres ? "spheres" : "surface",
+        contact->obstacles.empty() ? "" : " with ", joined(contact->obstacles, &contact::Obstacle::name));
   }
   add_line(report.text, "the scene builds",
            objects + (scene.statics.linear ? "; small displacements" : "; large displacements"));

@@ -4,7 +4,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <exception>
@@ -13,6 +12,7 @@
 #include <iterator>
 #include <optional>
 
+#include "core/base/stopwatch.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/parallel/threads.h"
 #include "lab/export/engine_run.h"
@@ -28,9 +28,6 @@
 
 namespace elastin::lab {
 namespace {
-
-using Clock = std::chrono::steady_clock;
-double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
 std::string restart_text_of(const std::string& path) {
   std::ifstream stream(path, std::ios::binary);
@@ -74,7 +71,7 @@ class Comparison {
   Results results_;
   std::size_t rows_ = 0, done_ = 0, run_ = 0;  ///< runs of all repeats: there are, finished, not found finished
   double seconds_ = 0;                         ///< that the runs made here took
-  Clock::time_point written_ = Clock::now();
+  Stopwatch written_;
   const Machine machine_ = this_machine();
   bool good_ = true, stopped_ = false;
 };
@@ -162,9 +159,9 @@ void Comparison::tell_missing_files(const ScenePlan& plan, const Record& record,
 }
 
 Record Comparison::run_one(Scene& scene, const StrategyChoice& choice, const PlannedRow& row) {
-  const auto start = Clock::now();
+  const Stopwatch watch;
   prepare(scene.specimen, choice.strategy);
-  const double prepared = seconds_since(start);
+  const double prepared = watch.seconds();
   const RunOptions options = options_of(*row.plan, scene, choice);
   Run run = run_strategy(scene.specimen, *scene.experiment, choice, options);
   run.build_seconds += prepared;  // once a body: the first strategy that needs it pays
@@ -238,7 +235,7 @@ void Comparison::run_combination(ScenePlan& plan, const std::vector<std::pair<st
         continue;
       }
       if (choices.empty() && trouble.empty()) load();
-      const auto start = Clock::now();
+      const Stopwatch watch;
       if (count > 0) set_threads(count);
       Record record;
       const StrategyChoice* choice = find_strategy(choices, strategy);
@@ -257,7 +254,7 @@ void Comparison::run_combination(ScenePlan& plan, const std::vector<std::pair<st
         record = run_one(*scene, *choice, row);
       }
       progress_.pause();
-      seconds_ += seconds_since(start);
+      seconds_ += watch.seconds();
       ++run_;
       finish_run(plan, key, std::move(record), scene.get(), repeat);
       stopped_ = request_.interrupted && request_.interrupted();
@@ -286,9 +283,9 @@ void Comparison::finish_run(const ScenePlan& plan, const std::string& key, Recor
   ++done_;
   if (request_.compare && rows_ > 1 && !key.empty()) progress_.note(finished_text(record));
   results_.add(std::move(record), repeat);
-  if (seconds_since(written_) < 1) return;
+  if (written_.seconds() < 1) return;
   write_tables(request_, results_.records());  // so that partial results are visible
-  written_ = Clock::now();
+  written_ = {};
 }
 
 void Comparison::open_journal() {

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <filesystem>
 
+#include "core/base/named.h"
 #include "core/simulation/warnings.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/base/text.h"
@@ -241,12 +242,9 @@ const std::vector<NewSpecimen>& new_specimens() {
 }
 
 std::string new_scene_text(const NewScene& wanted, const std::string& folder) {
+  named(new_specimens(), wanted.specimen, "new: no specimen '" + wanted.specimen + "'");
   const auto row =
       std::find_if(kRows.begin(), kRows.end(), [&](const Row& r) { return wanted.specimen == r.specimen.name; });
-  std::vector<std::string> names;
-  for (const Row& r : kRows) names.emplace_back(r.specimen.name);
-  if (row == kRows.end())
-    throw InputError("new: no specimen '" + wanted.specimen + "'" + suggestion(wanted.specimen, names));
   parse_quantity(wanted.modulus, dimension::pressure);
   if (!(wanted.poissons_ratio >= 0 && wanted.poissons_ratio < 0.5))
     throw InputError(fmt::format("--poissons-ratio: {} is not from 0 to below 0.5", wanted.poissons_ratio));

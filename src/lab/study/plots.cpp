@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/named.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/laws/homogeneous.h"
 #include "lab/format/csv.h"
@@ -37,9 +38,8 @@ std::string find_column(const Csv& csv, const std::string& name) {
 std::string column_of(const Csv& csv, const std::string& name) {
   const std::string found = find_column(csv, name);
   if (!found.empty()) return found;
-  std::vector<std::string> names;
-  for (const std::string& column : csv.head) names.push_back(name_of(column));
-  throw InputError(SourceLocation{csv.path, 1}, "no column '" + name + "'" + suggestion(name, names));
+  throw InputError(SourceLocation{csv.path, 1},
+                   "no column '" + name + "'" + suggestion(name, names_of(csv.head, name_of)));
 }
 
 bool has_number(const Csv& csv, const std::string& column) {

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -11,6 +10,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "core/base/stopwatch.h"
 #include "core/geometry/boundary.h"
 #include "core/simulation/warnings.h"
 #include "core/solve/newton.h"
@@ -34,15 +34,6 @@ constexpr int kVersion = 4;
 constexpr double kTolerance = 1e-7;
 /// How much longer a body takes with twice as many cells along each side.
 constexpr double kGrowth = 12;
-
-/// Measures from when it was made.
-class Timer {
- public:
-  double seconds() const { return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin_).count(); }
-
- private:
-  std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
-};
 
 /// Of the body's cells, "hexahedra of 27 nodes".
 std::string kind_of_cells(const Body& body) {
@@ -192,7 +183,7 @@ bool solve_from(const Positions& guess, const Scene& scene, const StrategyChoice
 /// `stop` is called between iterations; a body that it ends has a trouble.
 Level solve_level(Scene& scene, const StrategyChoice& choice, const Positions& guess, double spacing,
                   const std::function<void(const std::string&)>& progress, const std::function<bool()>& stop) {
-  const Timer timer;
+  const Stopwatch watch;
   Level level;
   level.spacing = spacing;
   level.cells = count_cells(scene.specimen.body);
@@ -212,7 +203,7 @@ Level solve_level(Scene& scene, const StrategyChoice& choice, const Positions& g
   }
   // A solve that is stopped between the last load step and the measures leaves these without values.
   if (level.trouble.empty() && stop && stop()) level.trouble = "stopped";
-  level.seconds = timer.seconds();
+  level.seconds = watch.seconds();
   return level;
 }
 
@@ -393,13 +384,13 @@ void Sequence::refine() {
 
 ComputedReferences Sequence::solve(const std::function<void(const std::string&)>& progress,
                                    const std::function<bool()>& stop) {
-  const Timer timer;
+  const Stopwatch watch;
   const StrategyChoice choice = choose_strategy(catalog_, law_);
   ComputedReferences result;
   for (double spacing = 1;; spacing /= 2) {
     const auto report = of_level(progress, outlook(result.references));
     const auto scene = scene_on_body();
-    const Timer of_body;
+    const Stopwatch of_body;
     const auto too_long = [&] { return of_body.seconds() > scene_.computed.seconds; };
     levels_.push_back(
         solve_level(*scene, choice, guess_, spacing, report, [&] { return (stop && stop()) || too_long(); }));
@@ -425,7 +416,7 @@ ComputedReferences Sequence::solve(const std::function<void(const std::string&)>
     result.trouble = "interrupted";
   else if (!result.references.empty())
     result.trouble.clear();
-  for (Reference& reference : result.references) reference.seconds = timer.seconds();
+  for (Reference& reference : result.references) reference.seconds = watch.seconds();
   return result;
 }
 

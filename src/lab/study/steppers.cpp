@@ -4,12 +4,12 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <limits>
 #include <numbers>
 #include <optional>
 
+#include "core/base/stopwatch.h"
 #include "core/solve/newton.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/parallel/threads.h"
@@ -260,9 +260,9 @@ class StepperRuns {
     Motion motion;
     std::vector<double> times;
     for (int i = 1; i <= steps; ++i) {
-      const auto start = std::chrono::steady_clock::now();
+      const Stopwatch watch;
       motion.end = advance(*stepper, model, state, step, substeps);
-      times.push_back(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+      times.push_back(watch.seconds());
       if (motion.end.outcome != Outcome::converged) return motion;
       ledger.record(model, state);
       if (i % frame == 0) motion.frames.push_back(state.positions);

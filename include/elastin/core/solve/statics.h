@@ -19,7 +19,7 @@ enum class Outcome {
 };
 const char* name_of(Outcome outcome);
 
-/// How an equilibrium with large displacements is sought; see solve/relaxation.
+/// How an equilibrium with large displacements is sought; see solve/statics.cpp.
 enum class StaticMethod { newton, explicit_steps, implicit_steps };
 
 class StaticEngine;

@@ -1,10 +1,9 @@
-#include "core/base/count.h"
+#include "core/base/rows.h"
 
 #include <array>
 #include <catch2/catch.hpp>
 #include <limits>
 
-#include "core/base/rows.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/shapes/shapes.h"
 
