@@ -229,7 +229,7 @@ Json json_of(const Answer& answer) {
 /// A bar from low to high about each value, over the value: what is longer than twice the value ends at the frame.
 std::string interval_html(const Answer& answer) {
   constexpr double width = 320, half = width / 2;
-  std::string out = "<div class=\"scroll\"><table><tbody>";
+  std::string out = "<div class=\"scroll\" tabindex=\"0\"><table><tbody>";
   for (const FoundNumber& number : answer.numbers) {
     const auto at = [&](double value) {
       const double ratio = (value - number.value) / std::abs(number.value);
@@ -251,7 +251,7 @@ std::string interval_html(const Answer& answer) {
 }
 
 std::string correlation_html(const Answer& answer) {
-  std::string out = "<div class=\"scroll\"><table><thead><tr><th></th>";
+  std::string out = "<div class=\"scroll\" tabindex=\"0\"><table><thead><tr><td></td>";
   for (const FoundNumber& number : answer.numbers) out += "<th>" + escaped(number.name) + "</th>";
   out += "</tr></thead><tbody>";
   for (std::size_t i = 0; i < answer.numbers.size(); ++i) {
@@ -260,7 +260,7 @@ std::string correlation_html(const Answer& answer) {
       const double value = answer.correlation(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j));
       out +=
           fmt::format("<td class=\"n\" style=\"background:color-mix(in srgb, {} {:.0f}%, transparent)\">{:+.3f}</td>",
-                      value < 0 ? "var(--bad)" : "var(--accent)", 60 * std::abs(value), value);
+                      value < 0 ? "var(--bad)" : "var(--accent)", 35 * std::abs(value), value);
     }
     out += "</tr>";
   }

@@ -157,7 +157,7 @@ std::string Table::html(const std::function<std::string(const std::string&)>& co
   const auto spared = [&](std::size_t column) {  // where there is no room, as on a narrow screen
     return std::find(std::begin(kSpared), std::end(kSpared), head_[column]) != std::end(kSpared) ? " spare" : "";
   };
-  std::string out = "<div class=\"scroll\"><table><thead><tr>";
+  std::string out = "<div class=\"scroll\" tabindex=\"0\"><table><thead><tr>";
   const std::vector<std::size_t> columns = filled_columns(head_.size(), rows_);
   for (const std::size_t column : columns)
     out +=

@@ -310,6 +310,8 @@ identify:
             for head in range(page.run("document.querySelectorAll('thead button').length")):
                 page.run(f"document.querySelectorAll('thead button')[{head}].click()")
             self.assertGreater(page.run("document.querySelectorAll('.plot').length"), 0)
+            # Heads that say nothing, and what scrolls but takes no keys, shut out who cannot use a mouse.
+            self.assertEqual(page.run("document.querySelectorAll('th:empty, .scroll:not([tabindex])').length"), 0)
             self.assertEqual(page.run("[...document.querySelectorAll('[data-save=svg]')].filter(b => !b.closest('[hidden]')).every("
                                       "b => b.closest('.card').querySelector('svg') || b.closest('.card').querySelector('.view'))"), True)
             self.assertEqual(page.run("document.documentElement.dataset.errors ?? ''"), "")
