@@ -70,7 +70,7 @@ struct DataTest {
   int cycle = 0;  ///< from 1, or −1 from the last; 0: the first
   bool keep_torn = false;
   std::optional<ZeroChoice> zero;  ///< none: as given, or found where slack is certain
-  int points = 0;  ///< to which more rows are averaged; 0: as many as show the shape of any curve
+  int points = 0;                  ///< to which more rows are averaged; 0: as many as show the shape of any curve
   std::vector<ModulusWindow> moduli;
   double cross_section = 0, length = 0;              ///< [m²], [m] that make stress of force, strain of displacement
   std::optional<SceneSource> scene;                  ///< of a specimen

@@ -13,9 +13,9 @@ struct BodyArrays {
   Cells<4> tetrahedra;  ///< inverted where their volume is negative
   /// Cells of other shapes and orders; then neither triangles nor tetrahedra of their own, for they make these.
   std::vector<CellBlock> blocks = {};
-  VectorX rest_lengths;  ///< [m] > 0, one a connection; empty: the distances
-  VectorX masses;        ///< [kg] > 0, one a molecule; empty: see set_matter below
-  VectorX radii;         ///< [m] > 0, one a molecule; empty: as masses
+  VectorX rest_lengths;           ///< [m] > 0, one a connection; empty: the distances
+  VectorX masses;                 ///< [kg] > 0, one a molecule; empty: see set_matter below
+  VectorX radii;                  ///< [m] > 0, one a molecule; empty: as masses
   std::optional<double> density;  ///< [kg/m³] > 0; none: that of the material that the body gets
   double thickness = 0;
 };
