@@ -78,9 +78,9 @@ void add_zero_points(const std::vector<WeightedTest>& tests, const Fit& fit, Unc
     row += count;
   }
   if (squares.isZero(0)) return;
-  const VectorX half = (((known.high - known.low) / 2).cwiseAbs2() + squares).cwiseSqrt();
-  known.deviations = known.deviations.cwiseProduct(half).cwiseQuotient((known.high - known.low) / 2);
-  known.low = fit.values - half, known.high = fit.values + half;
+  const double t = student_quantile(0.95, known.freedom);  // the zero points' intervals are of 95 %, too
+  known.deviations = (known.deviations.cwiseAbs2() + squares / (t * t)).cwiseSqrt();
+  known.low = fit.values - t * known.deviations, known.high = fit.values + t * known.deviations;
 }
 
 double relative_rms(const WeightedTest& test, const VectorX& fitted) {

@@ -272,9 +272,10 @@ void find_zero_point(const DataTest& test, MeasuredData& data) {
     const bool slack = (zero->value > 0) == (e[e.size() - 1] > 0),
                certain = slack && begins_late(e, data.y, data.noise);
     const std::string where = fmt::format("the load begins at a {} of {}: ", data.along->name, found);
-    if (!certain || test.zero)
-      return data.warnings.push_back(where + (slack ? "slack" : "a preload") + "? zero: found counts from there"),
-             void();
+    if (!certain || test.zero) {
+      data.warnings.push_back(where + (slack ? "slack" : "a preload") + "? zero: found counts from there");
+      return;
+    }
     data.warnings.push_back(where +
                             "slack, and no curve that begins at 0 fits; it counts from there, which zero: "
                             "found says and zero: as_given prevents");

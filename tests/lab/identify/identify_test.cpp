@@ -278,6 +278,30 @@ TEST_CASE("one reading near zero does not widen the intervals of a curve", "[ide
   CHECK(width("1.0001,0.9\n") < 2 * width(""));
 }
 
+TEST_CASE("exact rows with a zero point that is found have finite intervals around the truth", "[identify]") {
+  // 20 kPa (λ − 1/λ²), gripped at λ = 1.02 where the machine's stretch is 1.
+  const TemporaryFolder folder;
+  std::string data = "displacement [mm],force [N]\n";
+  for (int i = 0; i <= 40; ++i) {
+    const double stretch = 1.02 + 0.005 * i;
+    data += std::to_string(10 * (stretch - 1.02)) + "," +
+            std::to_string(20e3 * 1e-4 * (stretch - 1 / (stretch * stretch))) + "\n";
+  }
+  folder.write("data.csv", data);
+  const FoundNumber number =
+      identify(
+          folder.write("scene.yaml",
+                       "material: {law: mooney_rivlin, c1: 5 kPa, c2: 0 Pa}\nidentify: {fixed: [c2], tests: "
+                       "[{kind: uniaxial, file: data.csv, length: 10.2 mm, cross_section: 100 mm2, zero: found}]}\n"),
+          kCatalog, {})
+          .front()
+          .numbers.front();
+  CHECK(std::isfinite(number.deviation));
+  CHECK(number.low <= number.value);
+  CHECK(number.high >= number.value);
+  CHECK(number.value == Approx(10e3).epsilon(0.05));
+}
+
 TEST_CASE("numbers that the data cannot tell apart are a flat valley, and named", "[identify]") {
   // Shear alone: Mooney and Rivlin's stress is 2 (c1 + c2) γ.
   const TemporaryFolder folder;
