@@ -207,15 +207,18 @@ TEST_CASE("a time history that is no such curve gives no such measure, and the r
   CHECK(measured(creep, "retardation_time") == Approx(0.2).epsilon(0.02));
   CHECK(measured(creep, "fit_misfit") < 0.01);
   CHECK(creep.remark.empty());
-  // With steps by error the jump of a body with mass takes many rows.
-  const Run heavy = run_of(
-      "body: {tetrahedra: {kind: body_centred, cubes: [1, 1, 3], size: [10 mm, 10 mm, 30 mm]}}\n"
-      "material: {youngs_modulus: 10 kPa, poissons_ratio: 0.3, density: 1000 kg/m3, "
-      "relaxation: {model: standard_linear_solid, share: 1, time: 1 s}}\nstiffness: \"prony:neo_hookean\"\n"
-      "experiment: {kind: creep, " +
-      pulled + "time: {duration: 10 s}\n");
-  CHECK(measured(heavy, "retardation_time") == Approx(2).epsilon(0.05));
-  CHECK(heavy.remark.empty());
+  // With steps by error the jump of a body with mass takes many rows, and in 2 s it still swings behind the first ones.
+  for (const auto& [time, duration] : {std::pair{1., 10.}, {0.35, 2.}}) {
+    const Run heavy = run_of(
+        "body: {tetrahedra: {kind: body_centred, cubes: [1, 1, 3], size: [10 mm, 10 mm, 30 mm]}}\n"
+        "material: {youngs_modulus: 10 kPa, poissons_ratio: 0.3, density: 1000 kg/m3, "
+        "relaxation: {model: standard_linear_solid, share: 1, time: " +
+        std::to_string(time) + " s}}\nstiffness: \"prony:neo_hookean\"\nexperiment: {kind: creep, " + pulled +
+        "time: {duration: " + std::to_string(duration) + " s}\n");
+    INFO(heavy.remark);
+    CHECK(measured(heavy, "retardation_time") == Approx(2 * time).epsilon(0.05));
+    CHECK(heavy.remark.empty());
+  }
 }
 
 TEST_CASE("experiments at rest see what has relaxed alone, in energy and tangents too", "[time]") {

@@ -183,12 +183,20 @@ class Motion final : public TimedExperiment {
     return info && !(released() && is_property(info->role));
   }
 
-  /// Behind the first hundredth: what a body shows at once is elastic, and takes some short steps.
+  /// Behind the first hundredth, for what a body shows at once is elastic and takes some short steps; where it still
+  /// swings there, from later on, as long as it creeps by more than a hundredth of what it has moved.
   void read_creep(const std::vector<CurvePoint>& history, Measures& measures) const {
-    const auto fit = fit_exponential(series_of(history, response_.displacement, history.back().time / 100));
-    if (!fit) return;
-    measures.set("fit_misfit", fit->misfit);
-    if (fit->misfit <= kMostForTime) measures.set("retardation_time", fit->time);
+    for (const double share : {0.01, 0.03, 0.1}) {
+      const Series series = series_of(history, response_.displacement, share * history.back().time);
+      const auto fit = fit_exponential(series);
+      if (!fit) return;
+      const auto [low, high] = std::minmax_element(series.values.begin(), series.values.end());
+      if (share > 0.01 && *high - *low < 0.01 * std::max(std::abs(*low), std::abs(*high))) return;
+      measures.set("fit_misfit", fit->misfit);
+      if (fit->misfit > kMostForTime) continue;
+      measures.set("retardation_time", fit->time);
+      return;
+    }
   }
 
   /// Behind the row at the ramp's end, where the body still moves. The slowest part alone: from where a twentieth of
