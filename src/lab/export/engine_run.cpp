@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <fstream>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
@@ -31,6 +32,9 @@ constexpr int kMostSteps = 20000;
 struct Fault {
   std::string text;
 };
+
+/// The engine found no equilibrium of the body: with softer constants or smaller steps it may.
+struct NoRest : Fault {};
 
 std::string node_has(const char* package) {
   return fmt::format("node -e 'require(\"module\").createRequire(process.cwd() + \"/\").resolve(\"{}\")'", package);
@@ -93,7 +97,7 @@ void warn_of_precision(const Positions& positions, const Positions& displacement
 }
 
 /// An equilibrium in which cells are inverted is another one than that of the test, or the load is far too large.
-void warn_of_inverted(const ExportedBody& body, const Positions& positions, Run& run) {
+std::string inversion(const ExportedBody& body, const Positions& positions) {
   const auto volume = [](const ExportedBody::Cell& cell, const Positions& at) {
     const Vector3 first = at.col(cell.nodes[0]);
     return (at.col(cell.nodes[1]) - first).cross(at.col(cell.nodes[2]) - first).dot(at.col(cell.nodes[3]) - first);
@@ -101,14 +105,15 @@ void warn_of_inverted(const ExportedBody& body, const Positions& positions, Run&
   const auto inverted = std::count_if(body.tetrahedra.begin(), body.tetrahedra.end(), [&](const auto& cell) {
     return !(volume(cell, positions) * volume(cell, body.positions) > 0);
   });
-  if (inverted > 0)
-    run.warnings.push_back(
-        fmt::format("its positions invert {} of {} tetrahedra: take smaller time steps, or load the body "
-                    "less",
-                    inverted, body.tetrahedra.size()));
+  return inverted == 0 ? ""
+                       : fmt::format(
+                             "its positions invert {} of {} tetrahedra: take smaller time steps, or load the "
+                             "body less",
+                             inverted, body.tetrahedra.size());
 }
 
-OtherSolution solution_of(const Engine& engine, const Json& answer, const ExportedBody& body, Run& run) {
+OtherSolution solution_of(const Engine& engine, const Json& answer, const ExportedBody& body, bool calibrating,
+                          Run& run) {
   if (answer.contains("error")) {
     run.suited = false;
     throw Fault{(answer["error"].is_string() ? answer["error"].get<std::string>() : answer["error"].dump()) +
@@ -119,11 +124,15 @@ OtherSolution solution_of(const Engine& engine, const Json& answer, const Export
   read_report(answer, *run.engine);
   if (!engine.tested.empty() && run.engine->version != engine.tested)
     run.warnings.push_back("this is " + run.engine->version + "; its driver is written for " + engine.tested);
-  if (answer.contains("at_rest") && answer["at_rest"] == false)
-    throw Fault{
-        fmt::format("not at rest after {}", counted(run.engine->steps, "step")) +
-        (answer.contains("cause") && answer["cause"].is_string() ? ": " + answer["cause"].get<std::string>() : "")};
-  warn_of_inverted(body, positions, run);
+  if (answer.contains("at_rest") && answer["at_rest"] == false) {
+    const Json cause = answer.value("cause", Json(""));
+    throw NoRest{{fmt::format("not at rest after {}", counted(run.engine->steps, "step")) +
+                  (cause.is_string() && cause != "" ? ": " + cause.get<std::string>() : "")}};
+  }
+  if (const std::string why = inversion(body, positions); !why.empty()) {
+    if (calibrating) throw NoRest{{why}};
+    run.warnings.push_back(why);
+  }
   OtherSolution solution{positions - body.positions, std::nullopt};
   warn_of_precision(positions, solution.displacements, run);
   if (answer.contains("reactions")) solution.reactions = vectors_of(answer, "reactions", body.positions.cols());
@@ -153,7 +162,8 @@ void solve_once(const Engine& engine, const Scene& scene, const ExportedBody& bo
   if (engine.ask) {
     std::istringstream answer(engine.ask(request_text(body, settings, "")));
     run.solve_seconds += seconds_since(begin);
-    return measure_other(scene, 1, solution_of(engine, answer_of(std::move(answer)), body, run), run);
+    return measure_other(scene, body.load,
+                         solution_of(engine, answer_of(std::move(answer)), body, settings.calibrate, run), run);
   }
   const JobFolder folder(engine.name);
   const auto write = [&](const std::string& name, const std::string& text) {
@@ -177,15 +187,17 @@ void solve_once(const Engine& engine, const Scene& scene, const ExportedBody& bo
   }
   if (ended.timed_out) throw Fault{fmt::format("no answer in {:.3g} s", settings.seconds)};
   if (!ended.well) throw Fault{"it ended with " + ended.text + ": " + complaint(folder.file("log"))};
-  measure_other(scene, 1, solution_of(engine, answer_of(std::ifstream(folder.file("answer"))), body, run), run);
+  measure_other(scene, body.load,
+                solution_of(engine, answer_of(std::ifstream(folder.file("answer"))), body, settings.calibrate, run),
+                run);
 }
 
 /// How far the engine may stay from the modulus that its constants have, and how little it may gain by twice the
 /// constants until it counts as saturated.
 constexpr double kMet = 2e-3, kLeastGain = 0.02;
 
-/// What would do where an engine is saturated: that many iterations, or steps that short, with the constants that
-/// gained nothing before. "" if neither does within 64 times.
+/// What would do where an engine is saturated: that many iterations, or steps that short, with the constants that it
+/// had. "" if neither does within 64 times.
 std::string remedy(const std::function<double(const EngineStudy&)>& shown, double target, const EngineStudy& settings,
                    int iterations) {
   constexpr int kDoublings = 6;
@@ -194,7 +206,11 @@ std::string remedy(const std::function<double(const EngineStudy&)>& shown, doubl
     EngineStudy changed = settings;
     for (int i = 0; i < kDoublings; ++i) {
       change(changed);
-      if (!(shown(changed) >= target)) continue;
+      try {
+        if (!(shown(changed) >= (1 - kMet) * target)) continue;
+      } catch (const NoRest&) {
+        continue;
+      }
       text += text.empty() ? "; with " : " or ";
       return true;
     }
@@ -215,11 +231,13 @@ std::string remedy(const std::function<double(const EngineStudy&)>& shown, doubl
 }
 
 /// One factor on all constants, until the engine shows the modulus that Elastin finds with those given: secants of
-/// log E over log factor. Where more stiffness changes nothing the run says how stiff the engine can be.
+/// log E over log factor. Where more stiffness changes nothing, or finds no rest, the run says how stiff the engine can
+/// be.
 void calibrate_in(const Engine& engine, const Scene& scene, const ExportedBody& body, const EngineStudy& settings,
                   const std::function<bool()>& stop, Run& run) {
   constexpr int kMostRuns = 12;
   constexpr double kLargestFactor = 8;  // from run to run
+  constexpr double kNear = 1.5;         // of a factor that finds rest to one that does not
   const std::string name = calibrated_measure(*scene.experiment->at_rest(), scene.specimen.material);
   const std::string measure =
       name.empty() ? scene.experiment->main_measures(scene.specimen.material, {}).front().name : name;
@@ -229,50 +247,76 @@ void calibrate_in(const Engine& engine, const Scene& scene, const ExportedBody& 
   const double target = run_strategy(scene.specimen, *scene.experiment, scene.stiffness, options).measures.get(measure);
   if (!(target > 0)) throw Fault{"Elastin itself finds no positive " + measure + " to calibrate to"};
   double factor = 1, last_factor = 0, last = 0, slope = 1;
+  double restless = std::numeric_limits<double>::infinity();  // the least factor without rest
+  std::string why;
   const EngineReport before = *run.engine;
   const auto with_factor = [&](const EngineStudy& changed) {
     ExportedBody scaled = body;
     for (auto& one : scaled.connections) one.stiffness *= factor;
     for (auto* cells : {&scaled.cells, &scaled.tetrahedra})
       for (auto& cell : *cells) cell.youngs_modulus *= factor;
+    if (std::isfinite(restless) && factor < 1) {  // or what has become so soft bears no load
+      scaled.load = factor;
+      scaled.forces *= factor;
+      for (Support& support : scaled.supports) support.displacement *= factor;
+    }
     Run found;
     found.engine = before;
     solve_once(engine, scene, scaled, changed, stop, found);
     run.solve_seconds += found.solve_seconds;
     return found;
   };
+  const auto saturated = [&](const std::string& beyond) {
+    run.outcome = Outcome::limit_reached;
+    const std::string iterations =
+        run.engine->iterations > 0 ? counted(run.engine->iterations, "iteration") : "its iterations";
+    return Fault{
+        fmt::format("saturated: with {} and steps of {:.4g} s it shows no more than {:.4g} of the {} of the "
+                    "constants, {}{}",
+                    iterations, settings.time_step, last / target, measure, beyond,
+                    remedy([&](const EngineStudy& one) { return with_factor(one).measures.get(measure); }, target,
+                           settings, run.engine->iterations))};
+  };
   for (int trial = 0; trial < kMostRuns; ++trial) {
-    const Run found = with_factor(settings);
-    const double shown = found.measures.get(measure);
-    run.measures = found.measures;
-    run.curve = found.curve;
-    run.engine = found.engine;
-    run.calibration_factor = factor;
-    if (!(shown > 0)) throw Fault{"it shows no positive " + measure};
-    if (std::abs(shown / target - 1) <= kMet) {
-      run.warnings.insert(run.warnings.end(), found.warnings.begin(), found.warnings.end());
-      run.warnings.push_back(
-          fmt::format("its constants are {:.4g} times those of the strategy, so that it shows their "
-                      "{}",
-                      factor, measure));
-      return;
+    double next = factor;
+    try {
+      const Run found = with_factor(settings);
+      const double shown = found.measures.get(measure);
+      run.measures = found.measures;
+      run.curve = found.curve;
+      run.engine = found.engine;
+      run.calibration_factor = factor;
+      if (!(shown > 0)) throw Fault{"it shows no positive " + measure};
+      if (std::abs(shown / target - 1) <= kMet) {
+        run.warnings.insert(run.warnings.end(), found.warnings.begin(), found.warnings.end());
+        run.warnings.push_back(
+            fmt::format("its constants are {:.4g} times those of the strategy, so that it shows their "
+                        "{}",
+                        factor, measure));
+        return;
+      }
+      if (last > 0) slope = std::log(shown / last) / std::log(factor / last_factor);
+      const bool gained = !(last > 0 && shown < target && factor > last_factor && slope < std::log2(1 + kLeastGain));
+      last = shown, last_factor = factor;
+      if (!gained) throw saturated("however large");
+      next *= std::clamp(std::pow(target / shown, 1 / std::max(slope, 0.1)), 1 / kLargestFactor, kLargestFactor);
+    } catch (const NoRest& fault) {
+      restless = factor;
+      why = fault.text;
+      next /= kLargestFactor;
     }
-    if (last > 0) slope = std::log(shown / last) / std::log(factor / last_factor);
-    if (last > 0 && shown < target && factor > last_factor && slope < std::log2(1 + kLeastGain)) {
-      run.outcome = Outcome::limit_reached;
-      const std::string iterations =
-          run.engine->iterations > 0 ? counted(run.engine->iterations, "iteration") : "its iterations";
-      throw Fault{
-          fmt::format("saturated: with {} and steps of {:.4g} s it shows no more than {:.4g} of the {} of the "
-                      "constants, however large they are{}",
-                      iterations, settings.time_step, shown / target, measure,
-                      remedy([&](const EngineStudy& one) { return with_factor(one).measures.get(measure); }, target,
-                             settings, run.engine->iterations))};
+    if (last > 0 && last < target && last_factor < restless && std::isfinite(restless)) {
+      if (restless <= kNear * last_factor) {
+        factor = restless > 1 ? last_factor : 1;
+        throw saturated(fmt::format("however large (with {:.3g} times them: {})", restless, why));
+      }
+      next = std::min(next, std::sqrt(last_factor * restless));
     }
-    last = shown, last_factor = factor;
-    factor *= std::clamp(std::pow(target / shown, 1 / std::max(slope, 0.1)), 1 / kLargestFactor, kLargestFactor);
+    factor = next;
   }
-  throw Fault{fmt::format("{} runs have not found a factor of its constants that shows their {}", kMostRuns, measure)};
+  throw Fault{why.empty() ? fmt::format("{} runs have not found a factor of its constants that shows their {}",
+                                        kMostRuns, measure)
+                          : why};
 }
 
 /// Elastin's own stepper from rest under the whole load, as the drivers of engines do it: all that moves is stopped
@@ -349,7 +393,11 @@ void solve_in(const Engine& engine, const Scene& scene, const std::function<bool
   if (!scene.experiment->at_rest()) throw InputError("engines run experiments at rest");
   if (!scene.specimen.loads.empty())
     throw InputError("loads in addition to the experiment's are not measured separately");
-  if (engine.stepper) return step_to_rest(engine.stepper, scene, stop, run);
+  if (engine.stepper) {
+    if (scene.engines.calibrate)
+      run.warnings.emplace_back("not calibrated: that is for other engines; a stepper needs more iterations alone");
+    return step_to_rest(engine.stepper, scene, stop, run);
+  }
   const ExportedBody body = exported_body(scene, scene.stiffness);
   run.warnings = body.notes;
   (scene.engines.calibrate ? calibrate_in : solve_once)(engine, scene, body, scene.engines, stop, run);

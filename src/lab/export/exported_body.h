@@ -27,7 +27,8 @@ struct ExportedBody {
   std::vector<Cell>
       tetrahedra;        ///< of four nodes, that fill the same; none of a body without cells of three dimensions
   double thickness = 0;  ///< of triangles and quadrilaterals [m]
-  std::vector<Support> supports;   ///< of the experiment under its whole load
+  double load = 1;       ///< part of the experiment's load that supports and forces are
+  std::vector<Support> supports;   ///< of the experiment under that load
   Positions forces;                ///< of all loads on the molecules at rest [N]
   std::vector<std::string> notes;  ///< what of the scene is not here, a sentence each
 };

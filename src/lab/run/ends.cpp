@@ -190,13 +190,22 @@ Ends::Ends(const Body& body, const Vector3& axis, const GripSetup& setup) {
   std::vector<int> both;
   std::set_intersection(fixed.molecules.begin(), fixed.molecules.end(), loaded.molecules.begin(),
                         loaded.molecules.end(), std::back_inserter(both));
-  if (any_over(body, !both.empty()))
-    throw InputError("the fixed end and the loaded one have " +
-                     counted(static_cast<int>(count_of(body, both)), "molecule") +
-                     " in common; give a smaller grip_depth, or other molecules");
   std::tie(low, high) = heights_of(body, axis);
   if (setup.fixed || !fixed.tilted.isZero(0)) low = heights_of(body, fixed.molecules, axis).second;
   if (setup.loaded || !loaded.tilted.isZero(0)) high = heights_of(body, loaded.molecules, axis).first;
+  const bool meet = any_over(body, !both.empty());
+  if ((meet || !(low < high)) && !setup.fixed && !setup.loaded && !(setup.grip_depth > 0)) {
+    const double depth = std::max(sufficient_depth(body, axis), sufficient_depth(body, -axis));
+    throw InputError(
+        "the body has no two ends across this axis, for the sides that look along it reach as far as those that look "
+        "the other way: write another axis, such as axis: longest, " +
+        (std::isfinite(depth) ? "or grip_depth: " + in_mm(depth) + ", " : std::string()) +
+        "or pick them with `fixed: {…}` and `loaded: {…}`");
+  }
+  if (meet)
+    throw InputError("the fixed end and the loaded one have " +
+                     counted(static_cast<int>(count_of(body, both)), "molecule") +
+                     " in common; give a smaller grip_depth, or other molecules");
   if (!(low < high)) throw InputError("the fixed end must lie below the loaded one along the axis");
 }
 

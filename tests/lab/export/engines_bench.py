@@ -30,7 +30,7 @@ def table():
     for body in BODIES:
         words = [COMMAND, "compare", SCENES / f"bench-{body}.yaml", "--quiet", "--json", "-"]
         if "--calibrate" in options:
-            words += ["--engine-calibrate", "--engines", "jolt,rapier,mujoco,lammps"]
+            words += ["--engine-calibrate", "--engines", "jolt,rapier,mujoco,bullet,lammps"]
         runs = json.loads(subprocess.run(words, capture_output=True, text=True).stdout)["runs"]
         own, rows, moduli = {}, {}, []
         for run in runs:

@@ -363,7 +363,7 @@ def check_calibration(folder):
     weakest = min(one["stiffness"] for one in body_of(bar)["connections"])
     for law, status, remedy in [
         ("k / 3", 0, ""),
-        (f"min(k, {weakest / 2})", 1, "however large they are"),
+        (f"min(k, {weakest / 2})", 1, "however large"),
         (f"min(k, {0.9 * weakest} / (60 * request['dt'])**2)", 1, "; with steps of 0.008333 s it reaches that"),
     ]:
         (folder / "softer.py").write_text(
@@ -379,6 +379,18 @@ def check_calibration(folder):
             continue
         near(modulus_of(row), wanted, 2e-3)
         assert any("constants are 3 times" in warning for warning in row["warnings"]), row["warnings"]
+    # One that finds no rest above half of the constants is at its limit below that.
+    strongest = max(one["stiffness"] for one in body_of(bar)["connections"])
+    (folder / "restless.py").write_text(
+        "import json, subprocess, sys\nline = sys.stdin.readline()\nbody = json.loads(line)['body']\n"
+        f"if max(one['stiffness'] for one in body['connections']) > {strongest / 2}:\n"
+        "    print(json.dumps({'positions': body['positions'], 'at_rest': False, 'steps': 9}))\n"
+        f"else:\n    subprocess.run([sys.executable, '{examples}/own_engine.py'], input=line, text=True)\n")
+    rows = compare(bar, "--engine", f"'{sys.executable}' '{folder}/restless.py'", "--engine-calibrate", status=1)
+    row, wanted = rows["restless"], modulus_of(rows["lattice"])
+    assert row["outcome"] == "limit_reached" and "not at rest after 9 steps)" in row["cause"], row
+    shown = row["measures"]["effective_modulus"] / wanted
+    assert 0.5 / 1.5 <= shown <= 0.5 and f"no more than {shown:.4g} of" in row["cause"], (shown, row["cause"])
 
 
 def main():

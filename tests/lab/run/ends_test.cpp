@@ -192,6 +192,9 @@ TEST_CASE("a scene picks what is held, and takes the longest axis", "[ends][scen
              Contains("the fixed end holds 1 molecule on 0 mm2"));
   CHECK_THAT(refusal([&] { load("kind: tension, axis: x, strain: 1 %, fixed: {side: x}"); }),
              Contains("a.yaml:6") && Contains("in common"));
+  // Along its diagonal a block has an edge in place of an end.
+  CHECK_THAT(refusal([&] { load("kind: tension, axis: [0.8, 1, 0], strain: 1 %"); }),
+             Contains("a.yaml:6") && Contains("no two ends across this axis") && Contains("grip_depth: "));
   CHECK_THAT(refusal([&] { load("kind: bending, axis: longest, direction: x, force: 1 uN"); }),
              Contains("lies along the body's longest axis"));
 }
