@@ -67,7 +67,8 @@ double sufficient_depth(const Body& body, const Vector3& direction) {
     (suffices(middle) ? depth : less) = middle;
   }
   const double digit = std::pow(10, std::floor(std::log10(depth)) - 1);
-  return std::ceil(depth / digit) * digit;
+  depth = std::ceil(depth / digit) * digit;
+  return depth < 0.5 * (high - low) ? depth : std::numeric_limits<double>::infinity();
 }
 
 }  // namespace
