@@ -456,6 +456,43 @@ Mesh load_mesh(const std::string& path) {
   return format::read_mesh(format::load_file(path));
 }
 
+int join_points(Mesh& mesh, double distance) {
+  std::vector<int> first(static_cast<std::size_t>(mesh.points.cols()));
+  std::iota(first.begin(), first.end(), 0);
+  for (const auto& [a, b] : connections_within(mesh.points, distance).ends) {
+    int low = a, high = b;
+    while (first[low] != low) low = first[low];
+    while (first[high] != high) high = first[high];
+    first[std::max(low, high)] = std::min(low, high);
+  }
+  int kept = 0;
+  for (std::size_t point = 0; point < first.size(); ++point)
+    if (first[point] == static_cast<int>(point)) {
+      mesh.points.col(kept) = mesh.points.col(static_cast<Eigen::Index>(point));
+      first[point] = kept++;
+    } else {
+      first[point] = first[first[point]];  // a lower one, which has its new number
+    }
+  const int taken = static_cast<int>(first.size()) - kept;
+  mesh.points.conservativeResize(3, kept);
+  format::renumber(first, mesh.tetrahedra);
+  format::renumber(first, mesh.triangles);
+  for (CellBlock& block : mesh.blocks)
+    for (int& node : block.nodes) node = first[node];
+  format::for_each_cell(mesh, [&](std::span<const int> cell) {
+    std::vector<int> corners(cell.begin(), cell.end());
+    std::sort(corners.begin(), corners.end());
+    if (std::adjacent_find(corners.begin(), corners.end()) != corners.end())
+      throw InputError("two corners of a cell lie within that distance; give a smaller one");
+  });
+  for (auto& [name, points] : mesh.sets) {
+    for (int& point : points) point = first[point];
+    std::sort(points.begin(), points.end());
+    points.erase(std::unique(points.begin(), points.end()), points.end());
+  }
+  return taken;
+}
+
 CellData load_cell_data(const std::string& path, const std::string& name) {
   const format::KnownFormat& known = format::format_of(path);
   if (known.content != MeshContent::cells_with_data) {

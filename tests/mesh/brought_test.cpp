@@ -45,6 +45,25 @@ const std::string kPart = "*PART, NAME=P\n" + kNodes + kTissue + "*NSET, NSET=TO
 
 }  // namespace
 
+TEST_CASE("points at a seam are made one where that is asked for", "[brought]") {
+  Mesh mesh = load_mesh(brought("inp_seam.inp"));
+  mesh.sets = {{"FACE", {1, 3, 5, 7, 8, 10, 12, 14}}};
+  CHECK(join_points(mesh, 1e-9) == 4);
+  CHECK(mesh.points.cols() == 12);
+  CHECK(volume(mesh) == Approx(2).epsilon(1e-14));
+  CHECK(mesh.sets.at("FACE") == std::vector<int>{1, 3, 5, 7});
+  CHECK(mesh.blocks.at(0).nodes == std::vector<int>{0, 1, 3, 2, 4, 5, 7, 6, 1, 8, 9, 3, 5, 10, 11, 7});
+  CHECK(join_points(mesh, 1e-9) == 0);
+  CHECK_THROWS_WITH(join_points(mesh, 1.5), Contains("two corners of a cell"));
+  // A chain of points, each near the next one alone.
+  Mesh chain;
+  chain.points.resize(3, 5);
+  chain.points << 3, 0, 2, 1, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0;
+  CHECK(join_points(chain, 1.1) == 3);
+  CHECK(chain.points.row(0) == Eigen::RowVector2d(3, 9));
+  CHECK(load_mesh(brought("msh_one_inverted.msh")).reoriented == 1);
+}
+
 TEST_CASE("meshes of other programs: cells, points, volume, sets and what is left out", "[brought]") {
   struct Expected {
     const char* file;

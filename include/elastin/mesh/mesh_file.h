@@ -40,6 +40,10 @@ struct Mesh {
 /// times as far apart as by order_in_space: then they get that order, for passes over them would wait for the memory.
 Mesh load_mesh(const std::string& path);
 
+/// Makes one point of all that lie within `distance` (in the file's unit, > 0) of each other, the first of them, and
+/// gives the number of those that this took. Throws InputError where two corners of a cell would be one.
+int join_points(Mesh& mesh, double distance);
+
 enum class MeshContent {
   surface,          ///< triangles alone
   cells,            ///< triangles, or the cells of a solid

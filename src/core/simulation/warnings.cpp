@@ -36,16 +36,23 @@ double largest_in(const Body& body, const std::vector<Material>& materials) {
   return most;
 }
 
+constexpr double kSamePlace = 1e-6;  ///< of the body's extent
+
 }  // namespace
 
 std::string warning_of_pieces(const Body& body, const std::string& name) {
   const BodyFindings findings = inspect(body);
   if (findings.pieces <= 1) return "";
   const auto isolated = findings.isolated_molecules.size();
+  const double extent = (body.rest.rowwise().maxCoeff() - body.rest.rowwise().minCoeff()).maxCoeff();
+  const std::size_t same = extent > 0 ? connections_within(body.rest, kSamePlace * extent).ends.size() : 0;
   return name + " is not connected: " + std::to_string(findings.pieces) + " pieces" +
          (isolated == 0   ? ""
           : isolated == 1 ? ", one of them an isolated molecule"
-                          : ", " + std::to_string(isolated) + " of them isolated molecules");
+                          : ", " + std::to_string(isolated) + " of them isolated molecules") +
+         (same == 0 ? ""
+                    : "; " + counted(static_cast<std::ptrdiff_t>(same), "pair") +
+                          " of molecules at the same place (of a mesh, `join` makes one of each)");
 }
 
 std::string warning_of_doubles(const Body& body, bool uses_cells) {

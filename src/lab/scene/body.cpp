@@ -188,16 +188,27 @@ void note_contents(const mesh::Mesh& mesh, const std::string& file, std::vector<
 
 Shape mesh_shape() {
   struct S : MeshFile, CellOrder {
-    std::optional<Reader> place;
+    std::optional<Reader> place, join_place;
+    std::optional<double> join;
   };
   std::string endings;
   for (const mesh::MeshFormat& format : mesh::mesh_formats())
     endings +=
         (endings.empty() ? "`" : ", `") + format.ending + "`" + (format.versions.empty() ? "" : " " + format.versions);
   return shape("mesh", ", cells from a file: triangles, tetrahedra, prisms, hexahedra, of first or second order",
-               Keys<S>{mesh_file_key(endings), length_unit_key(), order_key()},
+               Keys<S>{mesh_file_key(endings), length_unit_key(), order_key(),
+                       key::quantity("join", &S::join, dimension::length,
+                                     "makes one point of those that lie within this distance of each other, as at a "
+                                     "seam of parts",
+                                     kPositive)
+                           .place(&S::join_place)},
                [](const S& setup, ShapeContext& context) {
                  mesh::Mesh mesh = setup.load();
+                 if (setup.join)
+                   setup.join_place->located([&] {
+                     const int taken = mesh::join_points(mesh, *setup.join);
+                     mesh.repairs.push_back(counted(taken, "point") + " joined to others");
+                   });
                  warn_of_reoriented(mesh, setup.place->path(), context.remarks.warnings);
                  note_contents(mesh, setup.file->text(), context.remarks.notes);
                  if (context.remarks.sets) *context.remarks.sets = mesh.sets;
