@@ -83,6 +83,7 @@
 #include "elastin/core/solve/homogenisation.h"
 #include "elastin/core/solve/integrator.h"
 #include "elastin/core/solve/modes.h"
+#include "elastin/core/solve/sensitivity.h"
 #include "elastin/core/solve/stable_step.h"
 #include "elastin/core/solve/statics.h"
 #include "elastin/core/solve/vibrations.h"

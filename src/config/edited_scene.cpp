@@ -3,9 +3,14 @@
 #include <yaml-cpp/yaml.h>
 
 #include <algorithm>
+#include <cstdio>
 #include <filesystem>
+#include <optional>
+#include <utility>
 
 #include "config/scene_tree.h"
+#include "core/base/named.h"
+#include "elastin/core/base/text.h"
 
 namespace elastin::config {
 namespace {
@@ -169,6 +174,65 @@ std::string with_value(const std::string& text, const std::string& path, const s
     from = to + 1;
   }
   return edited(text, std::move(edits));
+}
+
+namespace {
+
+/// The number that a single value is; none: it is a word or a formula of the place.
+std::optional<FormulaValue> number_of(const YAML::Node& node) {
+  try {
+    return node.IsScalar() ? std::optional(formula_value(node.Scalar(),
+                                                         [](const std::string& name) -> FormulaValue {
+                                                           throw InputError(name + " is no number");
+                                                         }))
+                           : std::nullopt;
+  } catch (const InputError&) {
+    return std::nullopt;
+  }
+}
+
+void add_numbers(const YAML::Node& node, const std::string& path, std::vector<std::string>& paths) {
+  if (number_of(node)) paths.push_back(path);
+  std::size_t item = 0;
+  for (const auto& entry : node) {
+    const std::string key = node.IsMap() ? entry.first.Scalar() : std::to_string(item++);
+    add_numbers(node.IsMap() ? entry.second : entry, path.empty() ? key : path + "." + key, paths);
+  }
+}
+
+}  // namespace
+
+std::string StatedNumber::with(double other) const {
+  char text[40];
+  std::snprintf(text, sizeof text, "%.17g", other);
+  return unit == dimension::none ? text : text + (" " + si_unit(unit));
+}
+
+StatedNumber stated_number(const SceneSource& source, const std::vector<std::string>& overrides,
+                           const std::string& path) {
+  const SceneTree tree = load_scene_tree(source, overrides);
+  YAML::Node node = tree.root;
+  for (std::size_t from = 0; from < path.size() && node.IsDefined();) {
+    const std::size_t to = std::min(path.find('.', from), path.size());
+    const std::string key = path.substr(from, to - from);
+    const auto item = node.IsSequence() ? item_of(node, key) : std::nullopt;
+    node.reset(item           ? std::as_const(node)[*item]
+               : node.IsMap() ? std::as_const(node)[key]
+                              : YAML::Node(YAML::NodeType::Undefined));
+    from = to + 1;
+  }
+  std::vector<std::string> paths;
+  add_numbers(tree.root, "", paths);
+  if (!node.IsDefined())
+    throw InputError("the scene states no '" + path + "'" + suggestion(path, paths) +
+                     "; a number that it leaves out is written into it first");
+  const auto found = number_of(node);
+  if (!found && node.IsScalar() && path.starts_with("values.") && tree.values.contains(path.substr(7)))
+    return {tree.values.at(path.substr(7)).number, tree.values.at(path.substr(7)).unit};
+  if (found) return {found->number, found->unit};
+  std::erase_if(paths, [&](const std::string& other) { return !other.starts_with(path + "."); });
+  throw InputError("'" + path + "' is " + (node.IsScalar() ? "'" + node.Scalar() + "'" : kind_of(node)) +
+                   ", and no number" + (paths.empty() ? "" : "; those in it are " + joined(paths)));
 }
 
 }  // namespace elastin::config

@@ -5,6 +5,7 @@
 
 #include "elastin/config/scene_source.h"
 #include "elastin/core/base/error.h"
+#include "elastin/core/base/units.h"
 
 namespace elastin::config {
 
@@ -51,6 +52,17 @@ std::string with_value(const std::string& text, const std::string& path, const s
 /// they can take the values; otherwise all of it is written again, without remarks. A `material` replaces all that a
 /// scene which this one extends has there. Throws InputError where a key names no item of a list of this text.
 std::string with_values(const SceneSource& source, const std::vector<std::pair<std::string, std::string>>& values);
+
+/// A number that a scene states under a path of keys, as of --set: "material.youngs_modulus", "loads.0.pressure.value".
+struct StatedNumber {
+  double value = 0;  ///< SI
+  Dimension unit;
+  /// Another value as --set takes it.
+  std::string with(double other) const;
+};
+/// Throws InputError, with the nearest path of a number, where nothing or no number stands there.
+StatedNumber stated_number(const SceneSource& source, const std::vector<std::string>& overrides,
+                           const std::string& path);
 
 /// A path as YAML writes it: in quotes where it needs them.
 std::string path_text(const std::string& path);

@@ -75,8 +75,10 @@ RunWatch watch_of(const std::optional<py::function>& progress) {
 }
 
 std::shared_ptr<Outcomes> run(const std::shared_ptr<SharedLaboratory>& shared, const std::string& strategy,
-                              const std::optional<py::function>& progress, bool keep_states) {
+                              const std::optional<py::function>& progress, bool keep_states,
+                              const std::vector<std::string>& derivatives_by) {
   RunWatch watch = watch_of(progress);
+  watch.derivatives_by = derivatives_by;
   watch.keep_states = keep_states;
   const py::gil_scoped_release others_run;
   const std::lock_guard turn(shared->busy);
@@ -137,6 +139,18 @@ void add_result(py::module_& module) {
       .def_property_readonly(
           "measures", [](const Outcomes& self) { return by_name(self.result.measures); },
           "Value by name, of the last load step, or of the course of a run in time.")
+      .def_property_readonly(
+          "gradients",
+          [](const Outcomes& self) {
+            py::dict gradients;
+            for (const auto& [measure, slopes] : self.result.gradients) {
+              py::dict by_key;
+              for (const auto& [key, slope] : slopes) by_key[key.c_str()] = slope;
+              gradients[measure.c_str()] = by_key;
+            }
+            return gradients;
+          },
+          "Derivatives by name of the measure and key of the scene, those of derivatives_by; SI units.")
       .def_property_readonly("main", part_of_result(&Result::main),
                              "Names of the measures by which strategies are compared, the most telling first.")
       .def_property_readonly(
@@ -210,10 +224,12 @@ void add_laboratory(py::module_& module) {
            "and finer cells. '' does it where the scene says so, 'computed' in any case, 'none' not at all. Runs "
            "after it have errors to it.")
       .def("run", &run, py::arg("strategy") = "", py::kw_only(), py::arg("progress") = py::none(),
-           py::arg("keep_states") = false,
+           py::arg("keep_states") = false, py::arg("derivatives_by") = std::vector<std::string>{},
            "Runs the experiment with a strategy by name ('calibrated:angles', 'lattice+volume'); '' takes the scene's "
            "own. progress(doing) is called before each load step or frame; what it raises ends the run. keep_states: "
-           "the result has the positions of each load step or frame. Numerical trouble is an outcome in the result.")
+           "the result has the positions of each load step or frame. derivatives_by: keys of numbers of the scene, "
+           "'material.youngs_modulus', by which all measures at rest are differentiated. Numerical trouble is an "
+           "outcome in the result.")
       .def("_measure", &measure)
       .def("_exported",
            [](SharedLaboratory& self, const std::string& strategy) { return self.laboratory.exported(strategy); })

@@ -10,6 +10,7 @@
 #include "elastin/core/base/error.h"
 #include "elastin/core/simulation/parts.h"
 #include "elastin/core/simulation/saved_state.h"
+#include "elastin/core/solve/sensitivity.h"
 #include "elastin/mesh/voronoi.h"
 #include "python/bind.h"
 
@@ -263,6 +264,83 @@ void add_hands(Class& simulation) {
           py::arg("coupling"));
 }
 
+using Rows = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;
+
+/// About the equilibrium that the simulation stands in: what is left of it unbalanced must be small.
+template <class Act>
+auto with_sensitivity(Moving& self, const Act& act) {
+  return self.in_turn([&](Simulation& s) {
+    Positions free = s.forces();
+    const double all = free.norm() + s.tensions().norm();
+    keep_free(s.model().supports, free);
+    if (free.norm() > 1e-6 * all)
+      throw InputError("derivatives are those of an equilibrium, and this state is none: call settle() first");
+    Sensitivity sensitivity(s.model(), s.state());
+    return act(s, sensitivity);
+  });
+}
+
+Positions given_or_zero(const py::object& given, const char* name, const Moving& self) {
+  const int molecules = self.simulation.body().size();
+  if (given.is_none()) return Positions::Zero(3, molecules);
+  Positions values = positions_from(given, name);
+  if (values.cols() != molecules)
+    throw InputError(std::string(name) + ": " + std::to_string(values.cols()) + " rows; the body has " +
+                     std::to_string(molecules) + " molecules");
+  return values;
+}
+
+void check_solve(const StaticResult& result) {
+  if (result.outcome != Outcome::converged) throw InputError("no derivative at this equilibrium: " + result.cause);
+}
+
+void add_derivatives(Class& simulation) {
+  simulation
+      .def(
+          "jvp",
+          [](Moving& self, const py::object& forces, const py::object& displacement) {
+            const Positions by = given_or_zero(forces, "forces", self),
+                            moved = given_or_zero(displacement, "displacement", self);
+            Positions reactions = Positions::Zero(3, by.cols());
+            const StaticResponse found = with_sensitivity(self, [&](Simulation& s, Sensitivity& sensitivity) {
+              StaticResponse response = sensitivity.forward(by, moved);
+              for (std::size_t i = 0; i < s.model().supports.size(); ++i)
+                reactions.col(s.model().supports[i].molecule) =
+                    response.result.reactions.col(static_cast<Eigen::Index>(i));
+              return response;
+            });
+            check_solve(found.result);
+            return py::make_tuple(Rows(found.motion.transpose()), Rows(reactions.transpose()));
+          },
+          py::kw_only(), py::arg("forces") = py::none(), py::arg("displacement") = py::none(),
+          "How positions and reactions, each (n, 3), of the equilibrium that settle() has found change with forces on "
+          "all molecules and displacements of fixed ones, (n, 3): a derivative along these.")
+      .def(
+          "vjp",
+          [](Moving& self, const py::object& positions, const py::object& reactions) {
+            const Positions of_positions = given_or_zero(positions, "positions", self),
+                            of_reactions = given_or_zero(reactions, "reactions", self);
+            std::vector<VectorX> stiffness;
+            const Adjoint found = with_sensitivity(self, [&](Simulation& s, Sensitivity& sensitivity) {
+              Adjoint adjoint = sensitivity.adjoint(of_positions, of_reactions);
+              for (const auto& law : s.model().elasticity())
+                stiffness.push_back(sensitivity.by_stiffness(*law, adjoint));
+              return adjoint;
+            });
+            check_solve(found.result);
+            return py::dict(py::arg("forces") = Rows(found.forces.transpose()),
+                            py::arg("displacement") = Rows(found.displacement.transpose()),
+                            py::arg("stiffness") = stiffness);
+          },
+          py::arg("positions") = py::none(), py::arg("reactions") = py::none(),
+          "What a function of the equilibrium that settle() has found changes with, by one linear solve: from its "
+          "derivatives by positions and by reactions of fixed molecules, each (n, 3) or None, a dict of those by "
+          "'forces' on molecules (n, 3), by the 'displacement' of fixed molecules (n, 3), and a list, 'stiffness', of "
+          "arrays, one a law: by the logarithm of each element's stiffness, which is k dm/dk of a spring, and of a "
+          "cell "
+          "E dm/dE. An array is empty where a law is no sum of elements.");
+}
+
 void add_loads(Class& simulation) {
   simulation.def(
       "add_load",
@@ -371,6 +449,7 @@ void add_simulation(py::module_& module) {
       });
   add_views(simulation);
   add_hands(simulation);
+  add_derivatives(simulation);
   add_loads(simulation);
   add_contact(simulation);
   add_topology(module, simulation);

@@ -33,6 +33,11 @@ Json written(const std::vector<std::pair<std::string, std::string>>& values) {
   for (const auto& [name, value] : values) object[name] = value;
   return object;
 }
+Json written(const Gradients& gradients) {
+  Json object = Json::object();
+  for (const auto& [measure, slopes] : gradients) object[measure] = written(slopes);
+  return object;
+}
 Json written(const Measures& measures) { return written(measures.all()); }
 Json written(const Vector3& vector) { return {vector.x(), vector.y(), vector.z()}; }
 Json written(const Stiffness6& matrix) {
@@ -56,6 +61,9 @@ void read(const Json& json, Named& values) {
 void read(const Json& json, std::vector<std::pair<std::string, std::string>>& values) {
   values.clear();
   for (const auto& [name, value] : json.items()) values.emplace_back(name, value.get<std::string>());
+}
+void read(const Json& json, Gradients& gradients) {
+  for (const auto& [measure, slopes] : json.items()) read(slopes, gradients.emplace_back(measure, Named()).second);
 }
 /// The present name of a measure that an earlier version may have written.
 std::string present_name(const std::string& name) {
@@ -261,7 +269,7 @@ void measure_fields(FieldReader& io, Record& record) {
 void point_fields(FieldWriter& io, const CurvePoint& point) { io.json() = written(point.measures); }
 void point_fields(FieldReader& io, CurvePoint& point) {
   Json row = io.json();
-  for (const char* name : {"time", "step", "load_factor"}) row.erase(name);
+  for (const char* name : {"time", "step", "load_factor", "gradients"}) row.erase(name);
   read(row, point.measures);
 }
 
@@ -271,6 +279,7 @@ void curve_fields(Io& io, Point& point, bool in_time) {
   io.field_if(in_time, "time", point.time);
   io.field_if(in_time, "step", point.step);
   io.field_if(!in_time, "load_factor", point.load_factor);
+  io.field_if(!point.gradients.empty(), "gradients", point.gradients);
   io.kept_object("solver", [&](auto& inner) {
     inner.field("load_factor", point.load_factor);
     inner.field("newton_iterations", point.newton_iterations);
@@ -445,6 +454,7 @@ void record_fields(Io& io, AnyRecord& record) {
   io.field("cells", record.cells);
   io.field("threads", record.threads);
   io.field("measures", run.measures);
+  io.field_if(!run.gradients.empty(), "gradients", run.gradients);
   io.field("errors", record.errors);
   io.object("seconds", [&](auto& inner) {
     inner.field("build", run.build_seconds);

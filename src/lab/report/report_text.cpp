@@ -153,6 +153,23 @@ std::string comparison_text(const std::vector<Record>& records, bool colours) {
   return out + "\n";
 }
 
+namespace {
+
+std::string gradients_text(const Gradients& gradients, bool colours) {
+  std::vector<std::string> head{"derivative, SI"};
+  for (const auto& [key, slope] : gradients.front().second) head.push_back("by " + key);
+  Table table(head);
+  for (const auto& [measure, slopes] : gradients) {
+    std::vector<TableCell> row{{"of " + measure}};
+    for (const auto& [key, slope] : slopes) row.push_back({fmt::format("{:.6g}", slope), Tone::plain, true});
+    row.resize(head.size());
+    table.add(std::move(row));
+  }
+  return "\n" + table.text(colours);
+}
+
+}  // namespace
+
 std::string run_text(const Record& record, bool colours, bool whole_curve) {
   const Run& run = record.run;
   std::string out = head_text(record, colours);
@@ -205,6 +222,7 @@ std::string run_text(const Record& record, bool colours, bool whole_curve) {
     table.add(std::move(row));
   }
   if (!table.empty()) out += "\n" + table.text(colours);
+  if (!run.gradients.empty()) out += gradients_text(run.gradients, colours);
   if (run.measures.stiffness_matrix) out += stiffness_text(*run.measures.stiffness_matrix, colours);
   if (run.curve.size() > 1) out += curve_text(record, whole_curve, colours);
   const Table verdicts = verdicts_table({record});

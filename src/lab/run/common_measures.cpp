@@ -95,6 +95,10 @@ MeasureList measures_of(const Experiment& experiment) {
   return list.add(measures_of_contact());
 }
 
+bool is_smooth(const std::string& measure) {
+  return measure != "reaction_balance" && measure != "contacts" && measure != "sticking";
+}
+
 const MeasureList& common_measures() {
   static const MeasureList list = MeasureList(measures_of_every_run())
                                       .add(measures_at_rest())

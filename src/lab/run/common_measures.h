@@ -10,6 +10,9 @@ MeasureList measures_of(const Experiment& experiment);
 /// Those that runs add to the experiments' own, of any kind.
 const MeasureList& common_measures();
 
+/// Whether a measure is a smooth function: no count, and no sum that is rounding alone.
+bool is_smooth(const std::string& measure);
+
 /// Energy, and the balance of all forces relative to `scale` [N]; of the whole body, which is `copies` times what is
 /// modelled.
 void add_state(const Model& model, const State& state, const StaticResult& solved, double scale, Measures& measures,

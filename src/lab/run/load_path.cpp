@@ -10,6 +10,7 @@
 #include "elastin/core/forces/tension.h"
 #include "elastin/core/model/share.h"
 #include "lab/run/contact_measures.h"
+#include "lab/run/derivatives.h"
 
 namespace elastin::lab {
 namespace {
@@ -333,12 +334,25 @@ void note_preload(const Model& model, const MeasureList& list, const StaticRig& 
 
 }  // namespace
 
+Measures measure_step(const Model& model, const StaticExperiment& experiment, const StaticRig& rig, const Start& start,
+                      const State& state, const RunOptions& options, StaticResult& solved,
+                      std::optional<contact::ContactReport>& contact) {
+  Measures measures = rig.measure(start, state, options.statics, solved);
+  note_preload(model, experiment.measures(), rig, start, state, options, solved, measures);
+  if (const contact::Contact* touching = contact_of(model)) {
+    contact = touching->report(state);
+    note_contact(*contact, experiment.copies(), measures);
+  }
+  return measures;
+}
+
 void solve_load_curve(Model& model, const StaticExperiment& experiment, StaticRig& rig, const Material& material,
                       const RunOptions& options, Run& run, const std::function<void(State&)>& begin) {
   State at_start = state_at_rest(model.body());
   if (begin) begin(at_start);
   Start start;
   if (!find_start(model, rig, options, !begin, at_start, start, run)) return;
+  if (options.derivatives) options.derivatives->start(model, rig, start, options);
   LoadPath path(model, rig, options.statics, std::move(at_start));
   const auto keep = [&](double load_factor, int step) {
     keep_snapshot(model, path.state(), load_factor, step, options, run);
@@ -363,13 +377,8 @@ void solve_load_curve(Model& model, const StaticExperiment& experiment, StaticRi
     if (!loaded) solved.unstable = false;
     Measures measures;
     if (solved.outcome == Outcome::converged) {
-      measures = rig.measure(start, path.state(), options.statics, solved);
-      note_preload(model, list, rig, start, path.state(), options, solved, measures);
-      if (const contact::Contact* contact = contact_of(model)) {
-        run.contact = contact->report(path.state());
-        note_contact(*run.contact, experiment.copies(), measures);
-        if (run.contact->pairs == 0 && solved.residual > kBalanced) loaded = false;  // nothing is touched yet
-      }
+      measures = measure_step(model, experiment, rig, start, path.state(), options, solved, run.contact);
+      if (run.contact && run.contact->pairs == 0 && solved.residual > kBalanced) loaded = false;  // nothing is touched
     }
     run.bisected_load_steps = path.halvings();
     if (!note_solve(solved, where, run)) return;
@@ -383,9 +392,13 @@ void solve_load_curve(Model& model, const StaticExperiment& experiment, StaticRi
       return;
     }
     run.curve.push_back({load_factor, measures, solved.newton_iterations, solved.linear_iterations, solved.residual});
+    if (options.derivatives)
+      run.curve.back().gradients = options.derivatives->at(model, experiment, rig, start, path.state(), solved,
+                                                           load_factor, steps > 1 && step == steps, options);
     keep(load_factor, step);
   }
   run.measures = run.curve.back().measures;
+  run.gradients = run.curve.back().gradients;
   run.remark = experiment.remark(run.measures);
   if (const contact::Contact* contact = contact_of(model); contact && run.contact && run.contact->pairs == 0)
     if (const std::string gap = gap_text(*contact, model.body(), path.state()); !gap.empty())
@@ -403,6 +416,7 @@ void solve_load_curve(Model& model, const StaticExperiment& experiment, StaticRi
     double sum = 0;
     for (const CurvePoint& point : run.curve) sum += taken(point.measures, MeasureRole::youngs_modulus);
     if (std::isfinite(sum)) run.measures.set("average_modulus", sum / steps);
+    add_mean_gradient(run.curve, list.named(MeasureRole::youngs_modulus), "average_modulus", run.gradients);
   }
 }
 

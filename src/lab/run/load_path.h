@@ -1,5 +1,6 @@
 #pragma once
 #include <functional>
+#include <optional>
 #include <vector>
 
 #include "elastin/lab/run/experiment.h"
@@ -75,6 +76,11 @@ class RepeatedCurve {
   std::vector<Positions> expected_;  ///< motions from there, as far as they are known
   std::string cause_;
 };
+
+/// What the rig measures of an equilibrium, with what every run adds: under preload, of contact, whose report is set.
+Measures measure_step(const Model& model, const StaticExperiment& experiment, const StaticRig& rig, const Start& start,
+                      const State& state, const RunOptions& options, StaticResult& solved,
+                      std::optional<contact::ContactReport>& contact);
 
 /// Solves load step after load step of a model that the experiment holds, each started where the last two lead, and
 /// adds curve, measures, cost and outcome to the run. A step that fails ends it; what was measured before stays.

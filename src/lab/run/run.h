@@ -15,6 +15,7 @@
 namespace elastin::lab {
 
 struct StrategyChoice;
+class Derivatives;
 
 /// The material that an identification found.
 struct Identified {
@@ -102,6 +103,7 @@ struct Run {
   std::string cause;
   Measures measures;                     ///< of the last converged load step
   std::vector<CurvePoint> curve;         ///< one point a converged load step
+  Gradients gradients;                   ///< of `measures`, where they are requested
   std::vector<Snapshot> snapshots;       ///< of the start and of each point, or the last of them, if requested
   VectorX constants;                     ///< spring constants [N/m]; empty for laws without
   double calibration_factor = 1;         ///< what calibration has multiplied the rule's constants with
@@ -142,6 +144,7 @@ struct RunOptions {
   std::function<void(const std::string& text)> checkpoint = {};  ///< called after frames that are to be kept
   /// Asked after each step in time and before each load step and iteration of Newton's method; true ends the run.
   std::function<bool()> stop = {};
+  std::shared_ptr<Derivatives> derivatives = {};  ///< of the measures at rest, to be taken too; null: none
 };
 
 /// Why a strategy cannot be used to identify a material, or "".

@@ -20,6 +20,7 @@
 #include "elastin/core/solve/modes.h"
 #include "elastin/lab/run/experiment.h"
 #include "elastin/mesh/voronoi.h"
+#include "lab/run/derivatives.h"
 #include "lab/run/load_path.h"
 
 namespace elastin::lab {
@@ -270,6 +271,7 @@ Run run_strategy(const Specimen& specimen, const Experiment& experiment, const S
     run.suited = false;
     return run;
   }
+  if (options.derivatives) options.derivatives->check(specimen, experiment, choice, options);
   note_lost_faces(specimen.body, choice.strategy, run);
   if (std::string found = warning_of_locking(specimen.body, materials_of(specimen), any.strategy); !found.empty())
     run.warnings.push_back(std::move(found));

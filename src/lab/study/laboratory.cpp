@@ -9,6 +9,7 @@
 #include "lab/run/contact_measures.h"
 #include "lab/scene/parts.h"
 #include "lab/study/reference.h"
+#include "lab/study/study.h"
 
 namespace elastin::lab {
 namespace {
@@ -49,6 +50,7 @@ LaboratoryResult result_of(const Scene& scene, Run made) {
   result.cause = run.cause;
   result.good = record.good() && (run.suited || record.stopped_as_expected());
   result.measures = measured(*scene.measures, run.measures);
+  result.gradients = run.gradients;
   for (const MainMeasure& measure : record.main_measures) result.main.emplace_back(measure.name);
   for (const auto& [name, error] : record.errors) result.errors.push_back({name, "", error});
   for (const CurvePoint& point : run.curve)
@@ -93,6 +95,7 @@ void load_in_full(const Scene& scene, const std::shared_ptr<Rig>& rig, Model& mo
 struct Laboratory::Impl {
   Catalog catalog;
   std::vector<std::string> overrides;
+  ExperimentCatalog experiments;
   std::shared_ptr<Scene> scene;  // simulations keep it
 };
 
@@ -104,7 +107,7 @@ double LaboratoryResult::get(const std::string& name) const {
 
 Laboratory::Laboratory(const SceneSource& scene, const std::vector<std::string>& overrides, Catalog catalog,
                        const ExperimentCatalog& experiments)
-    : impl_(new Impl{std::move(catalog), overrides, nullptr}) {
+    : impl_(new Impl{std::move(catalog), overrides, experiments, nullptr}) {
   impl_->scene = load_scene(scene, impl_->catalog, overrides, kMostMolecules, experiments);
 }
 Laboratory::~Laboratory() = default;
@@ -164,6 +167,9 @@ LaboratoryResult Laboratory::run(const std::string& strategy, const RunWatch& wa
   options.last_snapshot = !watch.keep_states;
   options.progress = watch.progress;
   options.stop = watch.stop;
+  if (!watch.derivatives_by.empty())
+    options.derivatives =
+        derivatives_by(watch.derivatives_by, scene, choice, impl_->catalog, impl_->overrides, impl_->experiments);
   LaboratoryResult result = result_of(scene, run_strategy(scene.specimen, *scene.experiment, choice, options));
   if (!watch.keep_states) result.states.clear();
   return result;

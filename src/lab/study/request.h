@@ -32,6 +32,7 @@ struct Output {
 struct Request : Output {
   std::vector<SceneSource> scenes;
   std::vector<std::string> overrides, vary;
+  std::vector<std::string> gradient;  ///< keys of numbers by which measures are differentiated
   std::string strategies, steppers, restart;
   std::string against;  ///< "calculix": one of the engines, which must be installed; empty: none
   std::vector<std::string> engine_commands = {};  ///< the user's own engines, in addition to those of each scene

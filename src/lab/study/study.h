@@ -1,5 +1,6 @@
 #pragma once
 #include <functional>
+#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
@@ -32,6 +33,13 @@ std::string catalog_text(const Catalog& catalog, const ExperimentCatalog& experi
 
 /// How progress is shown: not at all with --quiet, otherwise as standard error can show it.
 Progress::Show progress_of(const Output& output);
+
+/// Derivatives by numbers of a scene, which may be read again with others. Throws InputError: a key where the scene
+/// states no number, with the nearest one.
+std::shared_ptr<Derivatives> derivatives_by(const std::vector<std::string>& keys, const Scene& scene,
+                                            const StrategyChoice& choice, const Catalog& catalog,
+                                            const std::vector<std::string>& overrides,
+                                            const ExperimentCatalog& experiments = built_in_experiments());
 
 /// Runs every chosen strategy on every scene, in every combination of a study. Of `compare` prints one table
 /// a scene and, of several, a summary; of `run` one page a run. With `out` each row is on disk as soon as it is

@@ -33,7 +33,7 @@ from ._elastin import (Body, Catalog, InputError, Material, MissingFileError, Pa
 from . import _bodies, _simulation  # the methods that Python adds to classes of C++
 from ._bodies import body, lattice, material, read_mesh
 from ._experiments import CLASSES as _experiments, Experiment, experiments
-from ._laboratory import Comparison, Laboratory, Verdicts, compare, identify, measure, run, strategies, verify
+from ._laboratory import Comparison, Laboratory, Verdicts, compare, gradient, identify, measure, run, strategies, verify
 from ._law import law, where
 from ._sweep import Sweep, sweep
 
@@ -41,6 +41,6 @@ globals().update(_experiments)
 
 __all__ = ["Body", "Catalog", "Comparison", "Experiment", "InputError", "Laboratory", "Material", "MissingFileError", "Parameter", "Result",
            "Row", "Simulation", "SimulationState", "StaticResult", "StepError", "StepResult", "Strategy", "Sweep",
-           "TopologyReport", "Verdicts", "body", "compare", "experiments", "identify", "lattice", "law", "linear_solvers",
+           "TopologyReport", "Verdicts", "body", "compare", "experiments", "gradient", "identify", "lattice", "law", "linear_solvers",
            "loads", "material", "material_laws", "measure", "measures", "numbered_in_space", "of_parts", "order_in_space", "read_mesh", "run",
            "set_threads", "steppers", "strategies", "sweep", "threads", "verify", "where", *_experiments]

@@ -72,16 +72,32 @@ def _named(choices, catalog):
 
 
 def run(scene, strategy="", *, experiment=None, material=None, reference="none", set=None, catalog=None, progress=None,
-        keep_states=False, **keys):
+        keep_states=False, derivatives_by=(), **keys):
     """Runs a scene with a strategy (a name, or a Strategy; "" is the scene's own) and gives its Result. The scene is a
     file, a dict or a Body, with further keys, as for Laboratory. Numbers equal those of the command to the
     last bit. reference: "computed" first computes the values that errors refer to; keep_states: the result has the
-    positions of every load step or frame."""
+    positions of every load step or frame; derivatives_by: the result's gradients are by these keys."""
     (name,), catalog = _named([strategy], catalog)
     opened = _scenes.opened(scene, [name] if name else [], experiment, material, keys)
     laboratory = Laboratory(opened, set=set, catalog=catalog)
     laboratory.compute_reference(reference, progress=progress)
-    return laboratory.run(name, progress=progress, keep_states=keep_states)
+    return laboratory.run(name, progress=progress, keep_states=keep_states, derivatives_by=list(derivatives_by))
+
+
+def gradient(scene, of=None, by=(), strategy="", **options):
+    """Derivatives of measures by numbers of a scene, as an array (measures, numbers) in SI units, by one linear solve a
+    number at each equilibrium. of: names of measures, by default all, in the order of the result's; by: keys of the scene
+    that state numbers, ["material.youngs_modulus", "loads.0.pressure"]. Scene and options are as for run. Experiments in
+    time, friction and other histories raise InputError."""
+    import numpy
+    opened_by = [by] if isinstance(by, str) else list(by)
+    result = run(scene, strategy, derivatives_by=opened_by, **options)
+    if result.outcome != "converged":
+        raise RuntimeError(f"no equilibrium: {result.outcome}: {result.cause}")
+    names = list(result.gradients) if of is None else [of] if isinstance(of, str) else list(of)
+    for name in names:
+        _measure_of(result, name)
+    return numpy.array([[result.gradients.get(name, {}).get(key, numpy.nan) for key in opened_by] for name in names])
 
 
 def compare(scene, strategies=None, *, experiment=None, material=None, reference="", set=None, catalog=None,

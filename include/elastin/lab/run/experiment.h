@@ -35,6 +35,9 @@ struct ResponseMeasures {
   std::string resistance;    ///< of the body to a given displacement: "force", "torque"
 };
 
+/// Of each measure its derivatives by numbers of the scene, by their keys; SI units.
+using Gradients = std::vector<std::pair<std::string, std::vector<std::pair<std::string, double>>>>;
+
 /// One state on a response curve: under a part of the load, or at a time.
 struct CurvePoint {
   double load_factor = 0;
@@ -43,6 +46,7 @@ struct CurvePoint {
   double residual = 0;
   double time = 0, step = 0;  ///< [s] of a run in time; step: the last one before
   int steps = 0;              ///< since the point before
+  Gradients gradients = {};  ///< of its measures, where they are requested
 };
 
 /// A material to be found: the secant modulus E(ε) = c₀ + c₁ |ε| + … with which an experiment shows measured values.
@@ -91,6 +95,8 @@ class StaticRig : public Rig {
   /// After an equilibrium was found: brings the load nearer to what is prescribed, if it is not there yet. True: that
   /// takes another solve.
   virtual bool adjust(const State& /*state*/) { return false; }
+  /// Whether it ever does.
+  virtual bool seeks_load() const { return false; }
   /// Moves the positions at rest to where the search for the first equilibrium begins, under the load set last: rest is
   /// no place to begin where stiffness is missing there.
   virtual void shape_start(Positions& /*positions*/) const {}

@@ -45,6 +45,7 @@ struct LaboratoryResult {
     std::vector<Measured> measures;
   };
   std::vector<Row> curve;
+  Gradients gradients;  ///< of the measures, by RunWatch::derivatives_by
   std::optional<Eigen::Matrix<double, 6, 6>> stiffness;  ///< [Pa], xx yy zz yz xz xy; of the experiment `material`
   Positions positions;  ///< [m], 3 × n, of the last state; empty where none was reached
   VectorX tensions;     ///< [N], one a connection, pulling is positive; as positions
@@ -69,6 +70,8 @@ struct RunWatch {
   /// Asked after each step in time and each load step; true ends the run as `interrupted`.
   std::function<bool()> stop = {};
   bool keep_states = false;  ///< at rest and after each load step or frame
+  /// Keys of the scene's numbers by which the measures of an experiment at rest are differentiated.
+  std::vector<std::string> derivatives_by = {};
 };
 
 /// A scene, of a file or in memory, read, checked and built: the laboratory for programs of their own. For one thread

@@ -222,6 +222,7 @@ class IndentationRig final : public StaticRig {
     move_to(factor == 0 ? 0 : setup_.force ? control_.displacement() : factor * *setup_.depth);
   }
 
+  bool seeks_load() const override { return setup_.force.has_value(); }
   bool adjust(const State& state) override {
     if (!setup_.force || displacement_ == 0 || !control_.adjust(resistance(contact_->report(state)))) return false;
     move_to(control_.displacement());

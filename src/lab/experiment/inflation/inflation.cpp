@@ -145,6 +145,7 @@ class InflationRig final : public StaticRig {
     }
   }
 
+  bool seeks_load() const override { return setup_.volume_ratio.has_value(); }
   bool adjust(const State& state) override {
     if (!setup_.volume_ratio) return false;
     pressure_ = load_->pressure_state(state.positions).pressure;

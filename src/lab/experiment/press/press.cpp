@@ -142,6 +142,7 @@ class PressRig final : public StaticRig {
     move_to(factor == 0 ? 0 : setup_.force ? approach_ + control_.displacement() : factor * *setup_.displacement);
   }
 
+  bool seeks_load() const override { return setup_.force.has_value(); }
   bool adjust(const State& state) override {
     if (!setup_.force || displacement_ == 0 || !control_.adjust(resistance(state))) return false;
     move_to(approach_ + control_.displacement());

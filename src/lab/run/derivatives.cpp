@@ -1,0 +1,276 @@
+#include "lab/run/derivatives.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+#include <utility>
+
+#include "core/solve/newton.h"
+#include "core/solve/responses.h"
+#include "elastin/core/base/error.h"
+#include "lab/run/common_measures.h"
+#include "lab/run/contact_measures.h"
+#include "lab/run/load_path.h"
+
+namespace elastin::lab {
+namespace {
+
+constexpr double kTolerance = 1e-11;  ///< of the linear solves
+/// |f(p + h) − 2 f(p) + f(p − h)| / |f(p + h) − f(p − h)|: a difference is off by about its square.
+constexpr double kBend = 3e-5;
+/// Of the displacements and reactions, over which measures are differenced: the most that leaves no error of fourth
+/// order worth naming, for the positions of small displacements have few digits. What touches changes sooner.
+constexpr double kMotion = 1e-3, kContactMotion = 1e-6;
+/// Of the forces: what differences of them are below this are rounding.
+constexpr double kRounding = 1e-13;
+
+/// A state at rest: velocities are there, and zero, where a force depends on them.
+State still(const Model& model, const Positions& positions, const State& like) {
+  State state = like;
+  state.positions = positions;
+  state.velocities = model.feels_velocity() ? Positions(Positions::Zero(3, positions.cols())) : Positions();
+  model.declare_history(state);
+  return state;
+}
+
+/// All forces on each molecule; of small displacements those that the linear problem has.
+Positions all_forces(Model& model, const State& state, bool linear) {
+  const State at = linear ? still(model, model.body().rest, state) : state;
+  model.begin_step(at, std::numeric_limits<double>::infinity());
+  Positions forces = model.elastic_forces(at.positions) + model.load_forces(at);
+  if (!linear) return forces;
+  Positions change(3, forces.cols());
+  Tangent(model, at).apply(state.positions - at.positions, change);
+  return forces - change;
+}
+
+/// What is left on free molecules of a change of the supports' forces alone is rounding, which no motion balances.
+void leave_out_rounding(const Model& model, double forces, Positions& change) {
+  Positions free = change;
+  keep_free(model.supports, free);
+  if (free.norm() < kRounding * forces) change -= free;
+}
+
+/// |change| / |whole|, as norms; of a whole that is nothing 0.
+double relative(const Positions& change, const Positions& whole) {
+  const double size = whole.norm();
+  return size > 0 ? change.norm() / size : 0;
+}
+
+/// Weighted sums of measures: of those that all of them have.
+class Slopes {
+ public:
+  void add(const Measures& measures, double weight) {
+    ++count_;
+    for (const auto& [name, value] : measures.all()) {
+      auto own = std::find_if(sums_.begin(), sums_.end(), [&name = name](const Sum& sum) { return sum.name == name; });
+      if (own == sums_.end()) own = sums_.insert(own, {name, 0, 0});
+      own->value += weight * value, ++own->count;
+    }
+  }
+  std::vector<std::pair<std::string, double>> taken() const {
+    std::vector<std::pair<std::string, double>> list;
+    for (const Sum& sum : sums_)
+      if (sum.count == count_ && std::isfinite(sum.value)) list.emplace_back(sum.name, sum.value);
+    return list;
+  }
+
+ private:
+  struct Sum {
+    std::string name;
+    double value;
+    int count;
+  };
+  std::vector<Sum> sums_;
+  int count_ = 0;
+};
+
+}  // namespace
+
+/// The problem with a number a little above or below.
+struct Derivatives::Side {
+  Side(const SceneNumber& number, double value, const Model& model, const RunOptions& options)
+      : problem(number.at(value)) {
+    Run ignored;
+    RunOptions exact = options;
+    exact.keep_snapshots = false;
+    exact.statics.tolerance = std::min(exact.statics.tolerance, 1e-13);  // of what calibrates
+    held = make_model(*problem.specimen, *problem.experiment, problem.choice, exact, ignored);
+    const auto fail = [&](const std::string& why) { throw InputError("no derivative by " + number.key + ": " + why); };
+    if (!held) fail(ignored.cause);
+    const Body &body = held->model->body(), &own = model.body();
+    if (body.size() != own.size() || body.connections.ends != own.connections.ends)
+      fail("it changes which molecules there are, or what joins them");
+    if (!std::equal(model.supports.begin(), model.supports.end(), held->model->supports.begin(),
+                    held->model->supports.end(),
+                    [](const Support& a, const Support& b) { return a.molecule == b.molecule && a.free == b.free; }))
+      fail("it changes which molecules are fixed, or in which directions");
+  }
+  StaticRig& rig() const { return *held->rig->at_rest(); }
+
+  VariedProblem problem;
+  std::optional<HeldModel> held;
+};
+
+struct Derivatives::Number {
+  SceneNumber of;
+  std::array<std::unique_ptr<Side>, 2> sides = {};  ///< p − h, p + h
+  Positions start = {}, start_reactions = {};       ///< what it changes of the start; empty: that is at rest
+
+  void make_sides(const Model& model, const RunOptions& options) {
+    for (const double sign : {-1., 1.})
+      sides[sign > 0] = std::make_unique<Side>(of, of.value + sign * of.step, model, options);
+  }
+
+  /// What moves an equilibrium, over the change of the number: forces on molecules, and prescribed displacements.
+  struct Change {
+    Positions forces, displacement;
+  };
+  Change change(Model& model, const State& state, double load_factor, const RunOptions& options) {
+    if (!sides[0]) make_sides(model, options);
+    const bool linear = options.statics.linear;
+    const Positions now = all_forces(model, state, linear);
+    for (bool again = true;; again = false) {
+      std::array<Positions, 2> forces, moved;
+      for (int side = 0; side < 2; ++side) {
+        Model& varied = *sides[side]->held->model;
+        lab::set_load(varied, sides[side]->rig(), load_factor);
+        forces[side] = all_forces(varied, still(varied, state.positions, state), linear);
+        moved[side] = state.positions;
+        apply_supports(varied, moved[side]);
+      }
+      const double size = now.norm();
+      Positions difference = forces[1] - forces[0];
+      const double bend = (forces[1] - 2 * now + forces[0]).norm() - kRounding * size, most = kBend * difference.norm();
+      if (again && bend > most && std::isfinite(bend)) {
+        of.step *= std::max(most / bend, 1e-5);
+        make_sides(model, options);
+        continue;
+      }
+      leave_out_rounding(model, size, difference);
+      return {difference / (2 * of.step), (moved[1] - moved[0]) / (2 * of.step)};
+    }
+  }
+
+  StaticResponse response(Model& model, Responses& responses, const State& state, double load_factor,
+                          const RunOptions& options) {
+    const Change by = change(model, state, load_factor, options);
+    StaticResponse found = responses.to(by.forces, by.displacement, std::min(kTolerance, options.statics.tolerance));
+    if (found.result.outcome != Outcome::converged)
+      throw InputError("no derivative by " + of.key + " at this equilibrium: " + found.result.cause);
+    return found;
+  }
+};
+
+Derivatives::Derivatives(std::vector<SceneNumber> numbers) {
+  for (SceneNumber& number : numbers) numbers_.push_back({std::move(number)});
+}
+Derivatives::~Derivatives() = default;
+
+void Derivatives::check(const Specimen& specimen, const Experiment& experiment, const StrategyChoice& choice,
+                        const RunOptions& options) const {
+  const auto& contact = specimen.contact;
+  const StaticExperiment* at_rest = experiment.at_rest();
+  bool grows = at_rest;
+  for (int step = 2; grows && step <= at_rest->load_steps(); ++step)
+    grows = at_rest->load_factor(step) >= at_rest->load_factor(step - 1);
+  const std::string why =
+      !at_rest                           ? "the experiment '" + experiment.name() + "' runs in time"
+      : identification_of(experiment)    ? "the experiment finds a material"
+      : options.statics.engine           ? "solver.engine: they are taken by one process; write engine: threads"
+      : contact && contact->friction > 0 ? "contact.friction: what slipped depends on the way there"
+      : contact && contact->penetration > 0
+          ? "contact.penetration: its multipliers depend on the way there; leave it out, or write a stiffness"
+      : choice.name.softened && !grows ? "'" + choice.label + "' has a history once the load falls"
+      : choice.name.calibrated && experiment.apparent() && !specimen.calibration
+          ? "'" + choice.label + "' is calibrated to a computed reference"
+          : "";
+  if (!why.empty()) throw InputError("no derivatives of these measures: " + why);
+}
+
+void Derivatives::start(Model& model, const StaticRig& rig, const Start& start, const RunOptions& options) {
+  if (rig.seeks_load())
+    throw InputError(
+        "no derivatives of these measures: the load is sought until a force or a volume is met; "
+        "prescribe the displacement or pressure that the run found");
+  if (start.positions == model.body().rest && start.reactions.isZero(0)) return;
+  const State state = still(model, start.positions, {});
+  const State about = options.statics.linear ? still(model, model.body().rest, {}) : state;
+  Responses responses(model, about, options.statics);
+  for (Number& number : numbers_) {
+    StaticResponse found = number.response(model, responses, state, 0, options);
+    number.start = std::move(found.motion), number.start_reactions = std::move(found.result.reactions);
+  }
+}
+
+Gradients Derivatives::at(Model& model, const StaticExperiment& experiment, const StaticRig& rig, const Start& start,
+                          const State& reached, const StaticResult& solved, double load_factor, bool last,
+                          const RunOptions& options) {
+  const State state = still(model, reached.positions, reached);
+  const State about = options.statics.linear ? still(model, model.body().rest, reached) : state;
+  Responses responses(model, about, options.statics);
+  RunOptions exact = options;
+  exact.statics.tolerance = std::min(exact.statics.tolerance, 1e-13);
+  const auto read = [&](Model& its, const StaticExperiment& of, const StaticRig& by, const Start& from,
+                        const StaticResponse& motion, double step) {
+    const State at = still(its, state.positions + step * motion.motion, state);
+    its.begin_step(at, std::numeric_limits<double>::infinity());
+    StaticResult balanced = solved;
+    balanced.reactions += step * motion.result.reactions;
+    std::optional<contact::ContactReport> ignored;
+    Measures measures = measure_step(its, of, by, from, at, exact, balanced, ignored);
+    int iterations = 0;
+    if (last && its.has_full_tangent()) by.measure_end(at, exact.statics, measures, iterations);
+    return measures;
+  };
+  Gradients gradients;
+  for (Number& number : numbers_) {
+    const StaticResponse found = number.response(model, responses, state, load_factor, options);
+    Slopes slopes;
+    const double size = std::max(relative(found.motion, state.positions - model.body().rest),
+                                 relative(found.result.reactions, solved.reactions)),
+                 step = size > 0 ? (contact_of(model) ? kContactMotion : kMotion) / size : 0;
+    for (const auto& [times, weight] : {std::pair{-2, 1.}, {-1, -8.}, {1, 8.}, {2, -1.}}) {
+      if (step == 0) break;
+      Start from = start;
+      if (number.start.size() > 0) {
+        from.positions += times * step * number.start;
+        from.reactions += times * step * number.start_reactions;
+      }
+      slopes.add(read(model, experiment, rig, from, found, times * step), weight / (12 * step));
+    }
+    for (const int side : {0, 1}) {
+      const Side& varied = *number.sides[side];
+      Model& its = *varied.held->model;
+      const Start from{number.start.size() > 0 ? start.positions : its.body().rest, start.reactions};
+      slopes.add(read(its, *varied.problem.experiment->at_rest(), varied.rig(), from, found, 0),
+                 (side ? 0.5 : -0.5) / number.of.step);
+    }
+    for (const auto& [name, value] : slopes.taken()) {
+      if (!is_smooth(name)) continue;
+      const auto same = [&name = name](const auto& one) { return one.first == name; };
+      auto row = std::find_if(gradients.begin(), gradients.end(), same);
+      if (row == gradients.end()) row = gradients.insert(row, {name, {}});
+      row->second.emplace_back(number.of.key, value);
+    }
+  }
+  return gradients;
+}
+
+void add_mean_gradient(const std::vector<CurvePoint>& curve, const std::string& measure, const std::string& mean,
+                       Gradients& gradients) {
+  std::vector<std::pair<std::string, double>> sum;
+  for (const CurvePoint& point : curve)
+    for (const auto& [name, slopes] : point.gradients) {
+      if (name != measure) continue;
+      if (sum.empty())
+        sum = slopes;
+      else
+        for (std::size_t i = 0; i < slopes.size() && i < sum.size(); ++i) sum[i].second += slopes[i].second;
+    }
+  for (auto& [key, value] : sum) value /= static_cast<double>(curve.size());
+  if (!sum.empty()) gradients.emplace_back(mean, std::move(sum));
+}
+
+}  // namespace elastin::lab

@@ -1,0 +1,61 @@
+#pragma once
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "elastin/lab/run/experiment.h"
+#include "lab/run/run.h"
+#include "lab/run/specimen.h"
+
+namespace elastin::lab {
+
+/// The problem of a run with another value of one number of its scene.
+struct VariedProblem {
+  std::shared_ptr<const void> owner;  ///< of what follows
+  const Specimen* specimen = nullptr;
+  const Experiment* experiment = nullptr;
+  StrategyChoice choice;
+};
+
+/// A number of a scene by which measures are differentiated.
+struct SceneNumber {
+  std::string key;  ///< "material.youngs_modulus"
+  double value;     ///< SI
+  double step;      ///< [the same] a difference that is small, and far above rounding
+  std::function<VariedProblem(double value)> at;
+};
+
+/// Derivatives of all that an experiment at rest measures by numbers of its scene, whatever those change: the law, a
+/// rule's constants, shape, supports, loads, the measure itself. One linear solve a number at each equilibrium x:
+///   K dx/dp = ∂f/∂p,  dm/dp = ∂m/∂p + ∂m/∂x dx/dp + ∂m/∂R dR/dp
+/// with ∂f/∂p and ∂m/∂p from two problems p ± h at the same positions and reactions R, and the rest from measures a
+/// little along the motion. No equilibrium is sought again.
+class Derivatives {
+ public:
+  explicit Derivatives(std::vector<SceneNumber> numbers);
+  ~Derivatives();
+
+  /// Throws InputError where derivatives would not be those of the run: in time, with a history, under a load that is
+  /// sought by solving again.
+  void check(const Specimen& specimen, const Experiment& experiment, const StrategyChoice& choice,
+             const RunOptions& options) const;
+  /// Takes the state at which measuring starts.
+  void start(Model& model, const StaticRig& rig, const Start& start, const RunOptions& options);
+  /// At the equilibrium under a part of the load; `last`: with what is measured once, at the last of several load
+  /// steps. Throws InputError where a number cannot be changed, or its equilibrium has no derivative.
+  Gradients at(Model& model, const StaticExperiment& experiment, const StaticRig& rig, const Start& start,
+               const State& state, const StaticResult& solved, double load_factor, bool last,
+               const RunOptions& options);
+
+ private:
+  struct Side;
+  struct Number;
+  std::vector<Number> numbers_;
+};
+
+/// Adds to the gradients of the last load step those of the mean over all steps of one of their measures.
+void add_mean_gradient(const std::vector<CurvePoint>& curve, const std::string& measure, const std::string& mean,
+                       Gradients& gradients);
+
+}  // namespace elastin::lab
