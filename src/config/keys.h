@@ -86,10 +86,12 @@ class Key {
     return std::move(*this);
   }
   /// Calls `next` when the value has been read; it may change the setup and fail at the value.
-  Key then(std::function<void(const Reader& value, Setup&)> next) && {
-    read_ = [read = std::move(read_), next = std::move(next)](const Reader& value, Setup& setup, const Frame& frame) {
+  template <class Next>
+  Key then(Next next) && {
+    read_ = [read = std::move(read_), next = with_frame(std::move(next))](const Reader& value, Setup& setup,
+                                                                          const Frame& frame) {
       read(value, setup, frame);
-      next(value, setup);
+      next(value, setup, frame);
     };
     return std::move(*this);
   }

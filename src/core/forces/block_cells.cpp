@@ -16,6 +16,7 @@
 #include "elastin/core/base/dense.h"
 #include "elastin/core/forces/mullins.h"
 #include "elastin/core/laws/local.h"
+#include "elastin/core/model/rest.h"
 #include "elastin/core/model/share.h"
 
 namespace elastin {
@@ -70,13 +71,19 @@ class BlockCells final : public NodalForces, public LocalElasticity, public LawH
         laws_(std::move(laws)),
         volume_(std::move(volume)),
         slots_(rows_by_target(body.size(), block.nodes)) {
-    set_rest();
+    set_rest(1);
+  }
+  void set_rest(double part) override {
+    if (!rest_.empty() && !body_.unstressed) return;
+    rest_.clear(), offsets_.clear(), frames_.clear(), inverse_mass_.clear();
+    for (int cell = 0; cell < block_.size(); ++cell) set_rest(cell, part);
     if (!volume_.empty()) set_pressure_functions();
   }
 
   std::unique_ptr<Elasticity> clone() const override { return std::make_unique<BlockCells>(*this); }
   std::unique_ptr<Elasticity> on_subdomain(const Subdomain& own) const override {
-    if (dissipates() || &body_ != own.whole || own.body->blocks.size() != body_.blocks.size()) return nullptr;
+    if (dissipates() || body_.unstressed || &body_ != own.whole || own.body->blocks.size() != body_.blocks.size())
+      return nullptr;
     const auto place = static_cast<std::size_t>(&block_ - body_.blocks.data());
     auto result = std::make_unique<BlockCells>(*own.body, own.body->blocks[place], laws_, volume_);
     for (int cell = 0; cell < block_.size(); ++cell)
@@ -337,27 +344,32 @@ class BlockCells final : public NodalForces, public LocalElasticity, public LawH
       return frames_[cell * points_ + g];
   }
 
-  void set_rest() {
-    rest_.reserve(block_.size() * points_);
-    for (int cell = 0; cell < block_.size(); ++cell) {
-      PointGradients<d> all;
-      slopes_.gradients(gathered(body_.rest, cell), all);
-      for (int g = 0; g < points_; ++g) {
-        const Gradient& edges = all[g];
-        Square in_frame;
-        if constexpr (d == 3) {
-          in_frame = edges;
-        } else {
-          const Vector3 first = edges.col(0).normalized(),
-                        normal = Vector3(edges.col(0)).cross(Vector3(edges.col(1))).normalized();
-          Gradient axes;
-          axes << first, normal.cross(first);
-          frames_.push_back(axes);
-          in_frame = axes.transpose() * edges;
-        }
-        rest_.push_back({in_frame.inverse(), kind_.weights[g] * std::abs(in_frame.determinant())});
+  void set_rest(int cell, double part) {
+    const NodeVectors nodes = gathered(body_.rest, cell);
+    PointGradients<d> all;
+    slopes_.gradients(nodes, all);
+    for (int g = 0; g < points_; ++g) {
+      Gradient edges = all[g];
+      if (body_.unstressed) edges = body_.unstressed->at(place_of(nodes, g), nodes.rowwise().mean(), part) * edges;
+      Square in_frame;
+      if constexpr (d == 3) {
+        in_frame = edges;
+      } else {
+        const Vector3 first = edges.col(0).normalized(),
+                      normal = Vector3(edges.col(0)).cross(Vector3(edges.col(1))).normalized();
+        Gradient axes;
+        axes << first, normal.cross(first);
+        frames_.push_back(axes);
+        in_frame = axes.transpose() * edges;
       }
+      rest_.push_back({in_frame.inverse(), kind_.weights[g] * std::abs(in_frame.determinant())});
+      if (body_.unstressed) offsets_.push_back(all[g] * rest_.back().inverse - frame(cell, g));
     }
+  }
+  Vector3 place_of(const NodeVectors& nodes, int g) const {
+    Vector3 place = Vector3::Zero();
+    for (int a = 0; a < kind_.nodes; ++a) place += kind_.values(a, g) * nodes.col(a);
+    return place;
   }
 
   NodeVectors gathered(const Positions& values, int cell) const {
@@ -395,7 +407,9 @@ class BlockCells final : public NodalForces, public LocalElasticity, public LawH
     now.inverted = false;
     set_gradients(cell, displacement, now.F);
     for (int g = 0; g < points_; ++g) {
-      const Gradient H = now.F[g], E = frame(cell, g);
+      const Gradient E = frame(cell, g);
+      Gradient H = now.F[g];
+      if (!offsets_.empty()) H += offsets_[cell * points_ + g];
       now.F[g] = E + H;
       const Square linear = E.transpose() * H;
       now.A[g] = linear + linear.transpose() + H.transpose() * H;
@@ -643,7 +657,8 @@ class BlockCells final : public NodalForces, public LocalElasticity, public LawH
   Relaxing relaxing_;               ///< the stress at each point
   Rows slots_;                      ///< of each molecule among the nodes of all cells
   std::vector<Rest> rest_;
-  std::vector<Gradient> frames_;  ///< of membranes
+  std::vector<Gradient> frames_;   ///< of membranes
+  std::vector<Gradient> offsets_;  ///< F without displacement, beyond the frame, of a body that is stressed then
   std::vector<Pressures> functions_;
   std::vector<PressureMatrix> inverse_mass_;
 };
@@ -854,10 +869,7 @@ class BlockStiffness final : public NodalStiffness, public StiffPoints, public C
   int stiff_points() const override { return static_cast<int>(now_.size()); }
   Vector3 place_of(int point) const override {
     const int cell = point / cells_.points_, g = point % cells_.points_;
-    const NodeVectors own = cells_.gathered(cells_.body_.rest, cell);
-    Vector3 place = Vector3::Zero();
-    for (int a = 0; a < cells_.kind_.nodes; ++a) place += cells_.kind_.values(a, g) * own.col(a);
-    return place;
+    return cells_.place_of(cells_.gathered(cells_.body_.rest, cell), g);
   }
   Stiffness stiffness_at(int point) const override {
     const int cell = point / cells_.points_, g = point % cells_.points_;

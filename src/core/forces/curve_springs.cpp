@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "core/forces/own_slopes.h"
+#include "core/forces/unstressed_lengths.h"
 #include "core/parallel/parallel.h"
 #include "elastin/core/forces/elasticity.h"
 #include "elastin/core/forces/mullins.h"
@@ -16,15 +17,21 @@ namespace {
 class CurveSprings final : public EdgeDensities, public LocalElasticity, public LawHistory, public Softens {
  public:
   CurveSprings(const Body& body, VectorX sections, StressStrain curve)
-      : connections_(body.connections), sections_(std::move(sections)), curve_(std::move(curve)) {}
+      : body_(body),
+        connections_(body.connections),
+        rest_lengths_(body),
+        sections_(std::move(sections)),
+        curve_(std::move(curve)) {}
 
   std::unique_ptr<Elasticity> clone() const override { return std::make_unique<CurveSprings>(*this); }
+  void set_rest(double part) override { rest_lengths_.set(part); }
   std::unique_ptr<Elasticity> on_subdomain(const Subdomain& own) const override {
-    return softened_ ? nullptr : std::make_unique<CurveSprings>(*own.body, own.computed(sections_), curve_);
+    return softened_ || body_.unstressed ? nullptr
+                                         : std::make_unique<CurveSprings>(*own.body, own.computed(sections_), curve_);
   }
   double energy(const Positions& positions) const override {
     return ordered_sum(connections_.size(), [&](int c) {
-      const double rest = connections_.rest_length[c];
+      const double rest = rest_lengths_[c];
       if (sections_[c] == 0) return 0.;
       const double energy = curve_.energy_density(strain(positions, c));
       return sections_[c] * rest * rest * (softened_ ? softened_.at(c, energy).energy : energy);
@@ -39,7 +46,7 @@ class CurveSprings final : public EdgeDensities, public LocalElasticity, public 
   std::unique_ptr<EdgeSlopes> slopes() const override {
     return std::make_unique<OwnSlopes>(connections_.size(), [this](const Positions& positions, VectorX& slopes) {
       parallel_for(connections_.size(), [&](int c) {
-        const double at = strain(positions, c), stretch = 1 + at, length = stretch * connections_.rest_length[c];
+        const double at = strain(positions, c), stretch = 1 + at, length = stretch * rest_lengths_[c];
         if (sections_[c] == 0 || !(at > -1)) return;
         const auto [stress, modulus] = stress_at(c, at);
         slopes[c] += sections_[c] * (modulus - stress / stretch) / (2 * length * length);
@@ -51,7 +58,7 @@ class CurveSprings final : public EdgeDensities, public LocalElasticity, public 
   int elements() const override { return connections_.size(); }
   std::span<const int> molecules_of(int element) const override { return connections_.ends[element]; }
   double element_energy(const Positions& positions, int element) const override {
-    const double rest = connections_.rest_length[element];
+    const double rest = rest_lengths_[element];
     return sections_[element] == 0
                ? 0
                : sections_[element] * rest * rest * curve_.energy_density(strain(positions, element));
@@ -71,7 +78,7 @@ class CurveSprings final : public EdgeDensities, public LocalElasticity, public 
   double relative_change(const Positions&, std::span<const LocalSlot> slots, const Vector3& motion) const override {
     double shortest = std::numeric_limits<double>::infinity();
     for (const LocalSlot& slot : slots)
-      if (sections_[slot.element] != 0) shortest = std::min(shortest, connections_.rest_length[slot.element]);
+      if (sections_[slot.element] != 0) shortest = std::min(shortest, rest_lengths_[slot.element]);
     return motion.norm() / shortest;
   }
   bool soften(const Softening& softening) override {
@@ -95,11 +102,13 @@ class CurveSprings final : public EdgeDensities, public LocalElasticity, public 
   }
   double strain(const Positions& positions, int c) const {
     const auto& [a, b] = connections_.ends[c];
-    const double rest = connections_.rest_length[c];
+    const double rest = rest_lengths_[c];
     return ((positions.col(b) - positions.col(a)).norm() - rest) / rest;
   }
 
+  const Body& body_;
   const Connections& connections_;
+  UnstressedLengths rest_lengths_;
   VectorX sections_;
   StressStrain curve_;
   SoftenedElements softened_;

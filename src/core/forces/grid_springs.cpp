@@ -26,9 +26,10 @@ struct GridSprings::Window {
 /// Reads a list of connections that ascends by first ends, row after row.
 class GridSprings::Builder {
  public:
-  Builder(const Body& body, const VectorX& constants)
+  Builder(const Body& body, const VectorX& constants, const double* rest_lengths)
       : body_(body),
         constants_(constants),
+        rest_lengths_(rest_lengths),
         counts_(*body.grid),
         length_(counts_[0] <= kShort ? counts_[0] * counts_[1] : counts_[0]),
         springs_(length_, body.size() / length_) {
@@ -52,7 +53,7 @@ class GridSprings::Builder {
       if (a < last) return std::nullopt;
       if (a / length_ != last / length_) finish_row(last / length_);
       last = a;
-      if (!add(a, b, constants_[c], body_.connections.rest_length[c])) return std::nullopt;
+      if (!add(a, b, constants_[c], rest_lengths_[c])) return std::nullopt;
     }
     finish_row(last / length_);
     std::erase_if(springs_.directions_, [](const Direction& direction) {
@@ -132,6 +133,7 @@ class GridSprings::Builder {
 
   const Body& body_;
   const VectorX& constants_;
+  const double* rest_lengths_;
   std::array<int, 3> counts_;
   int length_;  ///< of a row
   GridSprings springs_;
@@ -139,11 +141,11 @@ class GridSprings::Builder {
   double length_error_;
 };
 
-std::optional<GridSprings> GridSprings::make(const Body& body, const VectorX& constants) {
+std::optional<GridSprings> GridSprings::make(const Body& body, const VectorX& constants, const double* rest_lengths) {
   if (!body.grid || body.size() == 0) return std::nullopt;
   const auto& [nx, ny, nz] = *body.grid;
   if (static_cast<long long>(nx) * ny * nz != body.size()) return std::nullopt;
-  return Builder(body, constants).build();
+  return Builder(body, constants, rest_lengths).build();
 }
 
 void GridSprings::add_forces(const Positions& positions, Positions& forces, Workspace& workspace) const {

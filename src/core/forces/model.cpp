@@ -1,6 +1,7 @@
 #include "elastin/core/forces/model.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "core/forces/graph.h"
@@ -88,6 +89,7 @@ void Model::add(ElasticTerms elasticity) {
   const CellRange all{0, static_cast<int>(body_->triangles.size())};
   for (std::size_t law = 0; law < elasticity.terms.size(); ++law)
     add_law(std::move(elasticity.terms[law]), elasticity.triangles.empty() ? all : elasticity.triangles[law]);
+  set_rest(rest_part_);
 }
 
 void Model::add_law(std::unique_ptr<Elasticity> law, const CellRange& triangles) {
@@ -120,7 +122,16 @@ std::vector<std::unique_ptr<Load>> Model::extract_loads() {
   return std::exchange(loads_, {});
 }
 
+void Model::set_rest(double part) const {
+  if (!body_->unstressed) return;
+  for (const auto& law : elasticity_) law->set_rest(part);
+  rest_part_ = part;
+  rest_force_ = elastic_forces(body_->rest).norm();
+}
+
 void Model::begin_step(const State& from, double time) const {
+  if (rest_in_time)
+    if (const double part = rest_in_time(std::isfinite(time) ? time : from.time); part != rest_part_) set_rest(part);
   for (const auto& [law, name] : law_histories_) law->begin_step(name, from, time);
 }
 

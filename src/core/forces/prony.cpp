@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "core/forces/relaxing.h"
+#include "core/forces/unstressed_lengths.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/base/text.h"
 
@@ -18,7 +19,7 @@ class Prony final : public EdgeDensities, public LawHistory {
  public:
   /// @param elastic EdgeDensities all
   Prony(const Body& body, std::vector<std::unique_ptr<Elasticity>> elastic, Relaxing relaxing)
-      : body_(body), owned_(std::move(elastic)), relaxing_(std::move(relaxing)) {
+      : body_(body), rest_lengths_(body), owned_(std::move(elastic)), relaxing_(std::move(relaxing)) {
     for (const auto& term : owned_) elastic_.push_back(&dynamic_cast<const EdgeDensities&>(*term));
   }
 
@@ -26,6 +27,11 @@ class Prony final : public EdgeDensities, public LawHistory {
     std::vector<std::unique_ptr<Elasticity>> own;
     for (const auto& term : owned_) own.push_back(term->clone());
     return std::make_unique<Prony>(body_, std::move(own), relaxing_);
+  }
+
+  void set_rest(double part) override {
+    rest_lengths_.set(part);
+    for (const auto& term : owned_) term->set_rest(part);
   }
 
   bool has_energy() const override {
@@ -46,7 +52,7 @@ class Prony final : public EdgeDensities, public LawHistory {
     sum *= relaxing_.factor();
     for (int c = 0; c < body_.connections.size(); ++c) {
       const auto& [a, b] = body_.connections.ends[c];
-      const double rest = body_.connections.rest_length[c];
+      const double rest = rest_lengths_[c];
       sum += relaxing_.fixed()[c] / 2 * ((positions.col(b) - positions.col(a)).squaredNorm() - rest * rest);
     }
     return sum;
@@ -83,7 +89,7 @@ class Prony final : public EdgeDensities, public LawHistory {
     for (const auto& term : elastic_) term->add_force_densities(state.positions, relaxing_.now(), workspace_);
     for (int c = 0; c < body_.connections.size(); ++c) {
       const auto& [a, b] = body_.connections.ends[c];
-      const double rest = body_.connections.rest_length[c];
+      const double rest = rest_lengths_[c];
       relaxing_.strain()[c] = (state.positions.col(b) - state.positions.col(a)).squaredNorm() - rest * rest;
     }
     relaxing_.commit_step(name, state);
@@ -105,6 +111,7 @@ class Prony final : public EdgeDensities, public LawHistory {
   }
 
   const Body& body_;
+  UnstressedLengths rest_lengths_;
   std::vector<std::unique_ptr<Elasticity>> owned_;
   std::vector<const EdgeDensities*> elastic_;
   Relaxing relaxing_;

@@ -97,16 +97,19 @@ class VolumeSlopes;
 class Volume final : public EdgeDensities {
  public:
   Volume(const Body& body, VolumeGroups groups, double modulus)
-      : groups_(std::move(groups)), graph_(body.connections, groups_.tetrahedra), modulus_(modulus) {
-    for (const auto& cell : groups_.tetrahedra) rest_volume_.push_back(signed_volume(body.rest, cell));
+      : body_(body), groups_(std::move(groups)), graph_(body.connections, groups_.tetrahedra), modulus_(modulus) {
+    rest_volume_.resize(groups_.tetrahedra.size());
     group_volume_.resize(groups_.size());
-    set_group_sums([&](int t) { return rest_volume_[t]; }, group_volume_);
+    set_volumes(1);
   }
 
   std::unique_ptr<Elasticity> clone() const override { return std::make_unique<Volume>(*this); }
 
   std::unique_ptr<Elasticity> on_subdomain(const Subdomain& own) const override {
-    return std::unique_ptr<Elasticity>(new Volume(*this, own));
+    return body_.unstressed ? nullptr : std::unique_ptr<Elasticity>(new Volume(*this, own));
+  }
+  void set_rest(double part) override {
+    if (body_.unstressed) set_volumes(part);
   }
 
   bool admissible(const Positions& positions) const override { return std::isfinite(energy(positions)); }
@@ -139,7 +142,8 @@ class Volume final : public EdgeDensities {
   friend class VolumeSlopes;
   /// The groups that the subdomain computes: a molecule's by its owner, a cube's by that of its lowest corner.
   Volume(const Volume& whole, const Subdomain& own)
-      : groups_(groups_on(whole.groups_, own, chosen_groups(whole.groups_, own))),
+      : body_(*own.body),
+        groups_(groups_on(whole.groups_, own, chosen_groups(whole.groups_, own))),
         graph_(own.body->connections, groups_.tetrahedra),
         modulus_(whole.modulus_) {
     const std::vector<int> chosen = chosen_groups(whole.groups_, own);
@@ -148,6 +152,16 @@ class Volume final : public EdgeDensities {
     for (const auto& cell : groups_.tetrahedra) rest_volume_.push_back(signed_volume(own.body->rest, cell));
   }
 
+  /// Without stress.
+  void set_volumes(double part) {
+    for (int t = 0; t < tetrahedra(); ++t) {
+      rest_volume_[t] = signed_volume(body_.rest, cell(t));
+      if (!body_.unstressed) continue;
+      const Vector3 middle = body_.rest(Eigen::all, cell(t)).rowwise().mean();
+      rest_volume_[t] *= body_.unstressed->at(middle, middle, part).determinant();
+    }
+    set_group_sums([&](int t) { return rest_volume_[t]; }, group_volume_);
+  }
   int tetrahedra() const { return static_cast<int>(groups_.tetrahedra.size()); }
   const std::array<int, 4>& cell(int t) const { return groups_.tetrahedra[t]; }
   Tetrahedron tetrahedron(const Positions& positions, int t) const {
@@ -180,6 +194,7 @@ class Volume final : public EdgeDensities {
     set_spread(changes, pressures);
   }
 
+  const Body& body_;
   VolumeGroups groups_;
   CellGraph graph_;
   double modulus_;

@@ -27,6 +27,16 @@ void rotate(Material& material, const Matrix3& rotation) {
   material.around->direction = rotation * material.around->direction;
 }
 
+Matrix3 frame_at(const RoundAxis& axis, const Vector3& place) {
+  Vector3 radius = place - axis.point;
+  radius -= axis.direction.dot(radius) * axis.direction;
+  if (!(radius.norm() > 0)) radius = axis.direction.unitOrthogonal();
+  radius.normalize();
+  Matrix3 frame;
+  frame << radius, axis.direction.cross(radius), axis.direction;
+  return frame;
+}
+
 Material local_material(const Material& material, const Vector3& place) {
   Material local = material;
   if (const auto& field = material.field) {
@@ -37,14 +47,7 @@ Material local_material(const Material& material, const Vector3& place) {
   }
   if (!material.around) return local;
   local.around.reset();
-  const Vector3& axis = material.around->direction;
-  Vector3 radius = place - material.around->point;
-  radius -= axis.dot(radius) * axis;
-  if (!(radius.norm() > 0)) radius = axis.unitOrthogonal();
-  radius.normalize();
-  Matrix3 frame;
-  frame << radius, axis.cross(radius), axis;
-  rotate_directions(local, frame);
+  rotate_directions(local, frame_at(*material.around, place));
   return local;
 }
 

@@ -124,6 +124,7 @@ PartAlone part_alone(const Body& whole, const Part& part) {
   std::vector<int> own(whole.size(), -1);
   for (std::size_t i = 0; i < result.molecules.size(); ++i) own[result.molecules[i]] = static_cast<int>(i);
   body.rest = whole.rest(Eigen::all, result.molecules);
+  body.unstressed = whole.unstressed;
   body.mass = whole.mass(result.molecules), body.radius = whole.radius(result.molecules);
   for (int c = 0; c < whole.connections.size(); ++c) {
     const auto& [a, b] = whole.connections.ends[c];

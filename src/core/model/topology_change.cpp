@@ -232,6 +232,7 @@ class TopologyBuilder {
     if (count == 0) throw InputError("nothing would be left of the body");
     Body& body = result_.body;
     body.rest = body_.rest(Eigen::all, result_.molecule_from);
+    body.unstressed = body_.unstressed;
     body.mass = body_.mass(result_.molecule_from);
     body.radius = body_.radius(result_.molecule_from);
     for (int molecule = 0; molecule < count; ++molecule) body.mass[molecule] *= result_.molecule_share[at(molecule)];

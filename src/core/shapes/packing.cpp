@@ -7,6 +7,7 @@
 
 #include "core/base/random.h"
 #include "elastin/core/geometry/numbering.h"
+#include "elastin/core/model/rest.h"
 #include "elastin/core/model/share.h"
 #include "elastin/core/shapes/shapes.h"
 
@@ -101,7 +102,15 @@ void add_jitter(Body& body, double amount, std::uint64_t seed) {
   set_present_lengths(body);
 }
 
-void rotate(Body& body, const Matrix3& rotation) { body.rest = (rotation * body.rest).eval(); }
+void rotate(Body& body, const Matrix3& rotation) {
+  body.rest = (rotation * body.rest).eval();
+  if (!body.unstressed) return;
+  Rest turned = *body.unstressed;
+  turned.metric = [R = rotation, own = body.unstressed](const Vector3& place, const Vector3& middle) -> Matrix3 {
+    return R * own->metric(R.transpose() * place, R.transpose() * middle) * R.transpose();
+  };
+  body.unstressed = std::make_shared<const Rest>(std::move(turned));
+}
 
 void set_matter(Body& body, double radius, double density, double thickness, double volume) {
   body.radius = VectorX::Constant(body.size(), radius);

@@ -57,6 +57,7 @@ SpringsAndVolume fitted(const Strategy& rule, const Body& body, const Material& 
     Model model(body);
     model.add(make_springs(body, found.constants));
     if (rule.volume_modulus) model.add(make_volume(body, volume_modulus));
+    model.set_rest(0);
     for (const int molecule : surface.molecules) model.supports.push_back({molecule});
     const Homogenised of_body =
         homogenise(model, surface.molecules, surface.volume, body.rest, Matrix3::Identity(), {.linear = true});

@@ -84,6 +84,7 @@ std::shared_ptr<const Topology> Simulation::Impl::shared_topology() const {
 }
 
 std::unique_ptr<Simulation::Impl> Simulation::Impl::on(Topology other) const {
+  other.body.unstressed = body.unstressed;  // which saved states do not have
   auto made = std::make_unique<Impl>(std::move(other.body), options);
   made->material = material;
   made->recipe = recipe;

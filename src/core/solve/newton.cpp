@@ -101,6 +101,7 @@ void limit_motion(const Body& body, Positions& motion) {
 /// end free buckles at a strain of π²/48 (h/L)², any other later; and where the body is thinner than its outline,
 /// struts up to 45 times as long as they are thick do at 1e-4.
 bool may_buckle(const Body& body, const Positions& positions) {
+  if (body.unstressed) return true;
   const Vector3 size = body.rest.rowwise().maxCoeff() - body.rest.rowwise().minCoeff();
   const double thin = size.minCoeff() / size.maxCoeff(), limit = std::min(1e-4, 0.1 * thin * thin);
   for (int c = 0; c < body.connections.size(); ++c) {

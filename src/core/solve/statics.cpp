@@ -50,7 +50,7 @@ bool note_balance(Model& model, const State& state, double tolerance, StaticResu
   const Positions loads = model.load_forces(state);
   forces += loads;
   result.reactions = -fixed_components(model.supports, forces);
-  const double scale = ordered_norm(loads) + result.reactions.norm();
+  const double scale = ordered_norm(loads) + result.reactions.norm() + model.rest_force();
   keep_free(model.supports, forces);
   const double left = ordered_norm(forces);
   result.residual = scale > 0 ? left / scale : 0;

@@ -15,7 +15,7 @@ namespace {
 void set_balance(const Problem& problem, const State& state, Balance& result, TrialWorkspace& workspace) {
   const Model& model = problem.model;
   const int n = model.body().size();
-  result.scale = 0;
+  result.scale = model.rest_force();
   // Each load by itself: together they may cancel, as a weight and the floor that it rests on.
   workspace.loads.setZero(3, n);
   Positions& one = result.unbalanced;  // until all loads are known

@@ -263,8 +263,9 @@ class Xpbd final : public Implicit {
 
   /// Colours of the constraints; false where a law has none.
   bool prepare(const Model& model) {
-    if (model_ == &model && laws_ == model.elasticity().size()) return suited_;
+    if (model_ == &model && laws_ == model.elasticity().size() && rest_part_ == model.rest_part()) return suited_;
     model_ = &model;
+    rest_part_ = model.rest_part();
     laws_ = model.elasticity().size();
     Constraints all;
     suited_ = unsuited_for_xpbd(model).empty();
@@ -286,6 +287,7 @@ class Xpbd final : public Implicit {
   XpbdOptions options_;
   const Model* model_ = nullptr;
   std::size_t laws_ = 0;
+  double rest_part_ = 1;
   bool suited_ = false;
   const VectorX* mass_ = nullptr;
   Constraints constraints_;

@@ -130,7 +130,7 @@ ExportedBody exported_body(const Scene& scene, const StrategyChoice& choice) {
   Run run;
   RunOptions options;
   options.statics = scene.statics;
-  run.cause = unsuited(specimen, *scene.experiment, choice);
+  run.cause = is_stressed(specimen) ? "`rest` is not exported" : unsuited(specimen, *scene.experiment, choice);
   if (!run.cause.empty() || !make_elasticity(specimen, *scene.experiment, choice, options, run))
     throw InputError(SourceLocation{scene.source.path()}, "'" + choice.label + "': " + run.cause);
   if (choice.strategy.constants_at)

@@ -23,6 +23,7 @@ std::string trouble(const Scene& scene) {
   if (!body.ties.empty()) return "bodies that are tied where their molecules do not meet are not exported";
   if (!body.cables.empty()) return "cables are not exported";
   if (specimen.start) return "a start away from rest is not exported";
+  if (is_stressed(specimen)) return "`rest` is not exported";
   if (body.connection_stiffness.size() || body.cell_stiffness.size())
     return "regions of other stiffness are not exported";
   for (const Material& material : materials_of(specimen))

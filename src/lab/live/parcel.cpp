@@ -122,6 +122,8 @@ Parcel make_parcel(const Scene& scene, const Catalog& catalog) {
     throw InputError(scene.source.path() + ": the body has " + std::to_string(specimen.body.connections.size()) +
                      " connections; a page takes at most " + std::to_string(kMostLiveConnections) +
                      ": make it coarser, with --set for example");
+  if (is_stressed(specimen))
+    throw InputError(scene.source.path() + ": a page cannot take `rest`; `elastin run --out` shows the body");
   std::vector<Material> materials = specimen.materials;
   materials.push_back(specimen.material);
   for (const Material& material : materials)

@@ -184,7 +184,7 @@ Record make_record(const Scene& scene, Run run) {
   record.main_measures = scene.experiment->main_measures(scene.specimen.material, run.measures);
   // Moduli of the matrix alone are not the body's, nor is that of one material where there are several, or fields, nor
   // any material's where something disturbs what is measured and no reference is next to it.
-  const bool disturbed = !scene.experiment->no_reference().empty() && references_of(scene).empty();
+  const bool disturbed = !no_reference(scene).empty() && references_of(scene).empty();
   if (disturbed || (scene.specimen.material.fibre && !scene.experiment->axis()) ||
       scene.specimen.materials.size() > 1 || differs_from_place_to_place(body))
     for (MainMeasure& measure : record.main_measures) measure.prescribed = std::nan("");
@@ -207,7 +207,7 @@ Record make_record(const Scene& scene, Run run) {
   record.notes = scene.notes;
   for (std::string& note : scene.experiment->notes()) record.notes.push_back(std::move(note));
   record.apparent = scene.experiment->apparent();
-  record.no_reference = scene.experiment->no_reference();
+  record.no_reference = no_reference(scene);
   if (!record.no_reference.empty() && !scene.no_computed_reference.empty())
     record.no_reference += "; no reference was computed: " + scene.no_computed_reference;
   record.warnings = scene.warnings;

@@ -53,6 +53,7 @@ std::optional<Measures> measure_linear(const Specimen& specimen, const StaticExp
                                        ElasticTerms elasticity, const StaticOptions& options, Run& run) {
   Model model(specimen.body);
   model.add(std::move(elasticity));
+  model.set_rest(0);
   const auto rig = experiment.static_rig(model);
   rig->set_load(0x1p-10);
   State state = state_at_rest(specimen.body);

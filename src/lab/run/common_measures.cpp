@@ -9,7 +9,9 @@ using Role = MeasureRole;
 
 const MeasureList& measures_of_every_run() {
   static const MeasureList list{
-      {"energy", dimension::energy, "elastic energy stored, with that of the preload", Role::detail}};
+      {"energy", dimension::energy, "elastic energy stored, with that of the preload", Role::detail},
+      {"volume_ratio", dimension::none,
+       "volume of the cells over that of the body as described; where it has a `rest`"}};
   return list;
 }
 
@@ -26,6 +28,10 @@ const MeasureList& measures_at_rest() {
       {"curve_error", none, "largest |stress - the material's at that strain| over the largest such stress", Role::none,
        "curve error"},
       {"average_modulus", pressure, "mean of the secant moduli over the load steps"},
+      {"unloaded_displacement", length, "largest displacement from the unloaded shape that was found to the given one"},
+      {"unloading_error", length,
+       "how far from the given shape the loads bring a molecule of the unloaded one at most"},
+      {"unloading_steps", none, "linear solves in which the unloaded shape was found"},
       {"solution_norm", length, "root of the sum of squares of all free displacements"},
       {"reaction_balance", none, "| loads + reactions | / | F |: 0 for a body in balance", Role::detail}};
   return list;
@@ -82,6 +88,14 @@ void add_state(const Model& model, const State& state, const StaticResult& solve
   const Body& body = model.body();
   if (model.has_energy() && !solved.linear)
     measures.set("energy", copies * sum_over(body, model.stored_energy(state.positions)));
+  if (body.unstressed && !body.tetrahedra.empty()) {
+    const auto volume = [&](const Positions& positions) {
+      double sum = 0;
+      for (const auto& cell : body.tetrahedra) sum += signed_volume(positions, cell);
+      return sum;
+    };
+    measures.set("volume_ratio", volume(state.positions) / volume(body.rest));
+  }
   const Vector3 left =
       vector_sum_over(body, Vector3(model.load_forces(state).leftCols(owned_molecules(body)).rowwise().sum() +
                                     solved.reactions.rowwise().sum()));

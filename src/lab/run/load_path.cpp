@@ -8,6 +8,7 @@
 #include "contact/distance.h"
 #include "elastin/core/base/text.h"
 #include "elastin/core/forces/tension.h"
+#include "elastin/core/model/rest.h"
 #include "elastin/core/model/share.h"
 #include "lab/run/contact_measures.h"
 #include "lab/run/derivatives.h"
@@ -35,6 +36,7 @@ void add_cost(StaticResult& result, const StaticResult& cost) {
 
 void set_load(Model& model, StaticRig& rig, double factor) {
   if (contact::Contact* contact = contact_of(model)) contact->set_moment(factor);
+  if (const auto& rest = model.body().unstressed) model.set_rest(rest->part ? rest->part(factor) : factor);
   rig.set_load(factor);
 }
 
@@ -276,9 +278,8 @@ StaticResult restart_from_rest(Model& model, const RunOptions& options, double b
 bool find_start(Model& model, StaticRig& rig, const RunOptions& options, bool at_rest, State& state, Start& start,
                 Run& run) {
   start = {state.positions, Positions::Zero(3, static_cast<Eigen::Index>(model.supports.size()))};
-  if (contact::Contact* contact = contact_of(model)) contact->set_moment(0);
-  rig.set_load(0);
-  if (at_rest && !any_over(model.body(), !model.load_forces(state).isZero(0))) return true;
+  set_load(model, rig, 0);
+  if (at_rest && model.rest_force() == 0 && !any_over(model.body(), !model.load_forces(state).isZero(0))) return true;
   if (options.progress) options.progress(at_rest ? "the scene's own loads" : "the scene's start");
   const double before = total_energy(model, state);
   StaticResult solved = solve_static(model, state, options.statics);

@@ -60,7 +60,8 @@ struct Specimen {
   Body body;
   Material material;  ///< what experiments compare with
   std::vector<SpecimenLoad> loads;
-  std::function<void(State&)> start = {};               ///< changes the state in which a run begins; may be empty
+  std::function<void(State&)> start = {};  ///< changes the state in which a run begins; may be empty
+  bool loaded = false;  ///< the body's shape is the one that it has under loads: each run finds its unloaded one first
   std::vector<Material> materials = {};                 ///< of the body's parts, by Part::material; empty without parts
   std::optional<contact::ContactOptions> contact = {};  ///< none: no contact object is built
   std::shared_ptr<const StrategyChoice> law = {};  ///< that the material states by constants or a curve; null: none

@@ -9,6 +9,7 @@
 #include "core/model/visit_state.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/base/text.h"
+#include "elastin/core/model/rest.h"
 #include "elastin/core/model/share.h"
 #include "elastin/core/solve/energies.h"
 #include "elastin/lab/run/experiment.h"
@@ -384,6 +385,7 @@ void run_in_time(Model& model, const TimedExperiment& experiment, TimedRig& rig,
     return;
   }
   if (specimen.start) specimen.start(state);
+  if (const auto& rest = model.body().unstressed; rest && rest->part) model.rest_in_time = rest->part;
   if (model.drive) model.drive(0, model.supports);
   model.declare_history(state);
   model.commit_step(state);

@@ -18,6 +18,7 @@
 #include "elastin/core/simulation/prepare.h"
 #include "elastin/core/solve/engine.h"
 #include "elastin/core/solve/modes.h"
+#include "elastin/core/solve/unloaded.h"
 #include "elastin/lab/run/experiment.h"
 #include "elastin/mesh/voronoi.h"
 #include "lab/run/derivatives.h"
@@ -248,6 +249,78 @@ void prepare(Specimen& specimen, const Strategy& strategy) {
   elastin::prepare(specimen.body, strategy, materials_of(specimen), mesh::voronoi_cells);
 }
 
+namespace {
+
+/// Of the body's size: how far from its given shape the loads may bring the unloaded one.
+constexpr double kUnloadingError = 1e-6;
+
+/// A model of a specimen with another rest shape.
+struct Reshaped {
+  Specimen specimen;
+  std::optional<HeldModel> held;
+};
+
+/// The run of a specimen whose shape is the one under loads, on its unloaded shape.
+Run run_unloaded(const Specimen& specimen, const StaticExperiment& experiment, const StrategyChoice& choice,
+                 const RunOptions& options) {
+  Run run;
+  run.strategy = choice.label;
+  const Positions& wanted = specimen.body.rest;
+  double factor = 0;  // of the experiment's load
+  std::shared_ptr<Reshaped> last;
+  const auto make = [&](const Body& body) -> std::shared_ptr<Model> {
+    last = std::make_shared<Reshaped>(Reshaped{specimen, {}});
+    last->specimen.body = body, last->specimen.loaded = false;
+    last->held = make_model(last->specimen, experiment, choice, options, run);
+    if (!last->held) throw InputError(run.cause);
+    set_load(*last->held->model, *last->held->rig->at_rest(), factor);
+    return {last, last->held->model.get()};
+  };
+  const auto fail = [&](Outcome outcome, const std::string& cause) {
+    run.outcome = outcome, run.cause = "unloading: " + cause;
+    return run;
+  };
+  if (make(specimen.body)->load_forces(state_at_rest(specimen.body)).isZero(0)) factor = 1;
+  if (factor == 1 && make(specimen.body)->load_forces(state_at_rest(specimen.body)).isZero(0))
+    return fail(Outcome::diverged, "no load acts on the given shape");
+  const UnloadedShape found = find_unloaded(specimen.body, make, options.statics, [&](int step, double residual) {
+    if (options.progress)
+      options.progress("unloading: step " + std::to_string(step) + ", unbalanced " + number(residual, 2));
+  });
+  if (found.outcome != Outcome::converged) return fail(found.outcome, found.cause);
+  Model& model = *make(with_rest_shape(specimen.body, found.rest));
+  State state = state_at_rest(model.body());
+  StaticResult back;
+  if (factor == 0) {
+    back = solve_static(model, state, options.statics);
+  } else {
+    LoadPath path(model, *last->held->rig->at_rest(), options.statics, state);
+    back = path.advance(1);
+    state = path.state();
+  }
+  const double error = (state.positions - wanted).colwise().norm().maxCoeff(),
+               size = (wanted.rowwise().maxCoeff() - wanted.rowwise().minCoeff()).norm();
+  if (back.outcome != Outcome::converged)
+    return fail(back.outcome, "the loads do not bring the unloaded shape back to the given one: " + back.cause);
+  if (!(error <= kUnloadingError * size))
+    return fail(Outcome::diverged, "the loads bring the unloaded shape to another equilibrium than the given one, " +
+                                       number(error, 3) + " m from it: it buckles or snaps, and is not unique");
+  Specimen unloaded = last->specimen;
+  if (factor == 0)
+    unloaded.start = [wanted, start = specimen.start](State& own) {
+      own.positions = wanted;
+      if (start) start(own);
+    };
+  run = run_strategy(unloaded, experiment, choice, options);
+  run.measures.set("unloaded_displacement", (wanted - found.rest).colwise().norm().maxCoeff());
+  run.measures.set("unloading_error", error);
+  run.measures.set("unloading_steps", found.steps);
+  run.linear_iterations += found.steps;
+  return run;
+}
+
+}  // namespace
+
 Run run_strategy(const Specimen& specimen, const Experiment& experiment, const StrategyChoice& any,
                  const RunOptions& given) {
   const Stopwatch build;
@@ -262,6 +335,8 @@ Run run_strategy(const Specimen& specimen, const Experiment& experiment, const S
     run.build_seconds += seconds;
     return run;
   }
+  if (specimen.loaded && experiment.at_rest() && unsuited(specimen, experiment, choice).empty())
+    return run_unloaded(specimen, *experiment.at_rest(), any, options);
   Run run;
   run.strategy = choice.label;
   run.order = choice.order;

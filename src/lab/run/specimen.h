@@ -49,6 +49,9 @@ StrategyChoice without_locking(const Catalog& catalog, StrategyChoice choice, co
 /// Whether the strategy needs the triangles or tetrahedra of a body that it suits.
 bool needs_cells(const Strategy& strategy, const Body& body);
 
+/// Whether the body is stressed in the shape that it is described in.
+inline bool is_stressed(const Specimen& specimen) { return specimen.body.unstressed || specimen.loaded; }
+
 /// Of the whole body, or of its parts.
 std::vector<Material> materials_of(const Specimen& specimen);
 

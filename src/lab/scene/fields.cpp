@@ -9,12 +9,12 @@
 #include "elastin/core/base/text.h"
 #include "elastin/core/laws/material_law.h"
 #include "elastin/mesh/mesh_file.h"
+#include "lab/scene/fields.h"
 #include "lab/scene/parts.h"
 
 namespace elastin::lab {
 namespace {
 
-using ValueAt = std::function<double(const Vector3& place)>;
 /// What a direction is at a place, from the one that the material has.
 using DirectionAt = std::function<Vector3(const Vector3& given, const Vector3& place)>;
 
@@ -116,7 +116,9 @@ class FileData {
   BoxTree tree_;
 };
 
-ValueAt read_values(const Reader& reader, const Dimension& dimension, const Range& range) {
+}  // namespace
+
+ValueAt field_values(const Reader& reader, const Dimension& dimension, const Range& range) {
   const FieldSetup setup = read_field(reader, dimension == dimension::none ? FieldOf::factors : FieldOf::values);
   if (setup.expression) return setup.expression->of_place(dimension, range);
   const auto& unit = setup.unit;
@@ -128,6 +130,8 @@ ValueAt read_values(const Reader& reader, const Dimension& dimension, const Rang
                       si_unit(dimension) + "; they must be " + range_text(range.low, range.high, range.open_low));
   return [file, factor](const Vector3& place) { return factor * file->at(place)[0]; };
 }
+
+namespace {
 
 /// [x / 1 mm, 1, 0], of any length.
 DirectionAt read_components(const Reader& list) {
@@ -198,17 +202,10 @@ void read_constants(const Reader& constants, const MaterialLaw& law, const Mater
         own.law->directions[name] = at(own.law->directions[name], place);
       });
     } else {
-      setters.push_back([name = key, at = read_values(field, info->unit, {info->low, info->high, info->above_low})](
+      setters.push_back([name = key, at = field_values(field, info->unit, {info->low, info->high, info->above_low})](
                             Material& own, const Vector3& place) { own.law->numbers[name] = at(place); });
     }
   }
-}
-
-template <class Members>
-Vector3 middle_of(const Body& body, const Members& members) {
-  Vector3 sum = Vector3::Zero();
-  for (const int molecule : members) sum += body.rest.col(molecule);
-  return sum / static_cast<double>(members.size());
 }
 
 void multiply_stiffness(const ValueAt& factor, Body& body) {
@@ -240,47 +237,17 @@ Keys<RegionSetup> keys_of_region() {
                  &S::constants)};
 }
 
-/// Which of some regions each cell and connection belongs to; of several the last counts.
-class Regions {
+/// Regions of other materials.
+class MaterialRegions : public Regions<RegionSetup> {
  public:
-  Regions(const Body& body, std::vector<RegionSetup> setups) : setups_(std::move(setups)) {
-    for (const RegionSetup& setup : setups_) {
-      std::vector<char>& marks = among_.emplace_back(static_cast<std::size_t>(body.size()), 0);
-      for (const int molecule : *setup.molecules) marks[molecule] = 1;
-    }
-    std::vector<char> found(setups_.size(), 0);
-    const auto add = [&](const auto& members, bool is_cell) {
-      regions_.push_back(region_of(members));
-      middles_.push_back(middle_of(body, members));
-      if (is_cell && regions_.back() >= 0) found[regions_.back()] = 1;
-    };
-    for (const CellBlock& block : body.blocks)
-      for (int cell = 0; cell < block.size(); ++cell) add(block.cell(cell), true);
-    for (const auto& cell : body.tetrahedra) add(cell, true);
-    for (const auto& cell : body.triangles) add(cell, true);
-    for (const auto& ends : body.connections.ends) add(ends, body.tetrahedra.empty() && body.triangles.empty());
-    for (std::size_t region = 0; region < setups_.size(); ++region)
-      if (!found[region]) setups_[region].place->fail("no cell has all its molecules among these");
-    std::vector<Box> boxes;
-    for (const Vector3& middle : middles_) boxes.push_back({middle, middle});
-    tree_ = std::make_unique<BoxTree>(boxes);
-  }
-
-  const std::vector<RegionSetup>& setups() const { return setups_; }
-
-  /// Of the cell or connection whose middle is nearest; null: of none.
-  const RegionSetup* at(const Vector3& place) const {
-    const auto distance = [&](int element) { return (middles_[element] - place).norm(); };
-    const int region = regions_[tree_->nearest(place, distance).first];
-    return region < 0 ? nullptr : &setups_[region];
-  }
+  using Regions::Regions;
 
   /// Each molecule's mass by the volumes of its cells in the regions.
   void set_masses(double density, Body& body) const {
     VectorX volumes = VectorX::Zero(body.size()), masses = volumes;
     const auto add = [&](const auto& cell, double volume) {
       const int region = region_of(cell);
-      const double own = region < 0 ? density : setups_[region].density.value_or(density);
+      const double own = region < 0 ? density : setups()[region].density.value_or(density);
       for (const int molecule : cell) volumes[molecule] += volume, masses[molecule] += volume * own / density;
     };
     for (const auto& cell : body.tetrahedra) add(cell, std::abs(signed_volume(body.rest, cell)));
@@ -292,21 +259,6 @@ class Regions {
     for (int molecule = 0; molecule < body.size(); ++molecule)
       if (volumes[molecule] > 0) body.mass[molecule] *= masses[molecule] / volumes[molecule];
   }
-
- private:
-  template <class Members>
-  int region_of(const Members& members) const {
-    for (std::size_t region = setups_.size(); region-- > 0;)
-      if (std::all_of(members.begin(), members.end(), [&](int m) { return among_[region][m] != 0; }))
-        return static_cast<int>(region);
-    return -1;
-  }
-
-  std::vector<RegionSetup> setups_;
-  std::vector<std::vector<char>> among_;
-  std::vector<int> regions_;
-  std::vector<Vector3> middles_;
-  std::unique_ptr<BoxTree> tree_;
 };
 
 /// Changes the stiffness and the masses of the body, and adds what sets other numbers.
@@ -314,7 +266,7 @@ void add_regions(const Reader& list, const MaterialLaw* law, const Material& mat
                  Body& body) {
   std::vector<RegionSetup> setups;
   for (const Reader& item : list.items()) setups.push_back(keys_of_region().read(item, {Matrix3::Identity(), &body}));
-  const auto regions = std::make_shared<const Regions>(body, std::move(setups));
+  const auto regions = std::make_shared<const MaterialRegions>(body, std::move(setups));
   std::map<const RegionSetup*, std::map<std::string, double>> constants;
   for (const RegionSetup& setup : regions->setups()) {
     const bool moduli = !law || law->from_moduli;
@@ -383,7 +335,7 @@ std::vector<Setter> read_setters(const FieldsSetup& fields, const MaterialLaw* l
   }
   if (const auto& field = fields.poissons_ratio) {
     if (law && !law->from_moduli) field->fail("follows from the constants of the law");
-    setters.push_back([at = read_values(*field, dimension::none, {-0.99, 0.4999})](
+    setters.push_back([at = field_values(*field, dimension::none, {-0.99, 0.4999})](
                           Material& own, const Vector3& place) { own.poissons_ratio = at(place); });
   }
   const auto turn = [&](const std::optional<Reader>& field, auto member, const std::string& name) {
@@ -438,9 +390,9 @@ void set_fields(const Reader& fields, const elastin::Table<MaterialLaw>& laws, M
     if (field && (material.curve || material.fibre)) field->fail("needs a material without curve or fibre");
   if (modulus && material.law)
     modulus->fail("follows from the constants of the law; write `stiffness`, a factor of all its moduli");
-  if (stiffness) multiply_stiffness(read_values(*stiffness, dimension::none, {1e-12, 1e12, false}), body);
+  if (stiffness) multiply_stiffness(field_values(*stiffness, dimension::none, {1e-12, 1e12, false}), body);
   if (modulus)
-    multiply_stiffness([&, at = read_values(*modulus, dimension::pressure, kPositive)](
+    multiply_stiffness([&, at = field_values(*modulus, dimension::pressure, kPositive)](
                            const Vector3& place) { return at(place) / material.youngs_modulus; },
                        body);
   if (setup.regions) add_regions(*setup.regions, row.get(), material, setters, body);
@@ -451,7 +403,7 @@ void set_fields(const Reader& fields, const elastin::Table<MaterialLaw>& laws, M
     check_at_all_places(fields, row.get(), material, body);
   }
   if (!density) return;
-  const ValueAt at = read_values(*density, dimension::density, kPositive);
+  const ValueAt at = field_values(*density, dimension::density, kPositive);
   for (int molecule = 0; molecule < body.size(); ++molecule)
     body.mass[molecule] *= at(body.rest.col(molecule)) / material.density;
 }

@@ -45,7 +45,7 @@ std::vector<KeySection> gas_sections() {
 std::vector<KeySection> key_sections(const Catalog& catalog, const ExperimentCatalog& experiments) {
   std::vector<KeySection> all;
   for (const auto& sections :
-       {scene_keys(), body_keys(), bodies_keys(), material_keys(catalog), strategy_keys(catalog),
+       {scene_keys(), body_keys(), bodies_keys(), material_keys(catalog), rest_keys(), strategy_keys(catalog),
         experiment_sections(experiments), gas_sections(), support_keys(), time_keys(catalog), load_keys(catalog),
         std::vector{time_function_section()}, pick_keys(), initial_keys(), contact_keys(), solver_keys(catalog),
         expectation_keys(catalog), study_keys(catalog), identify_keys()})

@@ -218,14 +218,16 @@ Keys<ActiveFibre> active_keys() {
                  })};
 }
 
-/// {axis: z, through: [0, 0, 0]}
-Keys<RoundAxis> around_keys() {
+}  // namespace
+
+Keys<RoundAxis> around_keys(const std::string& what) {
   return {key::direction("axis", &RoundAxis::direction,
-                         "axis around which directions turn: those of fibres and law are along radius, circumference "
-                         "and axis")
+                         "axis around which directions turn: " + what + " along radius, circumference and axis")
               .needed(),
           key::vector("through", &RoundAxis::point, dimension::length, "a point of the axis")};
 }
+
+namespace {
 
 /// A law's term: a number, or a list of them.
 std::vector<double> read_term(const Reader& item, const std::vector<ParameterInfo>& columns) {
@@ -415,7 +417,7 @@ Keys<MaterialSetup> all_material_keys(const Table<MaterialLaw>& laws) {
             material.fibre = {fibre.direction, fibre.compression ? fibre.curve : fibre.curve.without_compression()};
           }),
       key::map("active", &S::active, active_keys()),
-      key::map("around", &S::around, around_keys()),
+      key::map("around", &S::around, around_keys("those of fibres and law are")),
       key::map_into<S>("relaxation", relaxation_keys(),
                        [](const Reader& value, S& material, const RelaxationSetup& setup) {
                          material.relaxation = relaxation_of(value, setup);

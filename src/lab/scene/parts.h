@@ -211,6 +211,12 @@ void change_stiffness(Body& body, const Change& change) {
 /// connections, and at its molecules, and gives the material what differs beside that. The body is at rest where the
 /// scene's places mean it.
 void set_fields(const Reader& fields, const elastin::Table<MaterialLaw>& laws, Material& material, Body& body);
+/// {axis: z, through: [0, 0, 0]}; @param what is along radius, circumference and axis, "those of fibres are"
+Keys<RoundAxis> around_keys(const std::string& what);
+/// `rest`: makes the body unstressed as it says, whose places and fibres are those of the body before it is turned.
+void set_rest(const Reader& rest, Specimen& specimen);
+/// Throws InputError on what means nothing in this experiment.
+void check_rest(const Reader& rest, bool timed);
 
 /// The keys that these functions read, for the key reference.
 std::vector<KeySection> scene_keys();
@@ -218,6 +224,7 @@ std::vector<KeySection> expectation_keys(const Catalog& catalog);
 std::vector<KeySection> body_keys();
 std::vector<KeySection> bodies_keys();
 std::vector<KeySection> field_keys();
+std::vector<KeySection> rest_keys();
 /// Of the material's key `fields`.
 std::vector<SceneKey> rows_of_fields();
 std::vector<KeySection> material_keys(const Catalog& catalog);

@@ -128,6 +128,9 @@ const std::vector<TopKey>& top_keys() {
        true},
       {{"time", "map", "", "", "needed in time", "[duration, steps and frames](#time) of an experiment in time"}},
       {{"loads", "list of maps", "", "", "none", "[loads](#loads) besides the experiment's"}, true},
+      {{"rest", "map", "", "", "the body as described",
+        "[where the body is unstressed](#rest), if not as it is described: growth, swelling, heat, prestretch"},
+       true},
       {{"initial", "map", "", "", "rest", "[where the search or the run begins](#initial-state)"}, true},
       {{"rotate", "rotation", "", "", "none", "turns the whole scene"}, true},
       {{"contact", "map", "", "", "none", "[contact](#contact)"}, true},
@@ -179,7 +182,7 @@ bool is_of_shares(Reader experiment, const ExperimentCatalog& experiments) {
 
 /// Why each of several processes needs the whole body; "" where shares of it do.
 std::string needs_whole_body(Reader& reader, const Catalog& catalog, const ExperimentCatalog& experiments) {
-  for (const char* key : {"bodies", "contact", "initial", "calibrate"})
+  for (const char* key : {"bodies", "contact", "initial", "calibrate", "rest"})
     if (reader.has(key)) return "`" + std::string(key) + "` is read on the whole body";
   for (const char* key : {"supports", "loads"})  // the file of the mesh has them, which one process reads alone
     if (reader.has(key) && names_sets(reader.at(key))) return "sets of the mesh are read on the whole body";
@@ -279,6 +282,7 @@ void refuse_of_engine(Reader& reader, const Scene& scene, bool timed, bool conta
   Reader solver = reader.at("solver");
   const Reader engine = solver.at("engine");
   const std::string name = "'" + engine.text() + "' ";
+  if (is_stressed(scene.specimen)) engine.fail(name + "goes without `rest`; write engine: threads");
   if (contact) engine.fail(name + "goes without contact, which stays on one process; write engine: threads");
   if (!timed) return;
   if (!scene.specimen.body.share)
@@ -347,6 +351,8 @@ std::unique_ptr<Scene> read_scene(const SceneSource& source, const Catalog& cata
   scene->specimen.material = read_material(reader.at("material"), catalog.material_laws);
   if (auto solver = reader.find("solver")) scene->statics = read_solver(*solver, catalog);
   read_whole_body(reader, catalog, experiments, *scene, change);
+  const auto rest = reader.find("rest");
+  if (rest) set_rest(*rest, scene->specimen);
   const Matrix3 rotation = reader.has("rotate") ? reader.at("rotate").rotation() : Matrix3(Matrix3::Identity());
   if (reader.has("rotate")) rotate(scene->specimen.body, rotation);
   scene->rotation = rotation;
@@ -370,6 +376,7 @@ std::unique_ptr<Scene> read_scene(const SceneSource& source, const Catalog& cata
   if (const auto calibrate = reader.find("calibrate"))
     scene->specimen.calibration = read_calibration(*calibrate, context);
   const bool timed = made->in_time() != nullptr;
+  if (rest) check_rest(*rest, timed);
   if (scene->statics.engine) refuse_of_engine(reader, *scene, timed, contact.has_value());
   if (const auto supports = reader.find("supports")) {
     auto* at_rest = dynamic_cast<StaticExperiment*>(made.get());
@@ -443,6 +450,12 @@ const StrategyChoice* find_strategy(const std::vector<StrategyChoice>& choices, 
   const auto found =
       std::find_if(choices.begin(), choices.end(), [&](const auto& choice) { return choice.label == label; });
   return found == choices.end() ? nullptr : &*found;
+}
+
+std::string no_reference(const Scene& scene) {
+  return is_stressed(scene.specimen) ? "the body is stressed without its load, which no modulus shows; compare with "
+                                       "a law of cells, refined"
+                                     : scene.experiment->no_reference();
 }
 
 StrategyChoice choose_strategy(const Scene& scene, const Catalog& catalog, const std::string& label) {

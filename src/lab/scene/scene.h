@@ -77,6 +77,9 @@ const StrategyChoice* find_strategy(const std::vector<StrategyChoice>& choices, 
 /// InputError with the nearest name.
 StrategyChoice choose_strategy(const Scene& scene, const Catalog& catalog, const std::string& label);
 
+/// Why no run of the scene can be ranked by the material's own values, or "".
+std::string no_reference(const Scene& scene);
+
 /// Reads a scene and builds its body and experiment. `overrides` are key.path=value. Throws InputError, of a body with
 /// more molecules than these too.
 std::unique_ptr<Scene> load_scene(const SceneSource& source, const Catalog& catalog,

@@ -3,6 +3,7 @@
 #include <random>
 
 #include "elastin/core/base/error.h"
+#include "elastin/core/base/text.h"
 #include "elastin/core/forces/floor.h"
 #include "lab/scene/parts.h"
 
@@ -83,6 +84,7 @@ struct InitialSetup {
   Matrix3 stretch = Matrix3::Identity(), turn = Matrix3::Identity();
   Scatter scatter;
   SomeMolecules move;
+  std::optional<Positions> positions;
 };
 
 const Keys<InitialSetup>& initial_setup_keys() {
@@ -107,6 +109,17 @@ const Keys<InitialSetup>& initial_setup_keys() {
                                            "random displacement of each molecule in each direction", kPositive)
                                  .needed(),
                              key::whole("seed", &Scatter::seed, 0, "seed of the random numbers")}),
+      Key<S>(
+          "positions",
+          key::rows_below("positions", "map", "where the molecules begin, in place of where the body is at rest",
+                          Keys<MeshFile>{mesh_file_key("mesh of as many points in the same order"), length_unit_key()}),
+          [](const Reader& value, S& setup, const Frame& frame) {
+            setup.positions = Keys<MeshFile>{mesh_file_key(""), length_unit_key()}.read(value).load().points;
+            if (setup.positions->cols() != frame.body->size())
+              value.fail("the file has " + counted(setup.positions->cols(), "point") +
+                         "; needed: " + std::to_string(frame.body->size()) + ", one a molecule");
+            *setup.positions = (frame.rotation * *setup.positions).eval();
+          }),
       key::map("move", &S::move, some("which molecules are displaced", "by", dimension::length, "their displacement"))};
   return keys;
 }
@@ -180,6 +193,7 @@ std::function<void(State&)> read_initial(const Reader& reader, const Body& body,
   if (!timed && (setup.velocity.norm() > 0 || setup.spin.norm() > 0 || !setup.thrown.empty()))
     reader.fail("an experiment at rest has no velocities");
   return [setup](State& state) {
+    if (setup.positions) state.positions = *setup.positions;
     const Vector3 middle = state.positions.rowwise().mean();
     state.positions = (setup.turn * setup.stretch * (state.positions.colwise() - middle)).colwise() + middle;
     std::mt19937_64 generator(static_cast<std::uint64_t>(setup.scatter.seed));

@@ -18,7 +18,8 @@ std::string unsuited(const Scene& scene, bool known) {
   if (!body.parts.empty()) return "the scene has several bodies";
   if (specimen.material.fibre) return "the material has fibres";
   if (!body.cables.empty()) return "the body has cables";
-  if (specimen.material.field || body.connection_stiffness.size() > 0 || body.cell_stiffness.size() > 0)
+  if (specimen.material.field || is_stressed(specimen) || body.connection_stiffness.size() > 0 ||
+      body.cell_stiffness.size() > 0)
     return "the stiffness changes from place to place";
   if (identification_of(*scene.experiment)) return "the experiment is there to find the material";
   if (!known && body.size() > kMostMeasuredMolecules)

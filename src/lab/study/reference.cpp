@@ -49,6 +49,7 @@ std::string unsuited(const Scene& scene) {
   if (identification_of(*scene.experiment)) return "the experiment is there to find the material";
   if (!body.parts.empty()) return "several bodies cannot be refined";
   if (!body.cables.empty()) return "a body with cables cannot be refined";
+  if (scene.specimen.loaded) return "each strategy finds an unloaded shape of its own";
   if (scene.bare_graph)
     return "a list of molecules and connections does not say what it fills (`cells: delaunay` in the body does)";
   if (body.tetrahedra.empty() && body.triangles.empty() && body.connection_stiffness.size())
@@ -497,7 +498,7 @@ bool wants_computed_references(const Scene& scene, const std::string& option) {
   using When = ComputedReference::When;
   if (option == "none" || (option.empty() && scene.computed.when == When::never)) return false;
   if (option == "computed" || scene.computed.when == When::always) return true;
-  return scene.references.empty() && !scene.experiment->no_reference().empty();
+  return scene.references.empty() && !no_reference(scene).empty();
 }
 
 ComputedReferences compute_references(const Scene& scene, const Catalog& catalog,

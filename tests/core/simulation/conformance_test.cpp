@@ -7,6 +7,7 @@
 #include "elastin/core/base/error.h"
 #include "elastin/core/forces/model.h"
 #include "elastin/core/forces/tangent.h"
+#include "elastin/core/model/rest.h"
 #include "elastin/core/simulation/catalog.h"
 #include "elastin/core/simulation/fibres.h"
 #include "elastin/core/solve/integrator.h"
@@ -48,15 +49,25 @@ bool add_strategy(Model& model, const Strategy& strategy, const Material& materi
   return true;
 }
 
+/// Unstressed lengths that differ over the body and with the direction.
+std::shared_ptr<const Rest> growth() {
+  return std::make_shared<const Rest>(Rest{[](const Vector3& place, const Vector3&) {
+    Matrix3 F;
+    F << 1.1 + 2 * place.x(), 0.05, 0, 0, 0.95, 0.03 + place.y(), 0.02, 0, 1.05;
+    return F;
+  }});
+}
+
 /// Calls test(strategy, body, model, number of the material) for each strategy, material and body that go together.
 template <class Test>
-void for_each_pair(Test test) {
+void for_each_pair(Test test, const std::shared_ptr<const Rest>& unstressed = nullptr) {
   std::vector<std::pair<std::string, Body>> bodies{
       {"lattice", jittered_lattice()}, {"block", jittered_block()}, {"sheet", sheet(kMaterial.thickness)}};
   for (auto& [name, body] : bodies) body.voronoi = voronoi_cells(body);
   for (const CellKind& kind : cell_kinds())
     if (kind.dimensions == 3) bodies.emplace_back(kind.name, cell_box(kind, {2, 1, 2}, {0.02, 0.01, 0.02}, 0.06, true));
   bodies.emplace_back("triangle6", quadratic_sheet(kMaterial.thickness));
+  for (auto& [name, body] : bodies) body.unstressed = unstressed;
   const std::vector<Material> all = materials();
   std::vector<Strategy> strategies = built_in_catalog().strategies();
   const std::size_t plain = strategies.size();
@@ -85,7 +96,7 @@ void for_each_pair(Test test) {
 }  // namespace
 
 TEST_CASE("every strategy: forces are minus the gradient of the energy", "[conformance]") {
-  for_each_pair([](const Strategy&, const Body& body, Model& model, std::size_t) {
+  const auto check = [](const Strategy&, const Body& body, Model& model, std::size_t) {
     if (!model.has_energy()) return;
     const Positions positions = deformed(body, 2e-4);
     const Positions forces = model.elastic_forces(positions), motion = random_motion(body, 21);
@@ -94,11 +105,13 @@ TEST_CASE("every strategy: forces are minus the gradient of the energy", "[confo
     const auto energy = [&](double step) { return model.elastic_energy(positions + step * motion); };
     const double measured = (8 * (energy(h) - energy(-h)) - (energy(2 * h) - energy(-2 * h))) / (12 * h);
     CHECK(measured == Approx(predicted).epsilon(1e-6));
-  });
+  };
+  for_each_pair(check);
+  for_each_pair(check, growth());
 }
 
 TEST_CASE("every strategy: the tangent is the difference of forces", "[conformance]") {
-  for_each_pair([](const Strategy&, const Body& body, Model& model, std::size_t) {
+  const auto check = [](const Strategy&, const Body& body, Model& model, std::size_t) {
     const Positions positions = deformed(body, 2e-4), motion = random_motion(body, 22);
     const State at{positions, Positions::Zero(3, positions.cols())};
     const Tangent tangent(model, at);
@@ -124,13 +137,15 @@ TEST_CASE("every strategy: the tangent is the difference of forces", "[conforman
       tangent.apply(other, image);
       CHECK(predicted.cwiseProduct(other).sum() == Approx(image.cwiseProduct(motion).sum()).epsilon(1e-9));
     }
-  });
+  };
+  for_each_pair(check);
+  for_each_pair(check, growth());
 }
 
 TEST_CASE("every strategy: no total force, no total torque, none at rest, and it turns with the body",
           "[conformance]") {
   const Matrix3 turn = Eigen::AngleAxisd(1.1, Vector3(1, 2, -1).normalized()).toRotationMatrix();
-  for_each_pair([&](const Strategy&, const Body& body, Model& model, std::size_t) {
+  const auto check = [&](const Strategy&, const Body& body, Model& model, std::size_t) {
     const Positions positions = deformed(body, 2e-4), forces = model.elastic_forces(positions);
     const double size = forces.colwise().norm().sum();
     REQUIRE(size > 0);
@@ -138,11 +153,76 @@ TEST_CASE("every strategy: no total force, no total torque, none at rest, and it
     Vector3 torque = Vector3::Zero();
     for (int i = 0; i < body.size(); ++i) torque += Vector3(positions.col(i)).cross(Vector3(forces.col(i)));
     CHECK(torque.norm() <= 1e-13 * size * positions.cwiseAbs().maxCoeff() * 3);
-    CHECK(model.elastic_forces(body.rest).norm() <= 1e-10 * size);
+    if (!body.unstressed) CHECK(model.elastic_forces(body.rest).norm() <= 1e-10 * size);
     Positions moved = turn * positions;
     moved.colwise() += Vector3(0.1, -0.2, 0.05);
     CHECK((model.elastic_forces(moved) - turn * forces).norm() <= 1e-9 * size);
-  });
+  };
+  for_each_pair(check);
+  for_each_pair(check, growth());
+}
+
+TEST_CASE("every strategy: the body that is unstressed by F_g is free of stress at F_g X, and stiff as before",
+          "[conformance][rest]") {
+  Matrix3 growth, stretch;
+  growth << 1.2, 0.1, 0, -0.05, 0.9, 0.04, 0.03, 0, 1.1;
+  stretch << 1.08, 0.05, 0, -0.02, 0.95, 0.04, 0.03, 0, 1.04;
+  const auto check = [&](const Strategy& strategy, const Body& body, Model& model, std::size_t material) {
+    Body plain_body = body;
+    plain_body.unstressed.reset();
+    Model plain(plain_body);
+    REQUIRE(add_strategy(plain, strategy, materials()[material]));
+    const double size = plain.elastic_forces(stretch * body.rest).norm();
+    CHECK(model.elastic_forces(growth * body.rest).norm() <= 1e-10 * size);
+    CHECK(model.elastic_energy(growth * body.rest) <= 1e-18 * size);
+    // W = det F_g · W of the stretch from there, where all points of the body are alike.
+    if (strategy.kind == StrategyKind::cell_law && strategy.dimensions == 3 && model.has_energy())
+      CHECK(model.elastic_energy(stretch * growth * body.rest) ==
+            Approx(growth.determinant() * plain.elastic_energy(stretch * body.rest)).epsilon(1e-9));
+    // Of half of it the lengths are half as much longer; of none the body is the plain one.
+    model.set_rest(0.5);
+    CHECK(model.elastic_forces((Matrix3::Identity() + growth) / 2 * body.rest).norm() <= 1e-10 * size);
+    model.set_rest(0);
+    CHECK((model.elastic_forces(stretch * body.rest) - plain.elastic_forces(stretch * body.rest)).norm() <=
+          1e-11 * size);
+  };
+  for_each_pair(check, std::make_shared<const Rest>(Rest{[growth](const Vector3&, const Vector3&) { return growth; }}));
+}
+
+TEST_CASE("bodies that relax, soften or are turned keep their unstressed lengths", "[conformance][rest]") {
+  Matrix3 growth;
+  growth << 1.2, 0.1, 0, -0.05, 0.9, 0.04, 0.03, 0, 1.1;
+  const Matrix3 turn = Eigen::AngleAxisd(0.7, Vector3(1, 2, -1).normalized()).toRotationMatrix();
+  Material material = kMaterial;
+  material.relaxation = Relaxation{{{0.4, 0.1}}};
+  material.softening = Softening{1.5, 1, 0.1};
+  const Catalog catalog = built_in_catalog();
+  for (const Body& plain : {jittered_lattice(), jittered_block(),
+                            cell_box(cell_kind("hexahedron20"), {2, 1, 1}, {0.02, 0.01, 0.01}, 0.06, true)})
+    for (const char* name : {"prony:standard", "mullins:standard", "prony:neo_hookean", "mullins:neo_hookean",
+                             "prony:standard+volume", "prony:neo_hookean+volume"}) {
+      const Strategy strategy = catalog.find(name);
+      if (!strategy.unsuited(plain).empty()) continue;
+      if (!plain.blocks.empty() && !plain.tetrahedra.empty() && std::string(name).find("standard") != std::string::npos)
+        continue;
+      Body body = plain;
+      body.unstressed = std::make_shared<const Rest>(Rest{[&](const Vector3&, const Vector3&) { return growth; }});
+      rotate(body, turn);
+      INFO(name << " on " << body.size() << " molecules");
+      Model model(body);
+      model.add(strategy.make(body, material, {}));
+      const double size = model.elastic_forces(body.rest).norm();
+      CHECK(size > 0);
+      State state = state_at_rest(body);
+      model.declare_history(state);
+      state.positions = turn * growth * plain.rest;
+      model.begin_step(state, 1);
+      CHECK(model.elastic_forces(state.positions).norm() <= 1e-10 * size);
+      state.time = 1;
+      model.commit_step(state);
+      CHECK(model.stored_energy(state.positions) <= 1e-12 * size);
+      CHECK(model.elastic_forces(body.rest).norm() > 0.1 * size);
+    }
 }
 
 TEST_CASE("every strategy: stiffness scales with E and not with the order of molecules", "[conformance]") {

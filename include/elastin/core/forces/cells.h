@@ -13,6 +13,7 @@
 #include "elastin/core/laws/cell_kernel.h"
 #include "elastin/core/laws/local.h"
 #include "elastin/core/model/material.h"
+#include "elastin/core/model/rest.h"
 #include "elastin/core/shapes/cell_shapes.h"
 
 namespace elastin {
@@ -144,6 +145,13 @@ class SimplexCells : public EdgeDensities, public LocalElasticity {
     for (int node = 0; node < nodes; ++node) own.col(node) = positions.col(at[node]);
     return own;
   }
+  /// A cell's nodes where it is unstressed, but for a rigid motion.
+  NodePositions<nodes> unstressed(int cell) const {
+    const NodePositions<nodes> rest = positions_of(body_.rest, cell);
+    if (!body_.unstressed) return rest;
+    const Vector3 middle = rest.rowwise().mean();
+    return body_.unstressed->at(middle, middle, rest_part_) * (rest.colwise() - middle);
+  }
   /// Six times the signed volume; 1 of a triangle, which has none.
   static double size_of(const NodePositions<nodes>& own) {
     if constexpr (Shape::dimensions == 3)
@@ -172,6 +180,7 @@ class SimplexCells : public EdgeDensities, public LocalElasticity {
 
   const Body& body_;
   CellGraph graph_;
+  double rest_part_ = 1;  ///< of Body::unstressed
 
  private:
   class Slopes final : public EdgeSlopes {
@@ -220,26 +229,19 @@ class CellElasticity final : public SimplexCells<typename Kernel::Shape>, public
 
  public:
   CellElasticity(const Body& body, const Material& material, Kernel kernel) : Block(body), kernel_(std::move(kernel)) {
-    constants_.reserve(graph_.cells());
-    if constexpr (requires { kernel_.point(material); })
-      if (!material.varies() && body.cell_stiffness.size() == 0 && graph_.cells() > 0) {
-        const auto shared = kernel_.point(material);
-        for (int cell = 0; cell < graph_.cells(); ++cell)
-          constants_.push_back(kernel_.constants(this->positions_of(body.rest, cell), shared));
-        return;
-      }
-    Material own = material;
-    for (int cell = 0; cell < graph_.cells(); ++cell) {
-      const NodePositions<Shape::nodes> rest = this->positions_of(body.rest, cell);
-      if (material.varies()) own = local_material(material, rest.rowwise().mean());
-      if (body.cell_stiffness.size()) own.youngs_modulus = material.youngs_modulus * body.cell_stiffness[cell];
-      constants_.push_back(kernel_.constants(rest, own));
-    }
+    set_constants(material);
+    if (body.unstressed) material_ = std::make_shared<const Material>(material);
+  }
+  void set_rest(double part) override {
+    if (!material_) return;
+    this->rest_part_ = part;
+    set_constants(*material_);
+    if (softened_) set_sizes();
   }
 
   std::unique_ptr<Elasticity> clone() const override { return std::make_unique<CellElasticity>(*this); }
   std::unique_ptr<Elasticity> on_subdomain(const Subdomain& own) const override {
-    if (softened_ || &this->body_ != own.whole) return nullptr;
+    if (softened_ || material_ || &this->body_ != own.whole) return nullptr;
     return std::unique_ptr<Elasticity>(new CellElasticity(*this, own));
   }
   bool has_energy() const override { return HasEnergy<Kernel>; }
@@ -317,8 +319,7 @@ class CellElasticity final : public SimplexCells<typename Kernel::Shape>, public
   bool soften(const Softening& softening) override {
     if (!HasEnergy<Kernel>) return false;
     softened_ = SoftenedElements(softening, graph_.cells());
-    for (int cell = 0; cell < graph_.cells(); ++cell)
-      sizes_.push_back(RestCell<Shape>(this->positions_of(this->body_.rest, cell)).measure());
+    set_sizes();
     return true;
   }
   bool dissipates() const override { return static_cast<bool>(softened_); }
@@ -330,6 +331,30 @@ class CellElasticity final : public SimplexCells<typename Kernel::Shape>, public
 
  private:
   using typename Block::Slope;
+
+  void set_constants(const Material& material) {
+    const Body& body = this->body_;
+    constants_.clear();
+    constants_.reserve(graph_.cells());
+    if constexpr (requires { kernel_.point(material); })
+      if (!material.varies() && body.cell_stiffness.size() == 0 && graph_.cells() > 0) {
+        const auto shared = kernel_.point(material);
+        for (int cell = 0; cell < graph_.cells(); ++cell)
+          constants_.push_back(kernel_.constants(this->unstressed(cell), shared));
+        return;
+      }
+    Material own = material;
+    for (int cell = 0; cell < graph_.cells(); ++cell) {
+      if (material.varies()) own = local_material(material, this->positions_of(body.rest, cell).rowwise().mean());
+      if (body.cell_stiffness.size()) own.youngs_modulus = material.youngs_modulus * body.cell_stiffness[cell];
+      constants_.push_back(kernel_.constants(this->unstressed(cell), own));
+    }
+  }
+  void set_sizes() {
+    sizes_.clear();
+    for (int cell = 0; cell < graph_.cells(); ++cell)
+      sizes_.push_back(RestCell<Shape>(this->unstressed(cell)).measure());
+  }
 
   void set_slopes(const Positions& positions, std::vector<Slope>& slopes) const override {
     detail::for_each_cell(graph_.cells(), [&](int begin, int end) {
@@ -369,6 +394,7 @@ class CellElasticity final : public SimplexCells<typename Kernel::Shape>, public
 
   Kernel kernel_;
   std::vector<typename Kernel::Constants> constants_;
+  std::shared_ptr<const Material> material_;  ///< where constants change with the rest
   SoftenedElements softened_;
   std::vector<double> sizes_;  ///< V [m³], [m²] of what softens
 };

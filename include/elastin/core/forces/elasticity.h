@@ -142,6 +142,8 @@ class Elasticity {
   virtual bool has_full_tangent() const { return true; }
   /// Whether it takes energy from a body that moves, so that energy() is not all that became of the work done.
   virtual bool dissipates() const { return false; }
+  /// Makes a part of what Body::unstressed says count: all of it, 1, until this is called.
+  virtual void set_rest(double /*part*/) {}
   /// Stored energy [J]; +infinity where a cell is flat or inverted.
   virtual double energy(const Positions& positions) const = 0;
   /// Energy that the body has stored [J] in a state that commit_step() has seen last, or begin_step() over no time:

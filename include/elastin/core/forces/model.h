@@ -66,6 +66,14 @@ class Model {
   /// Moves the supports: sets their displacements and velocities for a time [s]. Empty: they stay where they are.
   std::function<void(double time, std::vector<Support>&)> drive;
 
+  /// Of a body with Body::unstressed: makes a part of it count, 0 … 1, see Rest::part.
+  void set_rest(double part) const;
+  double rest_part() const { return rest_part_; }
+  /// Size of the forces [N] that it makes in the body at rest, a Euclidean norm; 0 without it.
+  double rest_force() const { return rest_force_; }
+  /// The part at a time [s]; empty: it does not change in time.
+  std::function<double(double time)> rest_in_time;
+
   bool has_energy() const;
   /// Whether at rest all forces, the loads' too, come from energies.
   bool conservative() const;
@@ -147,6 +155,7 @@ class Model {
   std::vector<std::pair<LawHistory*, std::string>> law_histories_;  ///< of elastic laws that have one, with their names
   std::unique_ptr<Graph> graph_;
   std::vector<Support> lasting_supports_;
+  mutable double rest_part_ = 1, rest_force_ = 0;
 };
 
 }  // namespace elastin

@@ -82,6 +82,7 @@ struct Tie {
 using MoleculeBetween = std::vector<std::pair<int, double>>;
 
 struct Share;
+struct Rest;
 
 /// A piece of tissue: molecules (spheres) joined by connections, at rest. Never changes during a run.
 struct Body {
@@ -112,6 +113,8 @@ struct Body {
   /// Of a body whose cells were refined, or made of second order, what each of its last molecules lies between.
   /// What holds an end of the body holds those of them that lie between others that it holds. Empty of other bodies.
   std::vector<MoleculeBetween> between;
+  /// Where the body is unstressed, if not at rest: see elastin/core/model/rest.h.
+  std::shared_ptr<const Rest> unstressed;
   /// Where the body is one process's share of a whole that several have among them; see elastin/core/model/share.h.
   std::shared_ptr<const Share> share;
   int size() const { return static_cast<int>(rest.cols()); }

@@ -60,6 +60,9 @@ struct RoundAxis {
   Vector3 direction = Vector3::UnitZ();  ///< unit
 };
 
+/// Radius, circumference and axis at a position [m], a unit column each. On the axis itself the radius is any one.
+Matrix3 frame_at(const RoundAxis& axis, const Vector3& place);
+
 struct Material;
 
 /// What of a material varies over a body at rest.
@@ -98,7 +101,7 @@ struct Material {
 /// Turns what has a direction at rest: fibres, and a law's; of directions around an axis, the axis. Fields turn too.
 void rotate(Material& material, const Matrix3& rotation);
 
-/// The material at a position [m] of the body at rest, directions in space. On the axis itself the radius is any one.
+/// The material at a position [m] of the body at rest, directions in space.
 Material local_material(const Material& material, const Vector3& place);
 
 /// What uniaxial stress along a unit direction measures at small strain.

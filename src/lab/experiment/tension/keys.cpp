@@ -1,4 +1,5 @@
 #include "lab/experiment/keys.h"
+#include "elastin/core/model/rest.h"
 #include "lab/experiment/tension/tension.h"
 
 namespace elastin::lab {
@@ -8,9 +9,10 @@ namespace {
 /// Of tension and compression, whose load pulls or presses by a positive amount.
 Keys<TensionSetup> bar_keys(bool compression) {
   const auto load = [compression](Key<TensionSetup> key, std::optional<double> TensionSetup::*member) {
-    return std::move(key).then([=](const Reader& value, TensionSetup& setup) {
+    return std::move(key).then([=](const Reader& value, TensionSetup& setup, const Frame& frame) {
       double& amount = *(setup.*member);
-      if (amount == 0) value.fail("a load of zero stretches nothing: no modulus can be measured");
+      if (amount == 0 && !frame.body->unstressed)
+        value.fail("a load of zero stretches nothing: no modulus can be measured");
       if (compression && amount < 0)
         value.fail("'" + value.text() + "' would pull: compression presses by a positive amount; write " +
                    value.text().substr(value.text().find('-') + 1) + ", or kind: tension to pull");

@@ -1,0 +1,157 @@
+// Bodies that are stressed in the shape that they are described in: growth, prestretch, loads that they are seen under.
+
+#include "elastin/core/model/rest.h"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "lab/run/specimen.h"
+#include "lab/scene/scene.h"
+#include "support/refusal.h"
+#include "support/temporary_folder.h"
+
+using namespace elastin;
+using namespace elastin::lab;
+using namespace elastin::testing;
+using Catch::Matchers::Contains;
+
+namespace {
+
+const Catalog kCatalog = built_in_catalog();
+const std::string kTetrahedra = "tetrahedra: {kind: kuhn, cubes: [2, 2, 4], size: [1 cm, 1 cm, 2 cm]}",
+                  kHexahedra = "lattice: {kind: cubic, molecules: [3, 3, 5], spacing: 5 mm, order: 2}",
+                  kLattice = "lattice: {kind: cubic, molecules: [5, 5, 9], spacing: 2.5 mm, connections: [axis, face]}";
+
+std::string bar(const std::string& rest, const std::string& load = "displacement: 0 mm",
+                const std::string& body = kTetrahedra, const std::string& stiffness = "neo_hookean",
+                const std::string& more = "") {
+  return "title: A bar\nbody: {" + body + "}\nmaterial: {youngs_modulus: 10 kPa, poissons_ratio: 0.25" + more +
+         "}\nstiffness: " + stiffness + "\n" + (rest.empty() ? "" : "rest: {" + rest + "}\n") +
+         "experiment: {kind: tension, axis: z, " + load + "}\nreference: none\n";
+}
+
+Run run_of(const std::string& text) {
+  TemporaryFolder folder;
+  auto scene = load_scene(folder.write("scene.yaml", text), kCatalog);
+  prepare(scene->specimen, scene->stiffness.strategy);
+  INFO(text);
+  Run run = run_strategy(scene->specimen, *scene->experiment, scene->stiffness,
+                         {.statics = scene->statics, .time = scene->time});
+  INFO(run.cause);
+  return run;
+}
+
+double force_of(const std::string& text) {
+  const Run run = run_of(text);
+  INFO(text << run.cause);
+  REQUIRE(run.outcome == Outcome::converged);
+  return run.measures.get("force");
+}
+
+std::string refused(const std::string& text) {
+  TemporaryFolder folder;
+  return refusal([&] { load_scene(folder.write("scene.yaml", text), kCatalog); });
+}
+
+}  // namespace
+
+TEST_CASE("a bar that is held at its length pushes with E A (factor - 1), as springs and as cells", "[scene][rest]") {
+  for (const auto& [body, stiffness] :
+       {std::pair(kTetrahedra, "neo_hookean"), std::pair(kHexahedra, "st_venant_kirchhoff"),
+        std::pair(kLattice, "lattice"), std::pair(kLattice, "calibrated:standard"),
+        std::pair(kTetrahedra, "neo_hookean_log")})
+    for (const char* rest : {"swelling: 1.0001", "growth: [1, 1, 1.0001]", "growth: 1.0001, along: z",
+                             "swelling: 1 + 1e-4 * (1 + x / 1 m - x / 1 m)", "prestretch: 0.9999",
+                             "thermal: {expansion: 1e-5, change: 10}",
+                             "regions: [{molecules: {box: {from: [-1, -1, -1], to: [1, 1, 1]}}, swelling: 1.0001}]",
+                             "swelling: 1.0001, factor: [[0, 0], [0.5, 1]]"}) {
+      INFO(stiffness << ", " << rest);
+      CHECK(force_of(bar(rest, "displacement: 0 mm", body, stiffness)) == Approx(-1e-4).epsilon(1e-3));
+    }
+  CHECK(force_of(bar("growth: [1.0001, 1, 1]")) == Approx(0).margin(1e-7));
+  CHECK(force_of(bar("swelling: 1.0001, factor: 0.5")) == Approx(0).margin(1e-9));  // acts before the load does
+}
+
+TEST_CASE("fibres that are stretched beforehand pull as if the bar had been drawn out", "[scene][rest]") {
+  const std::string fibre = ", fibre: {direction: z, toe: {strain: 5 %, stress: 200 Pa, modulus: 20 kPa}}";
+  const std::string at_rest =
+      bar("prestretch: 1.02, along: fibres", "displacement: 0 mm", kHexahedra, "neo_hookean", fibre);
+  if (const std::string why = refused(at_rest); !why.empty()) FAIL(why);
+  const double drawn = force_of(bar("", "strain: 2 %", kHexahedra, "neo_hookean", fibre));
+  CHECK(force_of(at_rest) == Approx(drawn).epsilon(1e-7));
+  CHECK(force_of(at_rest + "rotate: {axis: [1, 2, 3], angle: 70 deg}\n") == Approx(drawn).epsilon(1e-7));
+}
+
+TEST_CASE("in time the rest follows its factor, with steppers of all kinds", "[scene][rest]") {
+  for (const char* integrator : {"backward_euler", "velocity_verlet", "block_descent"}) {
+    const Run run =
+        run_of("title: A swelling body\nbody: {" + kLattice +
+               "}\nmaterial: {youngs_modulus: 10 kPa, poissons_ratio: 0.25}\nstiffness: lattice\n"
+               "rest: {swelling: 1.1, factor: {ramp: {duration: 0.5 s}}}\nloads: [{rayleigh: {mass: 100 1/s}}]\n"
+               "experiment: {kind: motion}\ntime: {duration: 1 s, frames: 10, integrator: " +
+               std::string(integrator) + "}\n");
+    INFO(integrator << ": " << run.cause);
+    REQUIRE(run.outcome == Outcome::converged);
+    CHECK(run.measures.get("largest_strain") == Approx(0.1).epsilon(0.01));
+    CHECK(run.curve[3].measures.get("largest_strain") == Approx(0.1 * 0.6).epsilon(0.1));
+  }
+}
+
+TEST_CASE("the unloaded shape hangs to the given one", "[scene][rest]") {
+  for (const auto& [stiffness, nu] : {std::pair("neo_hookean+volume", 0.49), std::pair("neo_hookean+volume", 0.3),
+                                      std::pair("st_venant_kirchhoff", 0.3), std::pair("neo_hookean_log", 0.3)}) {
+    const Run run = run_of(
+        "body: {lattice: {kind: cubic, molecules: [3, 3, 5], spacing: 2 cm, order: 1}}\n"
+        "material: {youngs_modulus: 5 kPa, poissons_ratio: " +
+        std::to_string(nu) + "}\nstiffness: " + stiffness +
+        "\nrest: {unloaded_from: loads}\nloads: [{gravity: [0, 0, -9.81]}]\n"
+        "supports: [{molecules: {side: z}}]\nexperiment: {kind: loads}\n");
+    INFO(stiffness << ", " << nu << ": " << run.cause);
+    REQUIRE(run.outcome == Outcome::converged);
+    CHECK(run.measures.get("unloading_error") < 1e-8 * 0.08);
+    CHECK(run.measures.get("largest_displacement") < 1e-8 * 0.08);
+    CHECK(run.measures.get("unloaded_displacement") > 1e-3);
+  }
+  // Springs, and an experiment of its own that begins in the given shape.
+  const Run springs =
+      run_of(bar("unloaded_from: loads", "force: 1 mN", kLattice, "lattice") + "loads: [{gravity: [0, 0, 9.81]}]\n");
+  INFO(springs.cause);
+  REQUIRE(springs.outcome == Outcome::converged);
+  CHECK(springs.measures.get("unloading_error") < 1e-8 * 0.02);
+  CHECK(springs.measures.get("elongation") == Approx(2e-2 * 1e-3 / (1e4 * 1e-4)).epsilon(0.05));
+}
+
+TEST_CASE("what is wrong with a rest is said where it stands", "[scene][rest]") {
+  CHECK_THAT(refused(bar("swelling: -1")), Contains("rest.swelling") && Contains("above 0") && Contains(":5:"));
+  CHECK_THAT(refused(bar("swelling: 0")), Contains("rest.swelling"));
+  CHECK_THAT(refused(bar("swelling: 1 - z / 1 cm")), Contains("rest.swelling"));
+  CHECK_THAT(refused(bar("growth: [1, 2]")), Contains("rest.growth"));
+  CHECK_THAT(refused(bar("growth: [1, 2, -3]")), Contains("rest.growth[2]"));
+  CHECK_THAT(refused(bar("thermal: {expansion: 0.1, change: -20}")), Contains("must be above 0"));
+  CHECK_THAT(refused(bar("thermal: {expansion: 0.1}")), Contains("change"));
+  CHECK_THAT(refused(bar("swell: 1.1")), Contains("did you mean 'swelling'"));
+  CHECK_THAT(refused(bar("factor: 1")), Contains("states nothing"));
+  CHECK_THAT(refused(bar("prestretch: 1.1, along: fibres")), Contains("rest.along") && Contains("no `fibre`"));
+  CHECK_THAT(refused(bar("swelling: 1.1, along: z")), Contains("rest.along"));
+  CHECK_THAT(refused(bar("swelling: 1.1, factor: {ramp: {duration: 1 s}}")), Contains("has no time"));
+  CHECK_THAT(refused(bar("swelling: 1.1, factor: [[0, 1], [2, 1]]")), Contains("rest.factor"));
+  CHECK_THAT(refused(bar("swelling: 1.1, unloaded_from: loads")), Contains("stands alone"));
+  CHECK_THAT(refused(bar("unloaded_from: weight")), Contains("loads"));
+  CHECK_THAT(refused(bar("regions: [{molecules: {nearest: [0, 0, 0]}, swelling: 2}]")), Contains("no cell"));
+  CHECK_THAT(refused(bar("")), Contains("a load of zero stretches nothing"));
+}
+
+TEST_CASE("loads that no unloaded shape has, or only another one, end with the cause", "[scene][rest]") {
+  const auto hanging = [](const std::string& gravity) {
+    return run_of(
+        "body: {lattice: {kind: cubic, molecules: [3, 3, 9], spacing: 1 cm, order: 1}}\n"
+        "material: {youngs_modulus: 1 kPa, poissons_ratio: 0.3}\nstiffness: neo_hookean\nrest: {unloaded_from: loads}\n"
+        "loads: [{gravity: [0, 0, " +
+        gravity + "]}]\nsupports: [{molecules: {side: z}}]\nexperiment: {kind: loads}\n");
+  };
+  const Run heavy = hanging("-1000");
+  CHECK(heavy.outcome != Outcome::converged);
+  CHECK_THAT(heavy.cause, Contains("unloading: "));
+  const Run none = hanging("0");
+  CHECK_THAT(none.cause, Contains("no load acts"));
+}
