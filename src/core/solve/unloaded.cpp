@@ -1,6 +1,7 @@
 #include "elastin/core/solve/unloaded.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "core/solve/mixing.h"
@@ -17,11 +18,11 @@ constexpr double kMostGrowth = 2;
 constexpr int kMostHalvings = 12;
 
 /// Where the loads would bring a body that rests in its given shape, to first order.
-StaticResponse first_motion(Model& model, const State& given, const StaticOptions& options) {
+Positions first_motion(Model& model, const State& given, const StaticOptions& options) {
   const Positions forces = model.load_forces(given) + model.elastic_forces(given.positions);
   StaticOptions rough = options;
   rough.tolerance = 1e-3;
-  return static_response(model, given.positions, forces, Positions::Zero(3, forces.cols()), rough);
+  return static_response(model, given.positions, forces, Positions::Zero(3, forces.cols()), rough).motion;
 }
 
 }  // namespace
@@ -40,20 +41,16 @@ UnloadedShape find_unloaded(const Body& given, const std::function<std::shared_p
                             const StaticOptions& options, const std::function<void(int, double)>& say) {
   UnloadedShape found;
   const double size = (given.rest.rowwise().maxCoeff() - given.rest.rowwise().minCoeff()).norm();
-  std::shared_ptr<Model> model = make(given);
-  const StaticResponse first = first_motion(*model, state_at_rest(given), options);
   found.rest = given.rest;
-  if (first.result.outcome != Outcome::converged) {
-    found.outcome = first.result.outcome, found.cause = first.result.cause;
-    return found;
-  }
+  std::shared_ptr<Model> model;
   Mixing mixing(kMixed);
   mixing.begin(given.size());
-  Positions motion = -first.motion;
+  Positions motion = Positions::Zero(3, given.size());
   double last = std::numeric_limits<double>::infinity();
   for (int halvings = 0; found.steps < kMostUnloadings; ++found.steps) {
-    for (const Support& support : model->supports)
-      motion.col(support.molecule) = (support.free * motion.col(support.molecule)).eval();
+    if (model)
+      for (const Support& support : model->supports)
+        motion.col(support.molecule) = (support.free * motion.col(support.molecule)).eval();
     const Body body = with_rest_shape(given, found.rest + motion);
     StaticResult solved;
     if (flat_or_inverted_cells(body, body.rest).empty()) {
@@ -80,7 +77,10 @@ UnloadedShape find_unloaded(const Body& given, const std::function<std::shared_p
       found.cause = solved.cause.empty() ? "no step leads nearer to the given shape" : solved.cause;
       return found;
     }
-    motion /= 2;
+    if (std::isinf(last) && halvings == 1)  // the loads are too large for the given shape without stress
+      motion = -first_motion(*make(given), state_at_rest(given), options);
+    else
+      motion /= 2;
     mixing.begin(given.size());
   }
   found.outcome = Outcome::limit_reached;
