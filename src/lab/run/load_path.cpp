@@ -10,6 +10,7 @@
 #include "elastin/core/forces/tension.h"
 #include "elastin/core/model/rest.h"
 #include "elastin/core/model/share.h"
+#include "lab/run/common_measures.h"
 #include "lab/run/contact_measures.h"
 #include "lab/run/derivatives.h"
 
@@ -330,7 +331,8 @@ void note_preload(const Model& model, const MeasureList& list, const StaticRig& 
   const Measures whole =
       rig.measure({rest, Positions::Zero(3, start.reactions.cols())}, state, options.statics, solved);
   for (const MeasureRole role : {MeasureRole::force, MeasureRole::torque, MeasureRole::displacement})
-    if (const std::string name = list.named(role); !name.empty()) measures.set("total_" + name, whole.get(name));
+    if (const std::string name = list.named(role); common_measures().find("total_" + name))
+      measures.set("total_" + name, whole.get(name));
 }
 
 }  // namespace

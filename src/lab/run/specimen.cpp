@@ -283,9 +283,9 @@ Run run_unloaded(const Specimen& specimen, const StaticExperiment& experiment, c
   if (make(specimen.body)->load_forces(state_at_rest(specimen.body)).isZero(0)) factor = 1;
   if (factor == 1 && make(specimen.body)->load_forces(state_at_rest(specimen.body)).isZero(0))
     return fail(Outcome::diverged, "no load acts on the given shape");
-  const UnloadedShape found = find_unloaded(specimen.body, make, options.statics, [&](int step, double residual) {
+  const UnloadedShape found = find_unloaded(specimen.body, make, options.statics, [&](int step, double error) {
     if (options.progress)
-      options.progress("unloading: step " + std::to_string(step) + ", unbalanced " + number(residual, 2));
+      options.progress("unloading: step " + std::to_string(step) + ", " + number(error, 2) + " m off");
   });
   if (found.outcome != Outcome::converged) return fail(found.outcome, found.cause);
   Model& model = *make(with_rest_shape(specimen.body, found.rest));

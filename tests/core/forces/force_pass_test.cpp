@@ -86,7 +86,7 @@ TEST_CASE("forces of springs are those of their force densities, on a grid and o
       if (jitter) add_jitter(body, 5e-4, 7);
       const VectorX constants = uneven_constants(body);
       CAPTURE(lattice.molecules, jitter);
-      REQUIRE(GridSprings::make(body, constants));
+      REQUIRE(GridSprings::make(body, constants, body.connections.rest_length.data()));
       const Positions positions = deformed(body, 1e-3);
       for (const Body& of : {body, without_grid(body)}) {
         const Model model = springs_on(of, constants);
@@ -113,23 +113,23 @@ TEST_CASE("rows of a regular lattice share their constants to rounding only", "[
 TEST_CASE("springs on a grid: what is none is left to the list of connections", "[force_pass]") {
   const Body body = cubic_lattice({4, 3, 3}, 0.01, {true, true, false});
   const VectorX constants = uneven_constants(body);
-  REQUIRE(GridSprings::make(body, constants));
-  CHECK(!GridSprings::make(without_grid(body), constants));
+  REQUIRE(GridSprings::make(body, constants, body.connections.rest_length.data()));
+  CHECK(!GridSprings::make(without_grid(body), constants, body.connections.rest_length.data()));
   Body other = body;
   other.grid = {{3, 4, 4}};  // another number of molecules
-  CHECK(!GridSprings::make(other, constants));
+  CHECK(!GridSprings::make(other, constants, other.connections.rest_length.data()));
   other.grid = {{3, 4, 3}};  // the right number, but not its neighbours
-  CHECK(!GridSprings::make(other, constants));
+  CHECK(!GridSprings::make(other, constants, other.connections.rest_length.data()));
   other = body;
   other.connections.ends.push_back(body.connections.ends.back());  // there twice
   other.connections.rest_length.push_back(0.01);
   VectorX more(constants.size() + 1);
   more << constants, 1;
-  CHECK(!GridSprings::make(other, more));
+  CHECK(!GridSprings::make(other, more, other.connections.rest_length.data()));
   more[constants.size()] = 0;  // no spring at all
-  CHECK(GridSprings::make(other, more));
+  CHECK(GridSprings::make(other, more, other.connections.rest_length.data()));
   std::reverse(other.connections.ends.begin(), other.connections.ends.end());
-  CHECK(!GridSprings::make(other, VectorX::Constant(more.size(), 1)));
+  CHECK(!GridSprings::make(other, VectorX::Constant(more.size(), 1), other.connections.rest_length.data()));
 }
 
 TEST_CASE("springs on a grid: molecules in one place have no direction and no force", "[force_pass]") {

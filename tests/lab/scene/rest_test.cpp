@@ -58,13 +58,13 @@ std::string refused(const std::string& text) {
 TEST_CASE("a bar that is held at its length pushes with E A (factor - 1), as springs and as cells", "[scene][rest]") {
   for (const auto& [body, stiffness] :
        {std::pair(kTetrahedra, "neo_hookean"), std::pair(kHexahedra, "st_venant_kirchhoff"),
-        std::pair(kLattice, "lattice"), std::pair(kLattice, "calibrated:standard"),
-        std::pair(kTetrahedra, "neo_hookean_log")})
-    for (const char* rest : {"swelling: 1.0001", "growth: [1, 1, 1.0001]", "growth: 1.0001, along: z",
-                             "swelling: 1 + 1e-4 * (1 + x / 1 m - x / 1 m)", "prestretch: 0.9999",
-                             "thermal: {expansion: 1e-5, change: 10}",
-                             "regions: [{molecules: {box: {from: [-1, -1, -1], to: [1, 1, 1]}}, swelling: 1.0001}]",
-                             "swelling: 1.0001, factor: [[0, 0], [0.5, 1]]"}) {
+        std::pair(kLattice, "lattice"), std::pair(kTetrahedra, "neo_hookean_log")})
+    for (const char* rest :
+         {"swelling: 1.0001", "growth: [1, 1, 1.0001]", "growth: 1.0001, along: z",
+          "swelling: 1 + 1e-4 * (1 + x / 1 m - x / 1 m)", "prestretch: 0.9999",
+          "thermal: {expansion: 1e-5, change: 10}",
+          "regions: [{molecules: {box: {from: [-1 m, -1 m, -1 m], to: [1 m, 1 m, 1 m]}}, swelling: 1.0001}]",
+          "swelling: 1.0001, factor: [[0, 0], [0.5, 1]]"}) {
       INFO(stiffness << ", " << rest);
       CHECK(force_of(bar(rest, "displacement: 0 mm", body, stiffness)) == Approx(-1e-4).epsilon(1e-3));
     }
@@ -73,7 +73,7 @@ TEST_CASE("a bar that is held at its length pushes with E A (factor - 1), as spr
 }
 
 TEST_CASE("fibres that are stretched beforehand pull as if the bar had been drawn out", "[scene][rest]") {
-  const std::string fibre = ", fibre: {direction: z, toe: {strain: 5 %, stress: 200 Pa, modulus: 20 kPa}}";
+  const std::string fibre = ", fibre: {direction: z, youngs_modulus: 20 kPa}";
   const std::string at_rest =
       bar("prestretch: 1.02, along: fibres", "displacement: 0 mm", kHexahedra, "neo_hookean", fibre);
   if (const std::string why = refused(at_rest); !why.empty()) FAIL(why);
@@ -101,10 +101,10 @@ TEST_CASE("the unloaded shape hangs to the given one", "[scene][rest]") {
   for (const auto& [stiffness, nu] : {std::pair("neo_hookean+volume", 0.49), std::pair("neo_hookean+volume", 0.3),
                                       std::pair("st_venant_kirchhoff", 0.3), std::pair("neo_hookean_log", 0.3)}) {
     const Run run = run_of(
-        "body: {lattice: {kind: cubic, molecules: [3, 3, 5], spacing: 2 cm, order: 1}}\n"
+        "title: A block\nbody: {lattice: {kind: cubic, molecules: [3, 3, 5], spacing: 2 cm, order: 1}}\n"
         "material: {youngs_modulus: 5 kPa, poissons_ratio: " +
         std::to_string(nu) + "}\nstiffness: " + stiffness +
-        "\nrest: {unloaded_from: loads}\nloads: [{gravity: [0, 0, -9.81]}]\n"
+        "\nrest: {unloaded_from: loads}\nloads: [{gravity: [0, 0, -9.81 m/s2]}]\n"
         "supports: [{molecules: {side: z}}]\nexperiment: {kind: loads}\n");
     INFO(stiffness << ", " << nu << ": " << run.cause);
     REQUIRE(run.outcome == Outcome::converged);
@@ -113,8 +113,8 @@ TEST_CASE("the unloaded shape hangs to the given one", "[scene][rest]") {
     CHECK(run.measures.get("unloaded_displacement") > 1e-3);
   }
   // Springs, and an experiment of its own that begins in the given shape.
-  const Run springs =
-      run_of(bar("unloaded_from: loads", "force: 1 mN", kLattice, "lattice") + "loads: [{gravity: [0, 0, 9.81]}]\n");
+  const Run springs = run_of(bar("unloaded_from: loads", "force: 1 mN", kLattice, "lattice") +
+                             "loads: [{gravity: [0, 0, 9.81 m/s2]}]\n");
   INFO(springs.cause);
   REQUIRE(springs.outcome == Outcome::converged);
   CHECK(springs.measures.get("unloading_error") < 1e-8 * 0.02);
@@ -129,7 +129,7 @@ TEST_CASE("what is wrong with a rest is said where it stands", "[scene][rest]") 
   CHECK_THAT(refused(bar("growth: [1, 2, -3]")), Contains("rest.growth[2]"));
   CHECK_THAT(refused(bar("thermal: {expansion: 0.1, change: -20}")), Contains("must be above 0"));
   CHECK_THAT(refused(bar("thermal: {expansion: 0.1}")), Contains("change"));
-  CHECK_THAT(refused(bar("swell: 1.1")), Contains("did you mean 'swelling'"));
+  CHECK_THAT(refused(bar("sweling: 1.1")), Contains("did you mean 'swelling'"));
   CHECK_THAT(refused(bar("factor: 1")), Contains("states nothing"));
   CHECK_THAT(refused(bar("prestretch: 1.1, along: fibres")), Contains("rest.along") && Contains("no `fibre`"));
   CHECK_THAT(refused(bar("swelling: 1.1, along: z")), Contains("rest.along"));
@@ -147,7 +147,7 @@ TEST_CASE("loads that no unloaded shape has, or only another one, end with the c
         "body: {lattice: {kind: cubic, molecules: [3, 3, 9], spacing: 1 cm, order: 1}}\n"
         "material: {youngs_modulus: 1 kPa, poissons_ratio: 0.3}\nstiffness: neo_hookean\nrest: {unloaded_from: loads}\n"
         "loads: [{gravity: [0, 0, " +
-        gravity + "]}]\nsupports: [{molecules: {side: z}}]\nexperiment: {kind: loads}\n");
+        gravity + " m/s2]}]\nsupports: [{molecules: {side: z}}]\nexperiment: {kind: loads}\n");
   };
   const Run heavy = hanging("-1000");
   CHECK(heavy.outcome != Outcome::converged);
