@@ -405,6 +405,29 @@ Matrix3 Reader::rotation() const {
   return Eigen::AngleAxisd(angle, axis).toRotationMatrix();
 }
 
+std::function<double(double)> Reader::of_value(const Dimension& dimension, const Range& range) const {
+  std::string given = text();
+  if (given.starts_with('=')) given.erase(0, 1);
+  if (!(dimension == dimension::none)) file_->first_unit ? note_unit() : note_plain(given, "value * 2 kPa");
+  return [own = *this, given, range, dimension](double grey) {
+    const FormulaValue result = own.located([&] {
+      return formula_value(given, [&](const std::string& name) -> FormulaValue {
+        if (name == "value") return {grey, dimension::none};
+        const auto found = own.file_->values.find(name);
+        if (found == own.file_->values.end()) throw InputError("'" + name + "' is no name here; a formula has `value`");
+        return found->second;
+      });
+    });
+    const bool plain = !own.file_->first_unit && result.unit == dimension::none;
+    if (!(result.unit == dimension) && !plain) own.fail("'" + given + "' must give " + si_unit(dimension));
+    if (std::isfinite(result.number) && result.number >= range.low && result.number <= range.high &&
+        !(range.open_low && result.number == range.low))
+      return result.number;
+    own.fail("'" + given + "' is " + number_text(result.number) + " where the value is " + number_text(grey) +
+             "; must be " + (allowed_text(range, dimension).empty() ? "finite" : allowed_text(range, dimension)));
+  };
+}
+
 std::function<double(const Vector3&)> Reader::of_place(const Dimension& dimension, const Range& range) const {
   std::string given = text();
   if (given.starts_with('=')) given.erase(0, 1);

@@ -103,6 +103,8 @@ class Reader {
   /// A formula of the place x, y, z at rest [m]: its value in SI units. The function throws InputError where that is
   /// not in range.
   std::function<double(const Vector3& place)> of_place(const Dimension& dimension, const Range& range = {}) const;
+  /// A formula of `value`, a plain number, in the same way.
+  std::function<double(double value)> of_value(const Dimension& dimension, const Range& range = {}) const;
   /// A word out of a fixed set.
   template <class Value>
   Value choice(const std::vector<std::pair<std::string, Value>>& choices) const {

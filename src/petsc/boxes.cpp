@@ -1,5 +1,6 @@
 #include "petsc/boxes.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -14,7 +15,7 @@ constexpr int kSmoothing = 1;
 /// A grid is the last one where it is small, or so thin that larger boxes would be thicker than the body; as Multigrid.
 bool is_last(const BoxGrid& grid) {
   constexpr int small = 64, most = 4000;
-  return grid.points() <= small || (grid.points() <= most && 4 * grid.coarser().boxes() >= grid.boxes());
+  return grid.points() <= small || (grid.points() <= most && 4 * grid.coarser().grid.boxes() >= grid.boxes());
 }
 
 /// Rows of numbers that each process has of its own, three for each row here (MAIJ).
@@ -56,14 +57,16 @@ Matrix summed(const BoxLevel& part, const BoxGrid& grid, bool upper, MPI_Comm co
   const PetscInt points = grid.points();
   const auto [first, count] = own_rows(communicator, points);
   std::vector<PetscInt> here(count, 0), elsewhere = here;
-  for (PetscInt row = 0; row < count; ++row)
-    for (int code = 0; code < BoxGrid::kAround; ++code) {
-      const auto [x, y, z] = around(code);
-      const auto& at = grid.at(static_cast<int>(first + row));
-      const int other = grid.point_at({at[0] + x, at[1] + y, at[2] + z});
-      if (other < 0 || (upper && other < first + row)) continue;
-      ++(other >= first && other < first + count ? here : elsewhere)[row];
-    }
+  std::vector<int> others;
+  for (PetscInt row = 0; row < count; ++row) {
+    others.clear();
+    for (const int corner : grid.around(static_cast<int>(first + row)))
+      for (const int other : grid.corners(corner / BoxGrid::kCorners)) others.push_back(other);
+    std::sort(others.begin(), others.end());
+    others.erase(std::unique(others.begin(), others.end()), others.end());
+    for (const int other : others)
+      if (!upper || other >= first + row) ++(other >= first && other < first + count ? here : elsewhere)[row];
+  }
   Matrix matrix;
   check((upper ? MatCreateSBAIJ : MatCreateBAIJ)(communicator, 3, 3 * count, 3 * count, 3 * points, 3 * points, 0,
                                                  here.data(), 0, elsewhere.data(), matrix.out()));
@@ -73,14 +76,14 @@ Matrix summed(const BoxLevel& part, const BoxGrid& grid, bool upper, MPI_Comm co
   for (int point = 0; point < part.points(); ++point) {
     const PetscInt row = grid.point_at(part.grid().at(point));
     columns.clear();
-    std::array<Matrix3, BoxGrid::kAround> blocks;
-    for (int code = 0; code < BoxGrid::kAround; ++code) {
-      const int other = part.neighbour(point, code);
-      if (other == point && code != BoxGrid::kSelf) continue;
+    std::vector<Matrix3> blocks;
+    for (int n = 0; const int other : part.neighbours(point)) {
+      const int number = n++;
+      if (other == point && number > 0) continue;
       const PetscInt column = grid.point_at(part.grid().at(other));
       if (upper && column < row) continue;
-      blocks[columns.size()] = part.block_to(point, code);
-      if (code == BoxGrid::kSelf) size += blocks[columns.size()].trace();
+      blocks.push_back(part.block_to(point, number));
+      if (other == point) size += blocks.back().trace();
       columns.push_back(column);
     }
     values.clear();
@@ -182,27 +185,27 @@ void set_smoother(KSP smoother, Mat matrix, std::vector<Matrix3>& inverses) {
 BoxHierarchy::BoxHierarchy(const Tangent& local, const SharedBody& body) : frame_(frame_of(body.given())), body_(body) {
   const Body& own = body.local();
   BoxGrid finest(frame_);
-  for (int a = 0; a < own.size(); ++a) finest.use(finest.outline_box(own.rest.col(a)));
-  for (const auto& [a, b] : own.connections.ends)
-    finest.use(finest.outline_box((own.rest.col(a) + own.rest.col(b)) / 2));
-  for (const auto& cell : own.tetrahedra) finest.use(finest.outline_box(own.rest(Eigen::all, cell).rowwise().mean()));
-  for (const auto& cell : own.triangles) finest.use(finest.outline_box(own.rest(Eigen::all, cell).rowwise().mean()));
+  const auto use = [&](const Vector3& position) { finest.used()[finest.outline_box(position)] = 1; };
+  for (int a = 0; a < own.size(); ++a) use(own.rest.col(a));
+  for (const auto& [a, b] : own.connections.ends) use((own.rest.col(a) + own.rest.col(b)) / 2);
+  for (const auto& cell : own.tetrahedra) use(own.rest(Eigen::all, cell).rowwise().mean());
+  for (const auto& cell : own.triangles) use(own.rest(Eigen::all, cell).rowwise().mean());
   local.visit_points([&](const StiffPoints& points) {
-    for (int point = 0; point < points.stiff_points(); ++point) finest.use(finest.outline_box(points.place_of(point)));
+    for (int point = 0; point < points.stiff_points(); ++point) use(points.place_of(point));
   });
   MPI_Allreduce(MPI_IN_PLACE, finest.used().data(), static_cast<int>(finest.used().size()), MPI_CHAR, MPI_BOR,
                 body.communicator());
   finest.number();
   grids_.push_back(std::move(finest));
-  while (!is_last(grids_.back())) grids_.push_back(grids_.back().coarser());
+  while (!is_last(grids_.back())) grids_.push_back(grids_.back().coarser().grid);
 
   const MPI_Comm communicator = body.communicator();
   Interpolation molecules(communicator, body.owned(), grids_.front().points(), BoxGrid::kCorners);
   for (int a = 0; a < body.owned(); ++a) {
-    const BoxGrid::Location location = grids_.front().locate(own.rest.col(a));
-    const auto values = BoxGrid::values_at(location.at);
-    for (int c = 0; c < BoxGrid::kCorners; ++c)
-      molecules.add(body.numbers()[a], grids_.front().corners(location.box)[c], values[c]);
+    const BoxGrid& grid = grids_.front();
+    const int box = grid.number_of(grid.outline_box(own.rest.col(a)));
+    const auto values = BoxGrid::values_at(grid.at_in(box, own.rest.col(a)));
+    for (int c = 0; c < BoxGrid::kCorners; ++c) molecules.add(body.numbers()[a], grid.corners(box)[c], values[c]);
   }
   to_molecules_ = molecules.finished();
   for (std::size_t level = 0; level + 1 < grids_.size(); ++level) {
@@ -228,7 +231,7 @@ BoxCycle::BoxCycle(const BoxHierarchy& hierarchy, const Tangent& local, const st
   const MPI_Comm communicator = hierarchy.body().communicator();
   std::unique_ptr<BoxLevel> part = assemble_part(local, supports, hierarchy.frame()).level;
   for (std::size_t level = 0; level < hierarchy.grids().size(); ++level) {
-    if (level > 0) part = part->coarser(true);
+    if (level > 0) part = part->coarser(part->grid().coarser(), true);
     const bool last = level + 1 == hierarchy.grids().size();
     stiffness_.push_back(summed(*part, hierarchy.grids()[level], !last, communicator));
   }

@@ -867,6 +867,7 @@ class BlockStiffness final : public NodalStiffness, public StiffPoints, public C
   }
   void take_part(double part) override { pressure_part_ = part; }
   int stiff_points() const override { return static_cast<int>(now_.size()); }
+  std::span<const int> nodes_of(int point) const override { return cells_.block_.cell(point / cells_.points_); }
   Vector3 place_of(int point) const override {
     const int cell = point / cells_.points_, g = point % cells_.points_;
     return cells_.place_of(cells_.gathered(cells_.body_.rest, cell), g);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <span>
 #include <utility>
 
 #include "core/parallel/parallel.h"
@@ -11,25 +12,20 @@
 namespace elastin {
 namespace {
 
-constexpr int kCorners = BoxGrid::kCorners, kPairs = kCorners * (kCorners - 1) / 2;
+constexpr int kCorners = BoxGrid::kCorners, kPairs = BoxElements::kPairs;
 using Corners = BoxGrid::Corners;
-using Pairs = Eigen::Array<float, kPairs, 1>;
+using Pairs = BoxElements::Pairs;
 
 struct CornerPair {
   int first, second;
-  int code;  ///< where the second is around the first; always after it
 };
-constexpr std::array<CornerPair, kPairs> pairs_of_corners() {
+constexpr auto kPair = [] {
   std::array<CornerPair, kPairs> pairs{};
   std::size_t count = 0;
   for (int i = 0; i < kCorners; ++i)
-    for (int j = i + 1; j < kCorners; ++j) {
-      const int x = j % 2 - i % 2, y = j / 2 % 2 - i / 2 % 2, z = j / 4 - i / 4;
-      pairs[count++] = {i, j, x + 1 + 3 * (y + 1) + 9 * (z + 1)};
-    }
+    for (int j = i + 1; j < kCorners; ++j) pairs[count++] = {i, j};
   return pairs;
-}
-constexpr std::array<CornerPair, kPairs> kPair = pairs_of_corners();
+}();
 
 /// A box that few connections look into would let motions pass that its molecules feel: those that are no gradient get
 /// a stiffness of a part of the box's own, which no even strain feels [Flanagan & Belytschko 1981]; and all motions
@@ -112,21 +108,6 @@ double long_connection(const Body& body) {
   return *(lengths.end() - 1 - few);
 }
 
-/// Items sorted by box, ascending in each.
-struct Sorted {
-  std::vector<int> start, items;
-};
-Sorted sorted_by_box(const BoxGrid& grid, const std::vector<int>& outline_boxes) {
-  Sorted sorted{std::vector<int>(static_cast<std::size_t>(grid.boxes()) + 1, 0),
-                std::vector<int>(outline_boxes.size())};
-  for (const int box : outline_boxes) ++sorted.start[grid.number_of(box) + 1];
-  for (std::size_t box = 1; box < sorted.start.size(); ++box) sorted.start[box] += sorted.start[box - 1];
-  std::vector<int> next(sorted.start.begin(), sorted.start.end() - 1);
-  for (std::size_t item = 0; item < outline_boxes.size(); ++item)
-    sorted.items[next[grid.number_of(outline_boxes[item])]++] = static_cast<int>(item);
-  return sorted;
-}
-
 /// Where a cell counts as being: the middle of its sides.
 Vector3 middle_of(const Body& body, const CellSlopes& cells, int cell) {
   Vector3 sum = Vector3::Zero();
@@ -135,32 +116,167 @@ Vector3 middle_of(const Body& body, const CellSlopes& cells, int cell) {
   return sum / (2 * cells.sides);
 }
 
+/// Items sorted by a number of each, ascending in each.
+struct Sorted {
+  std::vector<int> start, items;
+  Sorted(const std::vector<int>& numbers, int count)
+      : start(static_cast<std::size_t>(count) + 1, 0), items(numbers.size()) {
+    for (const int number : numbers) ++start[number + 1];
+    for (int number = 0; number < count; ++number) start[number + 1] += start[number];
+    std::vector<int> next(start.begin(), start.end() - 1);
+    for (std::size_t item = 0; item < numbers.size(); ++item) items[next[numbers[item]]++] = static_cast<int>(item);
+  }
+  std::span<const int> of(int number) const {
+    return {items.data() + start[number], static_cast<std::size_t>(start[number + 1] - start[number])};
+  }
+};
+
+/// The box that each molecule, connection and other element of a body belongs to: first of the outline.
+struct Homes {
+  std::vector<int> outline;  ///< of the molecules, too
+  std::vector<int> molecules, links;
+  std::vector<std::vector<int>> elements;  ///< cells, then points, of each law and shape
+};
+
+/// Calls visit(count, place_of, nodes_of) for each group of elements.
+template <class Visit>
+void visit_elements(const Tangent& tangent, Visit&& visit) {
+  tangent.visit_cells([&](const CellSlopes& cells) {
+    const std::size_t nodes = cells.nodes.size() / static_cast<std::size_t>(std::max(1, cells.size()));
+    visit(
+        cells.size(), [&](int cell) { return middle_of(tangent.model().body(), cells, cell); },
+        [&](int cell) { return cells.nodes.subspan(static_cast<std::size_t>(cell) * nodes, nodes); });
+  });
+  tangent.visit_points([&](const StiffPoints& points) {
+    visit(
+        points.stiff_points(), [&](int point) { return points.place_of(point); },
+        [&](int point) { return points.nodes_of(point); });
+  });
+}
+
+/// Of some molecules the first one that lies in a box of the outline; the first where none does.
+int node_in(std::span<const int> nodes, const std::vector<int>& outline, int box) {
+  const auto found = std::find_if(nodes.begin(), nodes.end(), [&](int node) { return outline[node] == box; });
+  return found == nodes.end() ? nodes.front() : *found;
+}
+
+/// The pieces of each box of the outline: what its molecules and connections join, with the ends of these elsewhere. A
+/// connection of a piece that has no molecule in the box belongs to the box of its first end.
+void split_boxes(const Body& body, BoxGrid& grid, Homes& homes) {
+  const auto& ends = body.connections.ends;
+  const Sorted molecules(homes.molecules, grid.outline_boxes()), links(homes.links, grid.outline_boxes());
+  std::vector<int> pieces(grid.outline_boxes(), 0), piece_of(ends.size(), -1), piece_of_molecule(body.size());
+  parallel_ranges(
+      grid.outline_boxes(),
+      [&](int begin, int end) {
+        std::vector<int> number(body.size(), -1), nodes;
+        for (int box = begin; box < end; ++box) {
+          nodes.assign(molecules.of(box).begin(), molecules.of(box).end());
+          const std::size_t inside = nodes.size();
+          if (inside == 0) continue;
+          for (std::size_t i = 0; i < inside; ++i) number[nodes[i]] = static_cast<int>(i);
+          DisjointSets sets(inside + 2 * links.of(box).size());
+          for (const int c : links.of(box)) {
+            for (const int molecule : ends[c])
+              if (number[molecule] < 0) number[molecule] = static_cast<int>(nodes.size()), nodes.push_back(molecule);
+            sets.join(number[ends[c][0]], number[ends[c][1]]);
+          }
+          for (std::size_t i = 0; i < inside; ++i) {
+            const int set = sets.set_of(static_cast<int>(i));
+            piece_of_molecule[nodes[i]] = set == static_cast<int>(i) ? pieces[box]++ : piece_of_molecule[nodes[set]];
+          }
+          for (const int c : links.of(box))
+            if (const int set = sets.set_of(number[ends[c][0]]); set < static_cast<int>(inside))
+              piece_of[c] = piece_of_molecule[nodes[set]];
+          for (const int molecule : nodes) number[molecule] = -1;
+        }
+      },
+      kParallelThreshold / 8);
+  grid.number_boxes(pieces);
+  parallel_for(body.size(),
+               [&](int a) { homes.molecules[a] = grid.number_of(homes.molecules[a]) + piece_of_molecule[a]; });
+  parallel_for(static_cast<int>(ends.size()), [&](int c) {
+    homes.links[c] = piece_of[c] < 0 ? homes.molecules[ends[c][0]] : grid.number_of(homes.links[c]) + piece_of[c];
+  });
+  std::vector<std::array<int, 2>> joined;
+  for (int box = 0; box < grid.outline_boxes(); ++box) {
+    const auto first = static_cast<std::ptrdiff_t>(joined.size());
+    for (const int c : links.of(box))
+      for (const int molecule : ends[c]) {
+        const std::array<int, 2> pair{homes.links[c], homes.molecules[molecule]};
+        if (pair[0] != pair[1] && std::find(joined.begin() + first, joined.end(), pair) == joined.end())
+          joined.push_back(pair);
+      }
+  }
+  grid.number_points(std::move(joined));
+}
+
+Homes find_homes(const Tangent& tangent, BoxGrid& grid, bool whole_boxes) {
+  const Body& body = tangent.model().body();
+  Homes homes;
+  homes.molecules.resize(body.size()), homes.links.resize(body.connections.size());
+  parallel_for(body.size(), [&](int a) { homes.molecules[a] = grid.outline_box(body.rest.col(a)); });
+  parallel_for(body.connections.size(), [&](int c) {
+    const auto& [a, b] = body.connections.ends[c];
+    homes.links[c] = grid.outline_box((body.rest.col(a) + body.rest.col(b)) / 2);
+  });
+  homes.outline = homes.molecules;
+  visit_elements(tangent, [&](int count, const auto& place_of, const auto&) {
+    auto& boxes = homes.elements.emplace_back(count);
+    parallel_for(count, [&](int i) { boxes[i] = grid.outline_box(place_of(i)); });
+  });
+  if (whole_boxes) {
+    const auto for_all = [&](const auto& change) {
+      for (int& box : homes.molecules) change(box);
+      for (int& box : homes.links) change(box);
+      for (auto& of_group : homes.elements)
+        for (int& box : of_group) change(box);
+    };
+    for_all([&](int& box) { grid.used()[box] = 1; });
+    grid.number();
+    for_all([&](int& box) { box = grid.number_of(box); });
+    return homes;
+  }
+  split_boxes(body, grid, homes);
+  std::size_t group = 0;
+  visit_elements(tangent, [&](int count, const auto&, const auto& nodes_of) {
+    auto& boxes = homes.elements[group++];
+    parallel_for(count, [&](int i) { boxes[i] = homes.molecules[node_in(nodes_of(i), homes.outline, boxes[i])]; });
+  });
+  return homes;
+}
+
 class Assembly {
  public:
-  Assembly(const Tangent& tangent, BoxLevel& level)
+  Assembly(const Tangent& tangent, const BoxGrid& grid)
       : tangent_(tangent),
         body_(tangent.model().body()),
-        level_(level),
-        grid_(level.grid()),
+        grid_(grid),
+        result_(grid.boxes()),
         stiffness_(VectorX::Zero(grid_.boxes())) {}
 
-  void add_links(const Sorted& links) {
+  BoxElements result() { return std::move(result_); }
+
+  void add_links(const std::vector<int>& homes) {
+    const Sorted links(homes, grid_.boxes());
     for_each_box([&](int box) { add_links(links, box); });
   }
 
   /// The energy Σ slopes δs δs / 4 … of a cell's sides, δs = 2 d·δd, as Tangent has it.
-  void add_cells(const CellSlopes& cells, const Sorted& by_box) {
+  void add_cells(const CellSlopes& cells, const std::vector<int>& homes) {
+    const Sorted by_box(homes, grid_.boxes());
     for_each_box([&](int box) {
-      for (int at = by_box.start[box]; at < by_box.start[box + 1]; ++at) add_cell(cells, by_box.items[at], box);
+      for (const int cell : by_box.of(box)) add_cell(cells, cell, box);
     });
   }
 
-  void add_points(const StiffPoints& points, const Sorted& by_box) {
+  void add_points(const StiffPoints& points, const std::vector<int>& homes) {
+    const Sorted by_box(homes, grid_.boxes());
     for_each_box([&](int box) {
-      if (by_box.start[box] == by_box.start[box + 1]) return;
+      if (by_box.of(box).empty()) return;
       PointBlocks sum;
       for (auto& of_corner : sum) of_corner.fill(Corners::Zero());
-      for (int at = by_box.start[box]; at < by_box.start[box + 1]; ++at) add_point(points, by_box.items[at], sum);
+      for (const int point : by_box.of(box)) add_point(points, point, box, sum);
       Eigen::Matrix<float, 3 * kCorners, 3 * kCorners> whole;
       for (int j = 0; j < kCorners; ++j)
         for (int c = 0; c < 3; ++c)
@@ -170,60 +286,44 @@ class Assembly {
     });
   }
 
-  /// factor · (Σ g·x)² / 2
-  void add_gradient(std::span<const std::pair<int, Vector3>> gradient, double factor) {
-    Vector3 middle = Vector3::Zero();
-    for (const auto& [molecule, g] : gradient)
-      middle += body_.rest.col(molecule) / static_cast<double>(gradient.size());
-    const BoxGrid::Location location = grid_.locate(middle);
-    if (location.box < 0) return;
+  /// factor · (Σ g·x)² / 2 in a box
+  void add_gradient(std::span<const std::pair<int, Vector3>> gradient, const Vector3& middle, double factor, int box) {
+    const Eigen::Vector3f at = grid_.at_in(box, middle);
     Eigen::Matrix<float, 3 * kCorners, 1> change = Eigen::Matrix<float, 3 * kCorners, 1>::Zero();
     for (const auto& [molecule, g] : gradient) {
-      const Corners along = slopes_along(location.at, grid_.along(body_.rest.col(molecule) - middle).cast<float>());
+      const Corners along = slopes_along(at, grid_.along(body_.rest.col(molecule) - middle).cast<float>());
       for (int corner = 0; corner < kCorners; ++corner)
         change.segment<3>(3 * corner) += along[corner] * g.cast<float>();
     }
-    add_box(location.box, static_cast<float>(factor) * change * change.transpose());
+    add_box(box, static_cast<float>(factor) * change * change.transpose());
   }
 
-  /// A stiffness of its own at a position.
-  void add_at(const Vector3& where, const Matrix3& block) {
-    const BoxGrid::Location location = grid_.locate(where);
-    const Corners values = BoxGrid::values_at(location.at);
-    const auto& corners = grid_.corners(location.box);
-    const Eigen::Matrix3f single = block.cast<float>();
-    const Eigen::Map<const Eigen::Matrix<float, 1, 9>> numbers(single.data());
-    for (const auto& [first, second, code] : kPair)
-      level_.block(corners[first], code) += values[first] * values[second] * numbers;
-    for (int corner = 0; corner < kCorners; ++corner) level_.sum(corners[corner]) += values[corner] * block;
+  /// A stiffness of its own at a position in a box.
+  void add_at(const Vector3& where, const Matrix3& block, int box) {
+    const Corners values = BoxGrid::values_at(grid_.at_in(box, where));
+    BoxElements::Element& element = result_.elements[box];
+    for (int p = 0; p < kPairs; ++p)
+      for (int e = 0; e < 9; ++e)
+        element[e][p] += values[kPair[p].first] * values[kPair[p].second] * static_cast<float>(block.data()[e]);
+    auto& sums = result_.sums_in(box);
+    for (int corner = 0; corner < kCorners; ++corner) sums[corner] += values[corner] * block;
   }
-
-  const BoxGrid& grid() const { return grid_; }
 
   void stabilise() {
     const Pairs table = stabilisation();
     for (int box = 0; box < grid_.boxes(); ++box)
-      for (int p = 0; p < kPairs; ++p)
-        for (const int k : {0, 4, 8})
-          level_.block(grid_.corners(box)[kPair[p].first], kPair[p].code)[k] +=
-              static_cast<float>(std::max(0., stiffness_[box])) * table[p];
+      for (const int e : {0, 4, 8})
+        result_.elements[box][e] += static_cast<float>(std::max(0., stiffness_[box])) * table;
   }
 
  private:
   static constexpr int kMostSides = 6;
   static constexpr int kFewBoxes = 200;  ///< one thread does them sooner than others wake
 
-  /// Calls work(box) for each box of the grid. Layers touch the points between them: every second at a time.
+  /// Calls work(box) for each box of the grid.
   template <class Work>
   void for_each_box(Work&& work) {
-    const int layers = grid_.layers(), least = grid_.boxes() < kFewBoxes ? layers + 1 : 2;
-    for (const int colour : {0, 1})
-      parallel_for((layers + 1 - colour) / 2,
-                   [&](int half) {
-                     const int layer = 2 * half + colour;
-                     for (int box = grid_.first_box(layer); box < grid_.first_box(layer + 1); ++box) work(box);
-                   },
-                   least);
+    parallel_for(grid_.boxes(), work, kFewBoxes);
   }
 
   void add_cell(const CellSlopes& cells, int cell, int box) {
@@ -233,10 +333,10 @@ class Assembly {
                                                                                                         cells.sides);
     const auto sides = cells.connections_of(cell);
     const double* slopes = cells.slopes_of(cell);
-    const BoxGrid::Location location = grid_.locate(middle_of(body_, cells, cell));
+    const Eigen::Vector3f at = grid_.at_in(box, middle_of(body_, cells, cell));
     for (int i = 0; i < cells.sides; ++i) {
       const int c = sides[i];
-      const Corners along = slopes_along(location.at, grid_.along(rest_vector(c)).cast<float>());
+      const Corners along = slopes_along(at, grid_.along(rest_vector(c)).cast<float>());
       const Eigen::Vector3f d = tangent_.link(c).d.cast<float>();
       for (int corner = 0; corner < kCorners; ++corner) change.block<3, 1>(3 * corner, i) = along[corner] * d;
       for (int j = 0; j < cells.sides; ++j)
@@ -249,13 +349,12 @@ class Assembly {
   /// The stiffness of a box in 3 × 3 blocks: of each second corner, of each entry, of all first corners.
   using PointBlocks = std::array<std::array<Corners, 9>, kCorners>;
   /// Σ_pq a_p[i] a_q[j] K_pq, with the slopes a of the corners' values.
-  void add_point(const StiffPoints& points, int point, PointBlocks& sum) const {
+  void add_point(const StiffPoints& points, int point, int box, PointBlocks& sum) const {
     const auto [frame, stiffness] = points.stiffness_at(point);
-    const BoxGrid::Location location = grid_.locate(points.place_of(point));
+    const Eigen::Vector3f at = grid_.at_in(box, points.place_of(point));
     const Eigen::Index axes = frame.cols();
     std::array<Corners, 3> along;
-    for (Eigen::Index p = 0; p < axes; ++p)
-      along[p] = slopes_along(location.at, grid_.along(frame.col(p)).cast<float>());
+    for (Eigen::Index p = 0; p < axes; ++p) along[p] = slopes_along(at, grid_.along(frame.col(p)).cast<float>());
     for (Eigen::Index p = 0; p < axes; ++p) {
       std::array<Corners, 9> of_second;  // Σ_q a_q[j] K_pq
       of_second.fill(Corners::Zero());
@@ -277,11 +376,10 @@ class Assembly {
     // xx, xy, xz, yy, yz, zz of each pair's block
     Pairs blocks[6];
     for (Pairs& block : blocks) block.setZero();
-    for (int at = links.start[box]; at < links.start[box + 1]; ++at) {
-      const int c = links.items[at];
+    for (const int c : links.of(box)) {
       const auto& [a, b] = body_.connections.ends[c];
-      const BoxGrid::Location location = grid_.locate((body_.rest.col(a) + body_.rest.col(b)) / 2);
-      const Corners along = slopes_along(location.at, grid_.along(rest_vector(c)).cast<float>());
+      const Eigen::Vector3f at = grid_.at_in(box, (body_.rest.col(a) + body_.rest.col(b)) / 2);
+      const Corners along = slopes_along(at, grid_.along(rest_vector(c)).cast<float>());
       Pairs products;
       for (int i = 0, p = 0; i < kCorners; ++i)
         for (int j = i + 1; j < kCorners; ++j, ++p) products[p] = along[i] * along[j];
@@ -295,28 +393,22 @@ class Assembly {
       blocks[4] += s * y * z * products;
       blocks[5] += (s * z * z + q) * products;
     }
-    const auto& corners = grid_.corners(box);
-    for (int p = 0; p < kPairs; ++p) {
-      auto block = level_.block(corners[kPair[p].first], kPair[p].code);
-      constexpr int from[9] = {0, 1, 2, 1, 3, 4, 2, 4, 5};
-      for (int k = 0; k < 9; ++k) block[k] += blocks[from[k]][p];
-      stiffness_[box] -= (blocks[0][p] + blocks[3][p] + blocks[5][p]) / (1.5F * kCorners);
-    }
+    constexpr int from[9] = {0, 1, 2, 1, 3, 4, 2, 4, 5};
+    for (int e = 0; e < 9; ++e) result_.elements[box][e] += blocks[from[e]];
+    stiffness_[box] -= double{(blocks[0] + blocks[3] + blocks[5]).sum()} / (1.5 * kCorners);
   }
 
   void add_box(int box, const Eigen::Matrix<float, 3 * kCorners, 3 * kCorners>& stiffness) {
-    const auto& corners = grid_.corners(box);
-    for (const auto& [first, second, code] : kPair) {
-      const Eigen::Matrix3f block = stiffness.block<3, 3>(3 * first, 3 * second);
-      level_.block(corners[first], code) += Eigen::Map<const Eigen::Matrix<float, 1, 9>>(block.data());
-    }
+    BoxElements::Element& element = result_.elements[box];
+    for (int p = 0; p < kPairs; ++p)
+      for (int e = 0; e < 9; ++e) element[e][p] += stiffness(3 * kPair[p].first + e % 3, 3 * kPair[p].second + e / 3);
     stiffness_[box] += stiffness.trace() / (3 * kCorners);
   }
 
   const Tangent& tangent_;
   const Body& body_;
-  BoxLevel& level_;
   const BoxGrid& grid_;
+  BoxElements result_;
   VectorX stiffness_;  ///< of each box: mean of its diagonal [N/m]
 };
 
@@ -327,7 +419,8 @@ Matrix3 positive_part(const Matrix3& block) {
 }
 
 /// What stands at molecules themselves: inertia, loads, supports.
-void add_at_molecules(const Tangent& tangent, const std::vector<Support>& supports, Assembly& assembly) {
+void add_at_molecules(const Tangent& tangent, const std::vector<Support>& supports, const std::vector<int>& homes,
+                      Assembly& assembly) {
   const Body& body = tangent.model().body();
   std::vector<Matrix3> own;
   tangent.visit_other_diagonal([&](int molecule, const Matrix3& block) {
@@ -338,12 +431,12 @@ void add_at_molecules(const Tangent& tangent, const std::vector<Support>& suppor
   for (int a = 0; a < body.size() && (inertia != 0 || !own.empty()); ++a) {
     Matrix3 block = own.empty() ? Matrix3::Zero() : positive_part(own[a]);
     if (inertia != 0) block.diagonal().array() += inertia * body.mass[a];
-    if (!block.isZero(0)) assembly.add_at(body.rest.col(a), block);
+    if (!block.isZero(0)) assembly.add_at(body.rest.col(a), block, homes[a]);
   }
   for (const Support& support : supports) {
     const Matrix3 held = Matrix3::Identity() - support.free;
     const Matrix3 block = held * tangent.diagonal(support.molecule) * held;
-    assembly.add_at(body.rest.col(support.molecule), positive_part(block));
+    assembly.add_at(body.rest.col(support.molecule), positive_part(block), homes[support.molecule]);
   }
 }
 
@@ -351,53 +444,29 @@ GridLevel assemble(const Tangent& tangent, const std::vector<Support>& supports,
                    bool is_part) {
   const Body& body = tangent.model().body();
   BoxGrid grid(frame);
-  std::vector<int> of_molecule(body.size()), of_link(body.connections.size());
-  parallel_for(body.size(), [&](int a) { of_molecule[a] = grid.outline_box(body.rest.col(a)); });
-  parallel_for(body.connections.size(), [&](int c) {
-    const auto& [a, b] = body.connections.ends[c];
-    of_link[c] = grid.outline_box((body.rest.col(a) + body.rest.col(b)) / 2);
-  });
-  for (const int box : of_molecule) grid.use(box);
-  for (const int box : of_link) grid.use(box);
-  std::vector<std::vector<int>> of_elements;  // cells, then points, of each law and shape
-  const auto used_boxes = [&](int count, const auto& place_of) {
-    auto& boxes = of_elements.emplace_back(count);
-    parallel_for(count, [&](int i) { boxes[i] = grid.outline_box(place_of(i)); });
-    for (const int box : boxes) grid.use(box);
-  };
-  tangent.visit_cells([&](const CellSlopes& cells) {
-    used_boxes(cells.size(), [&](int cell) { return middle_of(body, cells, cell); });
-  });
-  tangent.visit_points([&](const StiffPoints& points) {
-    used_boxes(points.stiff_points(), [&](int point) { return points.place_of(point); });
-  });
-  grid.number();
-
-  GridLevel grid_level;
-  Sorted molecules = sorted_by_box(grid, of_molecule);
-  grid_level.members.start = std::move(molecules.start);
-  grid_level.members.members.resize(molecules.items.size());
-  parallel_for(body.size(), [&](int i) {
-    const int molecule = molecules.items[i];
-    grid_level.members.members[i] = {molecule, grid.locate(body.rest.col(molecule)).at};
-  });
-
-  const Sorted links = sorted_by_box(grid, of_link);
-  of_link = {};
-  grid_level.level = std::make_unique<BoxLevel>(std::move(grid));
-  Assembly assembly(tangent, *grid_level.level);
-  if (tangent.linked()) assembly.add_links(links);
-  auto next = of_elements.begin();
-  const auto next_sorted = [&] { return sorted_by_box(assembly.grid(), std::exchange(*next++, {})); };
-  tangent.visit_cells([&](const CellSlopes& cells) { assembly.add_cells(cells, next_sorted()); });
-  tangent.visit_points([&](const StiffPoints& points) { assembly.add_points(points, next_sorted()); });
+  const Homes homes = find_homes(tangent, grid, is_part);
+  Assembly assembly(tangent, grid);
+  if (tangent.linked()) assembly.add_links(homes.links);
+  auto next = homes.elements.begin();
+  tangent.visit_cells([&](const CellSlopes& cells) { assembly.add_cells(cells, *next++); });
+  tangent.visit_points([&](const StiffPoints& points) { assembly.add_points(points, *next++); });
+  std::vector<int> molecules;
   tangent.visit_gradients([&](std::span<const std::pair<int, Vector3>> gradient, double factor) {
-    assembly.add_gradient(gradient, factor);
+    Vector3 middle = Vector3::Zero();
+    molecules.clear();
+    for (const auto& [molecule, g] : gradient) {
+      middle += body.rest.col(molecule) / static_cast<double>(gradient.size());
+      molecules.push_back(molecule);
+    }
+    assembly.add_gradient(gradient, middle, factor,
+                          homes.molecules[node_in(molecules, homes.outline, grid.outline_box(middle))]);
   });
   assembly.stabilise();
-  add_at_molecules(tangent, supports, assembly);
-  grid_level.level->finish(is_part);
-  return grid_level;
+  add_at_molecules(tangent, supports, homes.molecules, assembly);
+  BoxMembers members(grid, homes.molecules,
+                     [&](int molecule) { return grid.at_in(homes.molecules[molecule], body.rest.col(molecule)); });
+  BoxElements elements = assembly.result();
+  return {std::make_unique<BoxLevel>(std::move(grid), std::move(elements), is_part), std::move(members)};
 }
 
 }  // namespace

@@ -8,16 +8,6 @@
 
 namespace elastin {
 
-/// A body's molecules by the boxes of a grid they lie in.
-struct BoxMembers {
-  struct Member {
-    int molecule;
-    Eigen::Vector3f at;  ///< in its box
-  };
-  std::vector<int> start;  ///< of each box's members; one more
-  std::vector<Member> members;
-};
-
 /// What a body is to a grid of boxes of twice its molecules' spacing, or as long as its longer connections.
 struct GridLevel {
   std::unique_ptr<BoxLevel> level;
@@ -26,7 +16,8 @@ struct GridLevel {
 
 /// The stiffness of the trilinear functions over any body: each connection and cell deforms with the gradient in its
 /// middle, so that it lies in one box. On lattices, whose connections end at the boxes' faces, that is Pᵀ K P. Supports
-/// hold the boxes by the stiffness of what they hold.
+/// hold the boxes by the stiffness of what they hold. What belongs to one piece of a box is what connections join that
+/// have their middle in it.
 GridLevel assemble_level(const Tangent& tangent, const std::vector<Support>& supports);
 
 /// The frame of that grid.

@@ -5,10 +5,9 @@
 
 namespace elastin {
 
-BoxGrid::BoxGrid(const Frame& frame) : size_(frame.size) {
-  const Vector3 &low = frame.low, extent = frame.high - low;
+BoxGrid::BoxGrid(const Frame& frame) : size_(frame.size), origin_(frame.low) {
+  const Vector3 extent = frame.high - frame.low;
   std::sort(axes_.begin(), axes_.end(), [&](int a, int b) { return extent[a] < extent[b]; });
-  origin_ = {low[axes_[0]], low[axes_[1]], low[axes_[2]]};
   // Boxes of which less than half would be filled are left out: what sticks out belongs to those before, extrapolated.
   // A bent sheet fills little of its outline, which has to stay small enough for a table.
   const double most = 1e5 + 32 * static_cast<double>(frame.molecules);
@@ -16,29 +15,19 @@ BoxGrid::BoxGrid(const Frame& frame) : size_(frame.size) {
   while (wanted(0) * wanted(1) * wanted(2) > most) size_ *= 1.25;
   for (int axis = 0; axis < 3; ++axis) counts_[axis] = static_cast<int>(wanted(axis));
   per_size_ = 1 / size_;
-  used_.assign(static_cast<std::size_t>(counts_[0]) * counts_[1] * counts_[2], 0);
-}
-
-int BoxGrid::outline_box(const Vector3& position, Eigen::Vector3f& at) const {
-  int box = 0;
-  for (int axis = 2; axis >= 0; --axis) {
-    const double along = (position[axes_[axis]] - origin_[axis]) * per_size_;
-    const int number = std::clamp(static_cast<int>(along), 0, counts_[axis] - 1);
-    at[axis] = static_cast<float>(along - number);
-    box = box * counts_[axis] + number;
-  }
-  return box;
+  used_.assign(static_cast<std::size_t>(outline_boxes()), 0);
 }
 
 int BoxGrid::outline_box(const Vector3& position) const {
-  Eigen::Vector3f ignored;
-  return outline_box(position, ignored);
+  const Vector3 at = along(position - origin_);
+  int box = 0;
+  for (int axis = 2; axis >= 0; --axis)
+    box = box * counts_[axis] + std::clamp(static_cast<int>(at[axis]), 0, counts_[axis] - 1);
+  return box;
 }
 
-BoxGrid::Location BoxGrid::locate(const Vector3& position) const {
-  Location result;
-  result.box = number_of(outline_box(position, result.at));
-  return result;
+std::array<int, 3> BoxGrid::cell_of(int outline_box) const {
+  return {outline_box % counts_[0], outline_box / counts_[0] % counts_[1], outline_box / counts_[0] / counts_[1]};
 }
 
 int BoxGrid::point_at(const std::array<int, 3>& at) const {
@@ -50,51 +39,133 @@ int BoxGrid::point_at(const std::array<int, 3>& at) const {
   return number_of_point_[point];
 }
 
-void BoxGrid::number() {
-  const std::array<int, 3> lines{counts_[0] + 1, counts_[1] + 1, counts_[2] + 1};
-  number_of_box_.assign(used_.size(), -1);
-  number_of_point_.assign(static_cast<std::size_t>(lines[0]) * lines[1] * lines[2], -1);
-  const auto corner = [&](std::size_t box, int c) {
-    const int x = static_cast<int>(box) % counts_[0], y = static_cast<int>(box) / counts_[0] % counts_[1],
-              z = static_cast<int>(box) / counts_[0] / counts_[1];
-    return static_cast<std::size_t>(x + c % 2 + lines[0] * (y + c / 2 % 2 + lines[1] * (z + c / 4)));
-  };
-  int boxes = 0;
-  const int layer = counts_[0] * counts_[1];
-  for (std::size_t box = 0; box < used_.size(); ++box) {
-    if (box % static_cast<std::size_t>(layer) == 0) layer_start_.push_back(boxes);
-    if (!used_[box]) continue;
-    number_of_box_[box] = boxes++;
-    for (int c = 0; c < kCorners; ++c) number_of_point_[corner(box, c)] = 0;
+/// The corner of a box that is at a point of the grid; −1 where none is.
+int BoxGrid::corner_at(int box, const std::array<int, 3>& at) const {
+  int corner = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    const int step = at[axis] - cells_[box][axis];
+    if (step < 0 || step > 1) return -1;
+    corner |= step << axis;
   }
-  layer_start_.push_back(boxes);
-  for (std::size_t point = 0; point < number_of_point_.size(); ++point) {
-    if (number_of_point_[point] < 0) continue;
-    number_of_point_[point] = points();
-    const int p = static_cast<int>(point);
-    at_.push_back({p % lines[0], p / lines[0] % lines[1], p / lines[0] / lines[1]});
-  }
-  corners_.resize(boxes);
-  for (std::size_t box = 0; box < used_.size(); ++box)
-    for (int c = 0; used_[box] && c < kCorners; ++c)
-      corners_[number_of_box_[box]][c] = number_of_point_[corner(box, c)];
+  return corner;
 }
 
-BoxGrid BoxGrid::coarser() const {
-  BoxGrid grid;
+namespace {
+
+std::array<int, 3> corner_of(const std::array<int, 3>& cell, int corner) {
+  return {cell[0] + corner % 2, cell[1] + corner / 2 % 2, cell[2] + corner / 4};
+}
+
+}  // namespace
+
+void BoxGrid::number_boxes(const std::vector<int>& pieces) {
+  first_.assign(pieces.size() + 1, 0);
+  for (std::size_t box = 0; box < pieces.size(); ++box) {
+    first_[box + 1] = first_[box] + pieces[box];
+    cells_.insert(cells_.end(), static_cast<std::size_t>(pieces[box]), cell_of(static_cast<int>(box)));
+  }
+  corners_.resize(cells_.size());
+}
+
+void BoxGrid::number() {
+  number_boxes({used_.begin(), used_.end()});
+  number_of_point_.assign(static_cast<std::size_t>(counts_[0] + 1) * (counts_[1] + 1) * (counts_[2] + 1), -1);
+  for (int box = 0; box < boxes(); ++box)
+    for (int c = 0; c < kCorners; ++c) {
+      const auto at = corner_of(cells_[box], c);
+      int& number = number_of_point_[at[0] + (counts_[0] + 1) * (at[1] + (counts_[1] + 1) * at[2])];
+      if (number < 0) number = points(), at_.push_back(at);
+      corners_[box][c] = number;
+    }
+  set_around();
+}
+
+void BoxGrid::number_points(std::vector<std::array<int, 2>> joined) {
+  joined_ = std::move(joined);
+  DisjointSets same(static_cast<std::size_t>(kCorners) * cells_.size());
+  for (const auto& [one, other] : joined_)
+    for (int c = 0; c < kCorners; ++c)
+      if (const int theirs = corner_at(other, corner_of(cells_[one], c)); theirs >= 0)
+        same.join(kCorners * one + c, kCorners * other + theirs);
+  number_corners(same);
+}
+
+void BoxGrid::number_corners(DisjointSets& same) {
+  for (int box = 0; box < boxes(); ++box)
+    for (int c = 0; c < kCorners; ++c) {
+      const int set = same.set_of(kCorners * box + c);
+      if (set == kCorners * box + c)
+        corners_[box][c] = points(), at_.push_back(corner_of(cells_[box], c));
+      else
+        corners_[box][c] = corners_[set / kCorners][set % kCorners];
+    }
+  set_around();
+}
+
+void BoxGrid::set_around() {
+  around_start_.assign(at_.size() + 1, 0);
+  for (const auto& corners : corners_)
+    for (const int point : corners) ++around_start_[point + 1];
+  for (int point = 0; point < points(); ++point) around_start_[point + 1] += around_start_[point];
+  around_.resize(static_cast<std::size_t>(kCorners) * corners_.size());
+  std::vector<int> next(around_start_.begin(), around_start_.end() - 1);
+  for (int box = 0; box < boxes(); ++box)
+    for (int c = 0; c < kCorners; ++c) around_[next[corners_[box][c]]++] = kCorners * box + c;
+}
+
+BoxGrid::Coarser BoxGrid::coarser() const {
+  Coarser result{BoxGrid(), std::vector<int>(cells_.size())};
+  BoxGrid& grid = result.grid;
+  std::vector<int>& parents = result.parents;
   grid.size_ = 2 * size_;
   grid.per_size_ = per_size_ / 2;
   grid.origin_ = origin_;
   grid.axes_ = axes_;
   for (int axis = 0; axis < 3; ++axis) grid.counts_[axis] = (counts_[axis] + 1) / 2;
-  grid.used_.assign(static_cast<std::size_t>(grid.counts_[0]) * grid.counts_[1] * grid.counts_[2], 0);
-  for (std::size_t box = 0; box < used_.size(); ++box) {
-    const int b = static_cast<int>(box);
-    const int x = b % counts_[0] / 2, y = b / counts_[0] % counts_[1] / 2, z = b / counts_[0] / counts_[1] / 2;
-    if (used_[box]) grid.used_[x + grid.counts_[0] * (y + grid.counts_[1] * z)] = 1;
+  const auto outline_of = [&](int box) {
+    const auto& [x, y, z] = cells_[box];
+    return x / 2 + grid.counts_[0] * (y / 2 + grid.counts_[1] * (z / 2));
+  };
+  const auto outline_boxes = static_cast<std::size_t>(grid.outline_boxes());
+  if (!number_of_point_.empty()) {
+    grid.used_.assign(outline_boxes, 0);
+    for (int box = 0; box < boxes(); ++box) grid.used_[outline_of(box)] = 1;
+    grid.number();
+    for (int box = 0; box < boxes(); ++box) parents[box] = grid.number_of(outline_of(box));
+    return result;
   }
-  grid.number();
-  return grid;
+  DisjointSets together(cells_.size());
+  for (const auto& [one, other] : joined_)
+    if (outline_of(one) == outline_of(other)) together.join(one, other);
+  std::vector<int> pieces(outline_boxes, 0);
+  for (int box = 0; box < boxes(); ++box) {
+    const int set = together.set_of(box);
+    parents[box] = set == box ? pieces[outline_of(box)]++ : parents[set];
+  }
+  grid.number_boxes(pieces);
+  for (int box = 0; box < boxes(); ++box) parents[box] += grid.number_of(outline_of(box));
+  for (const auto& [one, other] : joined_)
+    if (parents[one] != parents[other])
+      grid.joined_.push_back({std::min(parents[one], parents[other]), std::max(parents[one], parents[other])});
+  std::sort(grid.joined_.begin(), grid.joined_.end());
+  grid.joined_.erase(std::unique(grid.joined_.begin(), grid.joined_.end()), grid.joined_.end());
+  // The larger boxes around a point have the same values there: they share the points that those depend on.
+  DisjointSets same(static_cast<std::size_t>(kCorners) * grid.cells_.size());
+  for (int point = 0; point < points(); ++point) {
+    const int first = parents[around(point).front() / kCorners];
+    const auto& [x, y, z] = at_[point];
+    for (const int box_corner : around(point)) {
+      const int other = parents[box_corner / kCorners];
+      if (other == first) continue;
+      for (int c = 0; c < kCorners; ++c) {
+        if ((c % 2 && x % 2 == 0) || (c / 2 % 2 && y % 2 == 0) || (c / 4 && z % 2 == 0)) continue;
+        const std::array<int, 3> at{x / 2 + c % 2, y / 2 + c / 2 % 2, z / 2 + c / 4};
+        same.join(kCorners * first + grid.corner_at(first, at), kCorners * other + grid.corner_at(other, at));
+      }
+    }
+  }
+  grid.number_corners(same);
+  return result;
 }
 
 }  // namespace elastin

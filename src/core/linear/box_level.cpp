@@ -1,102 +1,191 @@
 #include "core/linear/box_level.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "core/linear/block_inverse.h"
-#include "core/parallel/parallel.h"
 
 namespace elastin {
 namespace {
 
+constexpr int kBoxCorners = BoxGrid::kCorners;
+
 /// Cost of a point's share of a pass, in connections.
 constexpr int kPointThreshold = kParallelThreshold / 25;
 
-/// The trilinear function's weight at one of the 27 points around the coarse one.
-float weight_at(int code) {
-  const auto [x, y, z] = around(code);
-  return 1.F / static_cast<float>(1 << (std::abs(x) + std::abs(y) + std::abs(z)));
+/// The number of a pair of corners, either way.
+constexpr auto kPairOf = [] {
+  std::array<std::array<int, kBoxCorners>, kBoxCorners> numbers{};
+  for (int i = 0, pair = 0; i < kBoxCorners; ++i)
+    for (int j = i + 1; j < kBoxCorners; ++j, ++pair) numbers[i][j] = numbers[j][i] = pair;
+  return numbers;
+}();
+
+using Square = Eigen::Matrix<float, kBoxCorners, kBoxCorners>;
+
+/// The functions of a box at the corners of each of the eight in it: a row a corner.
+const std::array<Square, kBoxCorners>& functions_in_children() {
+  static const std::array<Square, kBoxCorners> all = [] {
+    std::array<Square, kBoxCorners> tables;
+    for (int child = 0; child < kBoxCorners; ++child)
+      for (int c = 0; c < kBoxCorners; ++c) {
+        const Eigen::Vector3i at(child % 2 + c % 2, child / 2 % 2 + c / 2 % 2, child / 4 + c / 4);
+        tables[child].row(c) = BoxGrid::values_at(at.cast<float>() / 2).matrix().transpose();
+      }
+    return tables;
+  }();
+  return all;
 }
 
-Eigen::Map<const Eigen::Matrix3f> as_block(const float* numbers) { return Eigen::Map<const Eigen::Matrix3f>(numbers); }
+/// The stiffness of a box to its functions, put together from the boxes in it.
+class LargerBox {
+ public:
+  LargerBox() {
+    for (auto& row : entries_) row.fill(Square::Zero());
+  }
+  void add(const BoxElements& elements, int child, int octant) {
+    const Square& functions = functions_in_children()[octant];
+    const BoxElements::Element& element = elements.elements[child];
+    const int sums = elements.sums_of[child];
+    for (int row = 0; row < 3; ++row)
+      for (int column = row; column < 3; ++column) {
+        Square own = Square::Zero();
+        for (int i = 0, pair = 0; i < kBoxCorners; ++i)
+          for (int j = i + 1; j < kBoxCorners; ++j, ++pair)
+            own(i, j) = element[row + 3 * column][pair], own(j, i) = element[column + 3 * row][pair];
+        for (int i = 0; i < kBoxCorners; ++i)
+          own(i, i) = (sums < 0 ? 0 : static_cast<float>(elements.sums[sums][i](row, column))) - own.row(i).sum();
+        const Square applied = own.lazyProduct(functions);
+        entries_[row][column] += functions.transpose().lazyProduct(applied);
+      }
+  }
+  BoxElements::Element element() const {
+    BoxElements::Element result;
+    for (int row = 0; row < 3; ++row)
+      for (int column = 0; column < 3; ++column)
+        for (int i = 0, pair = 0; i < kBoxCorners; ++i)
+          for (int j = i + 1; j < kBoxCorners; ++j, ++pair)
+            result[row + 3 * column][pair] = row <= column ? entries_[row][column](i, j) : entries_[column][row](j, i);
+    return result;
+  }
+
+ private:
+  std::array<std::array<Square, 3>, 3> entries_;  ///< of row ≤ column
+};
 
 }  // namespace
 
-BoxLevel::BoxLevel(BoxGrid grid)
-    : grid_(std::move(grid)),
-      rows_(grid_.points(), Row::Zero()),
-      around_(grid_.points()),
-      sums_(grid_.points(), Matrix3::Zero()) {
-  parallel_for(
-      points(),
-      [&](int point) {
-        const auto& [x, y, z] = grid_.at(point);
-        for (int code = 0; code < BoxGrid::kAround; ++code) {
-          const auto [dx, dy, dz] = around(code);
-          const int other = grid_.point_at({x + dx, y + dy, z + dz});
-          around_[point][code] = other < 0 ? point : other;
-        }
-      },
-      kPointThreshold);
+BoxElements::BoxElements(int boxes) : elements(boxes), sums_of(boxes, -1) {
+  for (Element& element : elements) element.fill(Pairs::Zero());
 }
 
-Matrix3 BoxLevel::block_to(int point, int code) const {
-  const Row& row = rows_[point];
-  if (code != BoxGrid::kSelf) {
-    const Eigen::Matrix<float, 1, 9> numbers = row.row(code);
-    return as_block(numbers.data()).cast<double>();
+BoxElements::Sums& BoxElements::sums_in(int box) {
+  if (sums_of[box] < 0) {
+    sums_of[box] = static_cast<int>(sums.size());
+    sums.emplace_back().fill(Matrix3::Zero());
   }
-  Matrix3 own = sum(point);
-  for (int other = 0; other < BoxGrid::kAround; ++other)
-    if (other != BoxGrid::kSelf) own -= block_to(point, other);
-  return own;
+  return sums[sums_of[box]];
 }
 
-void BoxLevel::finish(bool is_part) {
-  parallel_for(
-      points(),
-      [&](int point) {
-        Row& row = rows_[point];
-        for (int code = 0; code < BoxGrid::kSelf; ++code) {
-          const int other = around_[point][code];
-          if (other == point) continue;
-          const Eigen::Matrix<float, 1, 9> numbers = rows_[other].row(26 - code);
-          const Eigen::Matrix3f block = as_block(numbers.data()).transpose();
-          row.row(code) = Eigen::Map<const Eigen::Matrix<float, 1, 9>>(block.data());
-        }
-        const Eigen::Matrix3f own = sums_[point].cast<float>();
-        row.row(BoxGrid::kSelf) = Eigen::Map<const Eigen::Matrix<float, 1, 9>>(own.data());
-      },
-      kPointThreshold);
+BoxLevel::BoxLevel(BoxGrid grid, BoxElements elements, bool is_part)
+    : grid_(std::move(grid)), elements_(std::move(elements)) {
+  set_rows();
   if (is_part) return;
-  inverse_.resize(rows_.size());
+  inverse_.resize(points());
   parallel_for(
       points(),
       [&](int point) {
-        const Matrix3 own = block_to(point, BoxGrid::kSelf);
+        const Matrix3 own = block_to(point, 0);
         inverse_[point] = positive_inverse((own + own.transpose()) / 2).cast<float>();
       },
       kPointThreshold);
   set_damping();
 }
 
+void BoxLevel::set_rows() {
+  start_.assign(points() + 1, 0);
+  const auto find = [&](int point, std::vector<int>& found) {
+    found.assign(1, point);
+    for (const int corner : grid_.around(point))
+      for (const int other : grid_.corners(corner / kBoxCorners))
+        if (std::find(found.begin(), found.end(), other) == found.end()) found.push_back(other);
+    found.resize((found.size() + kWidth - 1) / kWidth * kWidth, point);
+  };
+  const auto for_points = [&](const auto& work) {
+    parallel_ranges(
+        points(),
+        [&](int begin, int end) {
+          std::vector<int> found;
+          for (int point = begin; point < end; ++point) {
+            find(point, found);
+            work(point, found);
+          }
+        },
+        kPointThreshold);
+  };
+  for_points([&](int point, const std::vector<int>& found) { start_[point + 1] = static_cast<int>(found.size()); });
+  for (int point = 0; point < points(); ++point) start_[point + 1] += start_[point];
+  neighbours_.resize(start_.back());
+  rows_.resize(start_.back() / kWidth);
+  sums_.assign(points(), Matrix3::Zero());
+  for_points([&](int point, const std::vector<int>& found) {
+    std::copy(found.begin(), found.end(), neighbours_.begin() + start_[point]);
+    Blocks* row = &rows_[start_[point] / kWidth];
+    for (std::size_t n = 0; n < found.size() / kWidth; ++n)
+      for (auto& entry : row[n]) entry.setZero();
+    for (const int around : grid_.around(point)) {
+      const int box = around / kBoxCorners, c = around % kBoxCorners;
+      const BoxElements::Element& element = elements_.elements[box];
+      for (int other = 0; other < kBoxCorners; ++other) {
+        if (other == c) continue;
+        const auto slot = std::find(found.begin(), found.end(), grid_.corners(box)[other]) - found.begin();
+        Blocks& blocks = row[slot / kWidth];
+        const int pair = kPairOf[c][other];
+        for (int e = 0; e < 9; ++e) blocks[e][slot % kWidth] += element[c < other ? e : e / 3 + 3 * (e % 3)][pair];
+      }
+      if (const int sums = elements_.sums_of[box]; sums >= 0) sums_[point] += elements_.sums[sums][c];
+    }
+    for (int e = 0; e < 9; ++e) row[0][e][0] = static_cast<float>(sums_[point].data()[e]);
+  });
+}
+
+Matrix3 BoxLevel::block_to(int point, int neighbour) const {
+  Matrix3 block = Matrix3::Zero();
+  const auto add = [&](int n, double sign) {
+    const Blocks& blocks = rows_[start_[point] / kWidth + n / kWidth];
+    for (int e = 0; e < 9; ++e) block.data()[e] += sign * double{blocks[e][n % kWidth]};
+  };
+  if (neighbour != 0) {
+    add(neighbour, 1);
+    return block;
+  }
+  block = sums_[point];
+  for (int other = 1; other < start_[point + 1] - start_[point]; ++other) add(other, -1);
+  return block;
+}
+
 /// (A x)_i
 inline Eigen::Vector3f BoxLevel::difference(const Vectors& x, int point) const {
-  const Row& row = rows_[point];
-  const auto& others = around_[point];
-  alignas(16) float d[3][kSlots];
+  const int first = start_[point], end = start_[point + 1];
   const float* all = x.data();
   const float* own = all + 3 * static_cast<std::ptrdiff_t>(point);
-  for (int code = 0; code < BoxGrid::kAround; ++code) {
-    const float* other = all + 3 * static_cast<std::ptrdiff_t>(others[code]);
-    for (int k = 0; k < 3; ++k) d[k][code] = other[k] - own[k];
+  using Registers = Eigen::Array<float, kWidth, 1>;
+  std::array<Registers, 3> sums;
+  sums.fill(Registers::Zero());
+  for (int n = first; n < end; n += kWidth) {
+    alignas(16) float d[3][kWidth];
+    for (int i = 0; i < kWidth; ++i) {
+      const float* other = all + 3 * static_cast<std::ptrdiff_t>(neighbours_[n + i]);
+      for (int k = 0; k < 3; ++k) d[k][i] = other[k] - own[k];
+    }
+    if (n == first)
+      for (int k = 0; k < 3; ++k) d[k][0] = own[k];
+    using Column = Eigen::Map<const Registers, Eigen::Aligned16>;
+    const Column dx(d[0]), dy(d[1]), dz(d[2]);
+    const Blocks& blocks = rows_[n / kWidth];
+    for (int k = 0; k < 3; ++k) sums[k] += blocks[k] * dx + blocks[3 + k] * dy + blocks[6 + k] * dz;
   }
-  for (int k = 0; k < 3; ++k) d[k][BoxGrid::kSelf] = own[k], d[k][27] = 0;
-  using Column = Eigen::Map<const Eigen::Array<float, kSlots, 1>, Eigen::Aligned16>;
-  const Column dx(d[0]), dy(d[1]), dz(d[2]);
-  const auto sum_of = [&](int k) {
-    return (row.col(k).array() * dx + row.col(3 + k).array() * dy + row.col(6 + k).array() * dz).sum();
-  };
-  return {sum_of(0), sum_of(1), sum_of(2)};
+  return {sums[0].sum(), sums[1].sum(), sums[2].sum()};
 }
 
 void BoxLevel::set_residual(const Vectors& b, const Vectors& x, Vectors& residual) const {
@@ -137,80 +226,50 @@ void BoxLevel::set_damping() {
   for (auto& inverse : inverse_) inverse *= damping;
 }
 
-std::unique_ptr<BoxLevel> BoxLevel::coarser(bool is_part) const {
-  auto coarse = std::make_unique<BoxLevel>(grid_.coarser());
+std::unique_ptr<BoxLevel> BoxLevel::coarser(BoxGrid::Coarser coarser, bool is_part) {
+  const auto& [coarse, parents] = coarser;
+  BoxElements elements(coarse.boxes());
+  for (int box = 0; box < grid_.boxes(); ++box)
+    if (elements_.sums_of[box] >= 0) elements.sums_in(parents[box]);
+  const BoxMembers children(coarse, parents, [](int) { return Eigen::Vector3f(); });
   parallel_for(
-      coarse->points(),
-      [&](int point) {
-        const auto& [X, Y, Z] = coarse->grid_.at(point);
-        // First the rows of the points around are added up, by how far their neighbours are: 5 × 5 × 5.
-        Eigen::Matrix<float, 9, 125> far = Eigen::Matrix<float, 9, 125>::Zero();
-        Matrix3 sum = Matrix3::Zero();
-        for (int code = 0; code < BoxGrid::kAround; ++code) {
-          const auto [x, y, z] = around(code);
-          const int fine = grid_.point_at({2 * X + x, 2 * Y + y, 2 * Z + z});
-          if (fine < 0) continue;
-          const float weight = weight_at(code);
-          sum += weight * sums_[fine];
-          const Eigen::Matrix3f own = block_to(fine, BoxGrid::kSelf).cast<float>();
-          for (int next = 0; next < BoxGrid::kAround; ++next) {
-            const auto [nx, ny, nz] = around(next);
-            auto to = far.col(x + nx + 2 + 5 * (y + ny + 2) + 25 * (z + nz + 2));
-            if (next == BoxGrid::kSelf)
-              to += weight * Eigen::Map<const Eigen::Matrix<float, 9, 1>>(own.data());
-            else
-              to += weight * rows_[fine].row(next).transpose();
-          }
+      coarse.boxes(),
+      [&](int box) {
+        LargerBox larger;
+        for (const auto& [child, ignored] : children.in(box)) {
+          const auto& [x, y, z] = grid_.cell(child);
+          const int octant = x % 2 + 2 * (y % 2) + 4 * (z % 2);
+          larger.add(elements_, child, octant);
+          if (elements_.sums_of[child] < 0) continue;
+          const BoxElements::Sums& sums = elements_.sums[elements_.sums_of[child]];
+          for (int i = 0; i < kBoxCorners; ++i)
+            for (int c = 0; c < kBoxCorners; ++c)
+              elements.sums[elements.sums_of[box]][i] +=
+                  static_cast<double>(functions_in_children()[octant](c, i)) * sums[c];
         }
-        coarse->sums_[point] = sum;
-        // Then each neighbour takes its weight at what lies within reach of it.
-        for (int code = BoxGrid::kSelf + 1; code < BoxGrid::kAround; ++code) {
-          const auto [x, y, z] = around(code);
-          Eigen::Matrix<float, 9, 1> block = Eigen::Matrix<float, 9, 1>::Zero();
-          for (int near = 0; near < BoxGrid::kAround; ++near) {
-            const auto [nx, ny, nz] = around(near);
-            const int fx = 2 * x + nx, fy = 2 * y + ny, fz = 2 * z + nz;
-            if (std::abs(fx) > 2 || std::abs(fy) > 2 || std::abs(fz) > 2) continue;
-            block += weight_at(near) * far.col(fx + 2 + 5 * (fy + 2) + 25 * (fz + 2));
-          }
-          if (coarse->around_[point][code] != point) coarse->rows_[point].row(code) = block.transpose();
-        }
+        elements.elements[box] = larger.element();
       },
       kPointThreshold / 20);
-  coarse->finish(is_part);
-  return coarse;
+  elements_ = BoxElements(0);
+  std::vector<int> box_of(points());
+  for (int point = 0; point < points(); ++point) box_of[point] = parents[grid_.around(point).front() / kBoxCorners];
+  members_ = BoxMembers(coarse, box_of, [&](int point) {
+    Eigen::Vector3f at;
+    for (int axis = 0; axis < 3; ++axis)
+      at[axis] = static_cast<float>(grid_.at(point)[axis] - 2 * coarse.cell(box_of[point])[axis]) / 2;
+    return at;
+  });
+  return std::make_unique<BoxLevel>(std::move(coarser.grid), std::move(elements), is_part);
 }
 
-void BoxLevel::restrict_to(const BoxLevel& coarse, const Vectors& fine, Vectors& result) const {
-  parallel_for(
-      coarse.points(),
-      [&](int point) {
-        const auto& [X, Y, Z] = coarse.grid_.at(point);
-        Eigen::Vector3f sum = Eigen::Vector3f::Zero();
-        for (int code = 0; code < BoxGrid::kAround; ++code) {
-          const auto [x, y, z] = around(code);
-          const int from = grid_.point_at({2 * X + x, 2 * Y + y, 2 * Z + z});
-          if (from >= 0) sum += weight_at(code) * fine.col(from);
-        }
-        result.col(point) = sum;
-      },
-      kPointThreshold);
+void BoxLevel::restrict_to(const BoxLevel& coarse, const Vectors& fine, Vectors& of_boxes, Vectors& result) const {
+  members_.restrict_to(
+      coarse.grid_, [&](int point) { return fine.col(point); }, of_boxes, result);
 }
 
 void BoxLevel::prolong_from(const BoxLevel& coarse, const Vectors& values, Vectors& fine) const {
-  parallel_for(
-      points(),
-      [&](int point) {
-        const auto& [x, y, z] = grid_.at(point);
-        const float weight = 1.F / static_cast<float>(1 << (x % 2 + y % 2 + z % 2));
-        for (int corner = 0; corner < BoxGrid::kCorners; ++corner) {
-          const int dx = corner % 2, dy = corner / 2 % 2, dz = corner / 4;
-          if ((dx && x % 2 == 0) || (dy && y % 2 == 0) || (dz && z % 2 == 0)) continue;
-          const int from = coarse.grid_.point_at({x / 2 + dx, y / 2 + dy, z / 2 + dz});
-          if (from >= 0) fine.col(point) += weight * values.col(from);
-        }
-      },
-      kPointThreshold);
+  members_.prolong_from(coarse.grid_, values,
+                        [&](int point, const Eigen::Vector3f& value) { fine.col(point) += value; });
 }
 
 }  // namespace elastin

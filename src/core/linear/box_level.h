@@ -1,38 +1,113 @@
 #pragma once
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "core/linear/box_grid.h"
+#include "core/parallel/parallel.h"
 
 namespace elastin {
 
-/// A symmetric stiffness between the points of a grid of boxes and their 26 neighbours, in single precision, for a
+/// The stiffness of the boxes of a grid: blocks between corners in single precision, S of corners where something
+/// outside the body resists.
+struct BoxElements {
+  static constexpr int kPairs = BoxGrid::kCorners * (BoxGrid::kCorners - 1) / 2;
+  using Pairs = Eigen::Array<float, kPairs, 1>;
+  /// Of each pair of corners i < j, 01 02 … 67, the entries of the block A_ij by columns.
+  using Element = std::array<Pairs, 9>;
+  using Sums = std::array<Matrix3, BoxGrid::kCorners>;
+
+  explicit BoxElements(int boxes);
+  /// S of the corners of a box, made where there was none.
+  Sums& sums_in(int box);
+  std::vector<Element, Eigen::aligned_allocator<Element>> elements;
+  std::vector<int> sums_of;  ///< of each box, −1 where S is zero
+  std::vector<Sums> sums;
+};
+
+/// Items in the boxes of a grid, molecules or the points of a finer one, which move as its trilinear functions say.
+class BoxMembers {
+ public:
+  using Vectors = Eigen::Matrix3Xf;
+  struct Member {
+    int item;
+    Eigen::Vector3f at;  ///< in its box
+  };
+  /// `box_of` each item; `at` gives where item number i lies in it.
+  template <class At>
+  BoxMembers(const BoxGrid& grid, const std::vector<int>& box_of, At&& at) : start_(grid.boxes() + 1, 0) {
+    for (const int box : box_of) ++start_[box + 1];
+    for (int box = 0; box < grid.boxes(); ++box) start_[box + 1] += start_[box];
+    members_.resize(box_of.size());
+    std::vector<int> next(start_.begin(), start_.end() - 1);
+    for (std::size_t i = 0; i < box_of.size(); ++i) {
+      const int item = static_cast<int>(i);
+      members_[next[box_of[i]]++] = {item, at(item)};
+    }
+  }
+  BoxMembers() = default;
+  std::span<const Member> in(int box) const {
+    return {members_.data() + start_[box], static_cast<std::size_t>(start_[box + 1] - start_[box])};
+  }
+  /// result = Pᵀ value(item); `of_boxes` is memory for intermediate results.
+  template <class Value>
+  void restrict_to(const BoxGrid& grid, Value&& value, Vectors& of_boxes, Vectors& result) const {
+    of_boxes.resize(3, BoxGrid::kCorners * grid.boxes());
+    parallel_for(
+        grid.boxes(),
+        [&](int box) {
+          Eigen::Matrix<float, 3, BoxGrid::kCorners> sum = Eigen::Matrix<float, 3, BoxGrid::kCorners>::Zero();
+          for (const Member& member : in(box))
+            sum += value(member.item) * BoxGrid::values_at(member.at).matrix().transpose();
+          of_boxes.middleCols<BoxGrid::kCorners>(BoxGrid::kCorners * box) = sum;
+        },
+        kFewBoxes);
+    parallel_for(
+        grid.points(),
+        [&](int point) {
+          Eigen::Vector3f sum = Eigen::Vector3f::Zero();
+          for (const int corner : grid.around(point)) sum += of_boxes.col(corner);
+          result.col(point) = sum;
+        },
+        kFewBoxes);
+  }
+  /// Calls add(item, P values) for each item.
+  template <class Add>
+  void prolong_from(const BoxGrid& grid, const Vectors& values, Add&& add) const {
+    parallel_for(
+        grid.boxes(),
+        [&](int box) {
+          Eigen::Matrix<float, 3, BoxGrid::kCorners> corners;
+          for (int c = 0; c < BoxGrid::kCorners; ++c) corners.col(c) = values.col(grid.corners(box)[c]);
+          for (const Member& member : in(box))
+            add(member.item, Eigen::Vector3f(corners * BoxGrid::values_at(member.at).matrix()));
+        },
+        kFewBoxes);
+  }
+
+ private:
+  static constexpr int kFewBoxes = 1000;  ///< one thread does fewer sooner than others wake
+  std::vector<int> start_;
+  std::vector<Member> members_;
+};
+
+/// A symmetric stiffness between the points of a grid of boxes that share one, in single precision, for a
 /// preconditioner. It is kept as differences, A x = S_i x_i + Σ_j A_ij (x_j − x_i): what moves as a whole then feels no
 /// rounding, nor do the soft bending modes of slender bodies.
 class BoxLevel {
  public:
-  static constexpr int kSlots = 28;             ///< 27 neighbours and one to fill the vector registers
-  using Row = Eigen::Matrix<float, kSlots, 9>;  ///< of a point: its neighbours' blocks by columns; S_i in the middle
   using Vectors = Eigen::Matrix3Xf;
 
-  explicit BoxLevel(BoxGrid grid);
+  /// A level that is a part of one, as a process has it, is for coarser(), neighbours() and block_to() only.
+  BoxLevel(BoxGrid grid, BoxElements elements, bool is_part = false);
 
   const BoxGrid& grid() const { return grid_; }
   int points() const { return grid_.points(); }
 
-  /// Adds to the block between two points, `code` above the middle: that below follows from finish().
-  auto block(int point, int code) { return rows_[point].row(code); }
-  /// Adds to S of a point.
-  Matrix3& sum(int point) { return sums_[point]; }
-  const Matrix3& sum(int point) const { return sums_[point]; }
-  /// Mirrors the blocks and makes ready for the calls below; a level that is a part of one only for coarser(),
-  /// neighbour() and block_to().
-  void finish(bool is_part = false);
-
-  /// Pᵀ A P for the trilinear functions of the coarser grid.
-  std::unique_ptr<BoxLevel> coarser(bool is_part = false) const;
-  /// coarse = Pᵀ fine
-  void restrict_to(const BoxLevel& coarse, const Vectors& fine, Vectors& result) const;
+  /// Pᵀ A P for the trilinear functions of the larger boxes. Gives up what this level is made of.
+  std::unique_ptr<BoxLevel> coarser(BoxGrid::Coarser coarser, bool is_part = false);
+  /// coarse = Pᵀ fine; `of_boxes` is memory for intermediate results
+  void restrict_to(const BoxLevel& coarse, const Vectors& fine, Vectors& of_boxes, Vectors& result) const;
   /// fine += P coarse
   void prolong_from(const BoxLevel& coarse, const Vectors& values, Vectors& fine) const;
 
@@ -43,17 +118,26 @@ class BoxLevel {
   /// better = x + ω D⁻¹ (b − A x)
   void smooth(const Vectors& b, const Vectors& x, Vectors& better) const;
 
-  /// The block A_ij, itself included, in double precision.
-  Matrix3 block_to(int point, int code) const;
-  int neighbour(int point, int code) const { return around_[point][code]; }
+  /// The points that share a box with this one, itself first; then perhaps itself again, with blocks of zeros.
+  std::span<const int> neighbours(int point) const {
+    return {neighbours_.data() + start_[point], static_cast<std::size_t>(start_[point + 1] - start_[point])};
+  }
+  /// The block between it and one of those, in double precision.
+  Matrix3 block_to(int point, int neighbour) const;
 
  private:
+  static constexpr int kWidth = 4;  ///< of the vector registers: the number of neighbours is a multiple of it
   Eigen::Vector3f difference(const Vectors& x, int point) const;
+  void set_rows();
   void set_damping();
 
   BoxGrid grid_;
-  std::vector<Row, Eigen::aligned_allocator<Row>> rows_;
-  std::vector<std::array<int, BoxGrid::kAround>> around_;  ///< points; the point itself where there is none
+  BoxElements elements_;
+  BoxMembers members_;  ///< of the next coarser level: points
+  std::vector<int> start_, neighbours_;
+  /// The blocks of as many neighbours by columns: entry by entry, of each; S_i in the place of a point's own.
+  using Blocks = std::array<Eigen::Array<float, kWidth, 1>, 9>;
+  std::vector<Blocks, Eigen::aligned_allocator<Blocks>> rows_;
   std::vector<Matrix3> sums_;
   std::vector<Eigen::Matrix3f> inverse_;  ///< D⁻¹ with the damping ω
 };

@@ -7,7 +7,7 @@
 namespace elastin {
 
 /// A coarse picture of a body in ever larger boxes, for what conjugate gradients with the blocks of single molecules
-/// are slow at: motions that are smooth over many of them. One V-cycle, symmetric, in single precision; the last grid
+/// are slow at: motions that are smooth over many of them. One W-cycle, symmetric, in single precision; the last grid
 /// is factorised in double.
 class Multigrid {
  public:
@@ -22,7 +22,7 @@ class Multigrid {
 
  private:
   struct LevelWorkspace {
-    BoxLevel::Vectors b, x, other;
+    BoxLevel::Vectors b, x, other, of_boxes;
   };
   class CoarsestSolver;
   void cycle(std::size_t level);

@@ -1,7 +1,9 @@
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <optional>
+#include <utility>
 
 #include "core/linear/assembled.h"
 #include "core/linear/block_inverse.h"
@@ -15,10 +17,12 @@
 namespace elastin {
 namespace {
 
-/// A coarse picture that serves takes some 30 iterations, a poor one 200; each costs two to three without one.
+/// A coarse picture that serves takes some 30 iterations, one of a thin or porous body up to 300; each costs two to
+/// three without one. After as many as that it has to find a digit in each kForADigit.
 int most_coarse_iterations(const Body& body, double tolerance) {
   return static_cast<int>(std::clamp(expected_iterations(body, tolerance) / 2, 100., 400.));
 }
+constexpr int kForADigit = 100;
 
 /// A coarse picture of another stiffness serves until it takes as many times the iterations that it took when new.
 constexpr double kServes = 1.5;
@@ -41,7 +45,8 @@ class Pcg final : public LinearSolver, public KeepsCoarsePicture {
     if (multigrid_ && !kept) coarse_ = std::make_unique<Multigrid>(tangent, supports);
     if (coarse_ && !coarse_->positive()) coarse_.reset();
     Multigrid* coarse = coarse_.get();
-    const int coarse_limit = coarse ? most_coarse_iterations(tangent.model().body(), tolerance) : 0;
+    int coarse_limit = coarse ? most_coarse_iterations(tangent.model().body(), tolerance) : 0;
+    double at_limit = std::numeric_limits<double>::infinity();  // r·r at the limit before
     // Single precision makes a little of any motion that nothing resists; its size would then be whatever it is.
     std::optional<RigidMotions> whole;
     // What a preconditioner makes of r stands where K p stood: each molecule's is read before it is written.
@@ -127,6 +132,8 @@ class Pcg final : public LinearSolver, public KeepsCoarsePicture {
       add_coarse(now);
       // Not positive after all, or blind to what this body is slow at (stiff lumps that share boxes with soft tissue):
       // go on without, from here.
+      const bool further = result.iterations == coarse_limit && now[1] < 0.01 * std::exchange(at_limit, now[1]);
+      if (further) coarse_limit += kForADigit;
       if (coarse && (!(now[0] > 0) || result.iterations == coarse_limit)) {
         coarse = nullptr;
         now = advance(0);

@@ -288,7 +288,7 @@ const std::vector<Shape>& shapes() {
   static const std::vector<Shape> all = [] {
     std::vector<Shape> list{lattice_shape(), packing_shape(), tetrahedra_shape()};
     for (Shape& surface : surface_shapes()) list.push_back(std::move(surface));
-    for (const Shape& other : {mesh_shape(), fill_shape(), molecules_shape()}) list.push_back(other);
+    for (const Shape& other : {mesh_shape(), fill_shape(), image_shape(), molecules_shape()}) list.push_back(other);
     return list;
   }();
   return all;
@@ -564,7 +564,7 @@ bool makes_shares(Reader body, int processes) {
 Body read_body(Reader reader, const Material& material, Remarks remarks,
                const std::shared_ptr<const Processes>& processes) {
   reader.set_section("body");
-  ShapeContext context{reader, remarks, processes};
+  ShapeContext context{reader, remarks, processes, &material};
   Body body = reader.located([&] { return make_shape(reader, context); });
   BodySetup setup;
   own_body_keys().read_into(reader, setup);

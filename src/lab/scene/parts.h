@@ -249,7 +249,8 @@ struct ShapeContext {
   Reader& map;  ///< in which the shape is a key
   Remarks remarks;
   std::shared_ptr<const Processes> processes;
-  VectorX volumes = {};  ///< of the molecules [m³]; empty: the shape does not know them
+  const Material* material = nullptr;
+  VectorX volumes = {};  ///< of the molecules [m³], as the material's density has it; empty: not known
   CellOrder order = {};
 };
 
@@ -279,6 +280,7 @@ Shape shape(const std::string& name, std::string text, Keys<Setup> keys, Make ma
 
 std::vector<Shape> surface_shapes();
 Shape fill_shape();
+Shape image_shape();
 
 /// A key of which no body may have too many molecules.
 template <class Setup, class Count>

@@ -192,6 +192,36 @@ TEST_CASE("multigrid takes rods a hundred times as long as thick in some forty i
   CHECK(fixed.iterations() <= 50);  // conjugate gradients alone: thousands
 }
 
+/// A sheet of four layers that is folded up with gaps between the folds no wider than between two layers.
+Body folded_sheet(int side, int folds) {
+  Body body = lattice({side, side, 4 * folds});
+  std::vector<std::array<int, 2>> kept;
+  std::vector<double> lengths;
+  for (int c = 0; c < body.connections.size(); ++c) {
+    std::array<int, 2> fold{}, along{};
+    for (const int end : {0, 1}) {
+      const Vector3 at = body.rest.col(body.connections.ends[c][end]) / kSpacing;
+      fold[end] = static_cast<int>(std::lround(at.z())) / 4, along[end] = static_cast<int>(std::lround(at.x()));
+    }
+    const int from_turn =
+        std::min(fold[0], fold[1]) % 2 ? std::max(along[0], along[1]) : side - 1 - std::min(along[0], along[1]);
+    if (fold[0] != fold[1] && from_turn > 3) continue;
+    kept.push_back(body.connections.ends[c]);
+    lengths.push_back(body.connections.rest_length[c]);
+  }
+  body.connections.ends = kept, body.connections.rest_length = lengths;
+  body.grid.reset();
+  body.cubes.clear();
+  return body;
+}
+
+TEST_CASE("multigrid keeps the sides of narrow gaps apart", "[multigrid][slow]") {
+  // A grid that joins the folds takes thousands of iterations, as conjugate gradients alone do.
+  Fixed fixed(folded_sheet(24, 6));
+  fixed.add_springs();
+  CHECK(fixed.iterations() <= 250);
+}
+
 TEST_CASE("multigrid gives bitwise identical results on any number of threads", "[multigrid][slow]") {
   for (const bool ordered : {true, false}) {
     Fixed fixed(ordered ? lattice({20, 20, 20}) : scattered(lattice({20, 20, 20}), 0.2 * kSpacing));

@@ -1,0 +1,541 @@
+#include "mesh/image_file.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <utility>
+
+#include "core/base/disjoint_sets.h"
+#include "elastin/core/base/text.h"
+#include "elastin/core/shapes/shapes.h"
+#include "lab/scene/parts.h"
+
+namespace elastin::lab {
+namespace {
+
+enum class ImageCells { hexahedra, lattice, tetrahedra, packing };
+
+/// A label of a segmentation, and what its material has of its own.
+struct Label {
+  double number = 0;
+  std::string name;
+  std::optional<double> youngs_modulus, density;
+};
+
+struct ImageSetup : MeshFile, CellOrder {
+  std::vector<Label> labels;
+  std::optional<Reader> labels_place;
+  std::optional<double> threshold, spacing;
+  std::optional<Vector3> voxel_size, from, to;
+  ImageCells as = ImageCells::hexahedra;
+  bool largest = false, close = false, fill_fraction = false;
+  std::optional<Reader> youngs_modulus, density;
+  std::uint64_t seed = 1;
+};
+
+struct LabelSetup {
+  std::string name;
+  std::optional<Reader> material;
+};
+
+void read_labels(const Reader& value, ImageSetup& setup) {
+  setup.labels_place = value;
+  const auto number_of = [&](const std::string& text, const Reader& place) {
+    char* end = nullptr;
+    const double number = std::strtod(text.c_str(), &end);
+    if (text.empty() || *end || !std::isfinite(number))
+      place.fail("'" + text + "' is no label: labels are numbers of the image");
+    return number;
+  };
+  if (!value.is_map()) {
+    for (const Reader& item : value.items())
+      setup.labels.push_back({number_of(item.text(), item), item.text(), {}, {}});
+  } else {
+    const Keys<LabelSetup> keys{
+        key::text("name", &LabelSetup::name, "name of its set").otherwise("its number"),
+        key::later({"material", "map", "", "", "the scene's", "its E and density"}, &LabelSetup::material)};
+    const Keys<Label> numbers{
+        key::quantity("youngs_modulus", &Label::youngs_modulus, dimension::pressure, "E there", kPositive),
+        key::quantity("density", &Label::density, dimension::density, "density there", kPositive)};
+    for (const auto& [key, item] : value.entries()) {
+      const LabelSetup own = keys.read(item);
+      Label label = own.material ? numbers.read(*own.material) : Label{};
+      label.number = number_of(key, item);
+      label.name = own.name.empty() ? key : own.name;
+      setup.labels.push_back(std::move(label));
+    }
+  }
+  if (setup.labels.empty()) value.fail("names no label; leave it out where every voxel that is not 0 is body");
+}
+
+/// Boxes of voxels, as far as they are body.
+class Boxes {
+ public:
+  Boxes(const mesh::Image& image, const ImageSetup& setup, ShapeContext& context);
+  Body body() const;
+  /// Makes the body as stiff, and its molecules as heavy, as labels, fractions and grey values say.
+  void set_matter(Body& body) const;
+  MoleculeSets sets() const;
+
+ private:
+  struct Box {
+    int label = -1;      ///< −1: not body
+    float fraction = 1;  ///< of it that is body
+    float value = 0;     ///< mean of its voxels in the body
+  };
+  std::size_t index(int x, int y, int z) const {
+    return static_cast<std::size_t>(x) +
+           static_cast<std::size_t>(counts_[0]) *
+               (static_cast<std::size_t>(y) + static_cast<std::size_t>(counts_[1]) * static_cast<std::size_t>(z));
+  }
+  std::array<int, 3> at(std::size_t box) const {
+    const auto nx = static_cast<std::size_t>(counts_[0]), ny = static_cast<std::size_t>(counts_[1]);
+    return {static_cast<int>(box % nx), static_cast<int>(box / nx % ny), static_cast<int>(box / nx / ny)};
+  }
+  bool is_body(int x, int y, int z) const {
+    return x >= 0 && y >= 0 && z >= 0 && x < counts_[0] && y < counts_[1] && z < counts_[2] &&
+           boxes_[index(x, y, z)].label >= 0;
+  }
+  template <class Visit>
+  void for_body(const Visit& visit) const {
+    for (std::size_t box = 0; box < boxes_.size(); ++box)
+      if (boxes_[box].label >= 0) visit(boxes_[box], at(box));
+  }
+  void fill();
+  void close_holes();
+  void find_pieces();
+  void find_thin_places() const;
+  void report() const;
+  void number_corners();
+  /// Of a position in boxes.
+  Vector3 place(const Vector3& at) const;
+  double volume(const std::array<int, 3>& at) const;
+  double stiffness(const Box& box) const;
+  void set_packing(Body& body) const;
+
+  const mesh::Image& image_;
+  const ImageSetup& setup_;
+  ShapeContext& context_;
+  std::array<int, 3> voxels_{}, counts_{};  ///< voxels of a box, boxes, along each axis
+  std::vector<Box> boxes_;
+  std::vector<Label> labels_;
+  std::vector<int> numbers_;                 ///< of each corner of the grid; −1: none
+  std::vector<std::array<int, 3>> corners_;  ///< of the molecules
+  std::function<double(double)> modulus_of_, density_of_;
+};
+
+Boxes::Boxes(const mesh::Image& image, const ImageSetup& setup, ShapeContext& context)
+    : image_(image), setup_(setup), context_(context), labels_(setup.labels) {
+  for (int axis = 0; axis < 3; ++axis) {
+    const double step = setup.length_unit * image.steps.col(axis).norm();
+    voxels_[axis] = setup.spacing ? std::clamp(static_cast<int>(std::lround(std::min(1e6, *setup.spacing / step))), 1,
+                                               image.size[axis])
+                                  : 1;
+    counts_[axis] = (image.size[axis] + voxels_[axis] - 1) / voxels_[axis];
+  }
+  if (labels_.empty()) labels_.push_back({0, setup.threshold ? "body" : "not 0", {}, {}});
+  if (setup.youngs_modulus) modulus_of_ = setup.youngs_modulus->of_value(dimension::pressure, kPositive);
+  if (setup.density) density_of_ = setup.density->of_value(dimension::density, kPositive);
+  fill();
+  if (setup.close) close_holes();
+  find_pieces();
+  find_thin_places();
+  number_corners();
+  report();
+}
+
+void Boxes::fill() {
+  boxes_.resize(static_cast<std::size_t>(counts_[0]) * static_cast<std::size_t>(counts_[1]) *
+                static_cast<std::size_t>(counts_[2]));
+  const auto label_of = [&](double value) {
+    if (setup_.labels.empty())
+      return (setup_.threshold ? value >= *setup_.threshold : value != 0 && !std::isnan(value)) ? 0 : -1;
+    for (std::size_t i = 0; i < labels_.size(); ++i)
+      if (labels_[i].number == value) return static_cast<int>(i);
+    return -1;
+  };
+  const auto cropped = [&](const Vector3& at) {
+    const Vector3 place = setup_.length_unit * (image_.origin + image_.steps * at);
+    return (setup_.from && (place.array() < setup_.from->array()).any()) ||
+           (setup_.to && (place.array() > setup_.to->array()).any());
+  };
+  const bool crops = setup_.from || setup_.to;
+  std::map<double, std::size_t> values;
+  std::vector<int> counts(labels_.size());
+  bool any = false;
+  for (std::size_t number = 0; number < boxes_.size(); ++number) {
+    const auto [bx, by, bz] = at(number);
+    std::fill(counts.begin(), counts.end(), 0);
+    int all = 0, body = 0;
+    double sum = 0;
+    for (int z = bz * voxels_[2]; z < std::min((bz + 1) * voxels_[2], image_.size[2]); ++z)
+      for (int y = by * voxels_[1]; y < std::min((by + 1) * voxels_[1], image_.size[1]); ++y)
+        for (int x = bx * voxels_[0]; x < std::min((bx + 1) * voxels_[0], image_.size[0]); ++x, ++all) {
+          const double value = image_.at(x, y, z);
+          if (values.size() < 20 && !std::isnan(value)) ++values[value];
+          const int label = crops && cropped(Vector3(x, y, z)) ? -1 : label_of(value);
+          if (label < 0) continue;
+          ++counts[label], ++body;
+          sum += value;
+        }
+    const double fraction = static_cast<double>(body) / all;
+    if (!(setup_.fill_fraction ? fraction >= 0.01 : fraction >= 0.5)) continue;
+    any = true;
+    boxes_[number].label = static_cast<int>(std::max_element(counts.begin(), counts.end()) - counts.begin());
+    boxes_[number].value = static_cast<float>(sum / body);
+    if (setup_.fill_fraction) boxes_[number].fraction = static_cast<float>(fraction);
+  }
+  if (any) return;
+  std::vector<std::string> found;
+  for (const auto& [value, count] : values) found.push_back(number(value));
+  (setup_.labels_place ? *setup_.labels_place : *setup_.file)
+      .fail("leaves no voxel of the image; it has the values " + listed(found) + (values.size() < 20 ? "" : " …"));
+}
+
+void Boxes::close_holes() {
+  std::vector<char> outside(boxes_.size(), 0);
+  std::vector<std::size_t> next;
+  const auto reach = [&](int x, int y, int z) {
+    if (x < 0 || y < 0 || z < 0 || x >= counts_[0] || y >= counts_[1] || z >= counts_[2]) return;
+    const std::size_t box = index(x, y, z);
+    if (outside[box] || boxes_[box].label >= 0) return;
+    outside[box] = 1;
+    next.push_back(box);
+  };
+  for (std::size_t box = 0; box < boxes_.size(); ++box) {
+    const auto [x, y, z] = at(box);
+    if (x == 0 || y == 0 || z == 0 || x == counts_[0] - 1 || y == counts_[1] - 1 || z == counts_[2] - 1) reach(x, y, z);
+  }
+  while (!next.empty()) {
+    const auto [x, y, z] = at(next.back());
+    next.pop_back();
+    for (const int step : {-1, 1}) reach(x + step, y, z), reach(x, y + step, z), reach(x, y, z + step);
+  }
+  std::size_t closed = 0;
+  for (std::size_t box = 0; box < boxes_.size(); ++box)
+    if (boxes_[box].label < 0 && !outside[box]) boxes_[box] = boxes_[box - 1], boxes_[box].fraction = 1, ++closed;
+  if (closed > 0)
+    context_.remarks.notes.push_back(
+        fmt::format("{}: {} of closed holes filled", setup_.file->text(), counted(closed, "box")));
+}
+
+void Boxes::find_pieces() {
+  DisjointSets sets(boxes_.size());
+  for_body([&](const Box&, const std::array<int, 3>& at) {
+    const auto [x, y, z] = at;
+    const int own = static_cast<int>(index(x, y, z));
+    if (is_body(x - 1, y, z)) sets.join(own, static_cast<int>(index(x - 1, y, z)));
+    if (is_body(x, y - 1, z)) sets.join(own, static_cast<int>(index(x, y - 1, z)));
+    if (is_body(x, y, z - 1)) sets.join(own, static_cast<int>(index(x, y, z - 1)));
+  });
+  std::map<int, std::size_t> pieces;
+  for_body([&](const Box&, const std::array<int, 3>& at) {
+    ++pieces[sets.set_of(static_cast<int>(index(at[0], at[1], at[2])))];
+  });
+  if (pieces.size() < 2) return;
+  const auto largest =
+      std::max_element(pieces.begin(), pieces.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
+  std::size_t all = 0;
+  for (const auto& [piece, count] : pieces) all += count;
+  const std::string text = fmt::format("{}: {} pieces that share no face, the largest of {} of {} boxes",
+                                       setup_.file->path(), pieces.size(), largest->second, all);
+  if (!setup_.largest) {
+    context_.remarks.warnings.push_back(text + "; `pieces: largest` keeps that alone");
+    return;
+  }
+  for (std::size_t box = 0; box < boxes_.size(); ++box)
+    if (boxes_[box].label >= 0 && sets.set_of(static_cast<int>(box)) != largest->first) boxes_[box].label = -1;
+  context_.remarks.notes.push_back(text + "; the others are dropped");
+}
+
+/// What lies in no cube of two boxes a side.
+void Boxes::find_thin_places() const {
+  std::size_t thin = 0, all = 0;
+  for_body([&](const Box&, const std::array<int, 3>& at) {
+    bool thick = false;
+    for (int corner = 0; corner < 8 && !thick; ++corner) {
+      thick = true;
+      for (int c = 0; c < 8 && thick; ++c)
+        thick = is_body(at[0] + c % 2 - corner % 2, at[1] + c / 2 % 2 - corner / 2 % 2, at[2] + c / 4 - corner / 4);
+    }
+    ++all, thin += !thick;
+  });
+  if (thin > 0)
+    context_.remarks.warnings.push_back(fmt::format(
+        "{}: the body is thinner than two boxes at {} of {} ({:.2g} %): it bends there as no solid does",
+        setup_.file->path(), thin, counted(all, "box"), 100. * static_cast<double>(thin) / static_cast<double>(all)));
+}
+
+void Boxes::number_corners() {
+  const auto lines = [&](int axis) { return static_cast<std::size_t>(counts_[axis]) + 1; };
+  numbers_.assign(lines(0) * lines(1) * lines(2), -1);
+  const auto corner = [&](int x, int y, int z) -> int& {
+    return numbers_[static_cast<std::size_t>(x) +
+                    lines(0) * (static_cast<std::size_t>(y) + lines(1) * static_cast<std::size_t>(z))];
+  };
+  for_body([&](const Box&, const std::array<int, 3>& at) {
+    for (int c = 0; c < 8; ++c) corner(at[0] + c % 2, at[1] + c / 2 % 2, at[2] + c / 4) = 0;
+  });
+  for (int z = 0; z <= counts_[2]; ++z)
+    for (int y = 0; y <= counts_[1]; ++y)
+      for (int x = 0; x <= counts_[0]; ++x)
+        if (int& number = corner(x, y, z); number == 0) {
+          number = static_cast<int>(corners_.size());
+          corners_.push_back({x, y, z});
+        }
+  setup_.file->check_size(static_cast<double>(corners_.size()));
+}
+
+Vector3 Boxes::place(const Vector3& at) const {
+  Vector3 voxel;
+  for (int axis = 0; axis < 3; ++axis)
+    voxel[axis] = std::min(at[axis] * voxels_[axis], double(image_.size[axis])) - 0.5;
+  return setup_.length_unit * (image_.origin + image_.steps * voxel);
+}
+
+double Boxes::volume(const std::array<int, 3>& at) const {
+  double voxels = 1;
+  for (int axis = 0; axis < 3; ++axis) voxels *= std::min(voxels_[axis], image_.size[axis] - at[axis] * voxels_[axis]);
+  return voxels * std::abs(image_.steps.determinant()) * std::pow(setup_.length_unit, 3);
+}
+
+double Boxes::stiffness(const Box& box) const {
+  const double own = context_.material->youngs_modulus;
+  const double modulus = modulus_of_ ? modulus_of_(double{box.value}) : labels_[box.label].youngs_modulus.value_or(own);
+  return double{box.fraction} * modulus / own;
+}
+
+void Boxes::report() const {
+  std::vector<std::size_t> counts(labels_.size(), 0);
+  std::vector<double> volumes(labels_.size(), 0);
+  for_body([&](const Box& box, const std::array<int, 3>& at) {
+    ++counts[box.label];
+    volumes[box.label] += double{box.fraction} * volume(at);
+  });
+  std::vector<std::string> texts;
+  for (std::size_t i = 0; i < labels_.size(); ++i) {
+    texts.push_back(fmt::format("{} ({}, {:.4g} cm3)", labels_[i].name, counted(counts[i], "box"), 1e6 * volumes[i]));
+    if (counts[i] == 0)
+      context_.remarks.warnings.push_back(
+          fmt::format("{}: no voxel of the body has the label {}", setup_.file->path(), labels_[i].name));
+  }
+  context_.remarks.notes.push_back(
+      fmt::format("{}: {} x {} x {} voxels, {} a box; coordinates as in the file{}; labels: {}; the surface is "
+                  "stepped, and stresses there are not to be read",
+                  setup_.file->text(), image_.size[0], image_.size[1], image_.size[2],
+                  fmt::format("{} x {} x {}", voxels_[0], voxels_[1], voxels_[2]),
+                  image_.space.empty() ? "" : " (" + image_.space + ")", listed(texts)));
+}
+
+MoleculeSets Boxes::sets() const {
+  MoleculeSets sets;
+  if (setup_.as == ImageCells::packing) return sets;
+  const auto lines = [&](int axis) { return static_cast<std::size_t>(counts_[axis]) + 1; };
+  for_body([&](const Box& box, const std::array<int, 3>& at) {
+    for (int c = 0; c < 8; ++c)
+      sets[labels_[box.label].name].push_back(
+          numbers_[static_cast<std::size_t>(at[0] + c % 2) +
+                   lines(0) * (static_cast<std::size_t>(at[1] + c / 2 % 2) +
+                               lines(1) * static_cast<std::size_t>(at[2] + c / 4))]);
+  });
+  for (auto& [name, members] : sets) {
+    std::sort(members.begin(), members.end());
+    members.erase(std::unique(members.begin(), members.end()), members.end());
+  }
+  return sets;
+}
+
+/// A random close packing of the outline, as far as it lies in the body.
+void Boxes::set_packing(Body& body) const {
+  Vector3 sides;
+  for (int axis = 0; axis < 3; ++axis)
+    sides[axis] = setup_.length_unit * image_.size[axis] * image_.steps.col(axis).norm();
+  const double distance = setup_.spacing.value_or(2 * std::cbrt(sides.prod() / static_cast<double>(image_.voxels())));
+  setup_.file->check_size((sides.array() / distance + 1).prod());
+  const Body whole = random_packing(sides, distance, 1.5 * distance, setup_.seed);
+  const auto inside = [&](const Vector3& at) {
+    std::array<int, 3> box{};
+    for (int axis = 0; axis < 3; ++axis)
+      box[axis] = std::clamp(static_cast<int>(at[axis] / sides[axis] * image_.size[axis]) / voxels_[axis], 0,
+                             counts_[axis] - 1);
+    return is_body(box[0], box[1], box[2]);
+  };
+  std::vector<int> number(whole.size(), -1), kept;
+  for (int a = 0; a < whole.size(); ++a)
+    if (inside(whole.rest.col(a))) number[a] = static_cast<int>(kept.size()), kept.push_back(a);
+  body.rest.resize(3, static_cast<Eigen::Index>(kept.size()));
+  for (std::size_t i = 0; i < kept.size(); ++i) {
+    const Vector3 voxel = whole.rest.col(kept[i]).cwiseQuotient(sides).cwiseProduct(
+                              Vector3(image_.size[0], image_.size[1], image_.size[2])) -
+                          Vector3::Constant(0.5);
+    body.rest.col(static_cast<Eigen::Index>(i)) = setup_.length_unit * (image_.origin + image_.steps * voxel);
+  }
+  for (const auto& [a, b] : whole.connections.ends)
+    if (number[a] >= 0 && number[b] >= 0 && inside((whole.rest.col(a) + whole.rest.col(b)) / 2))
+      body.connections.ends.push_back({number[a], number[b]});
+  body.connections.rest_length.resize(body.connections.ends.size());
+  set_present_lengths(body);
+}
+
+Body Boxes::body() const {
+  Body body;
+  if (setup_.as == ImageCells::packing) {
+    set_packing(body);
+    return body;
+  }
+  body.rest.resize(3, static_cast<Eigen::Index>(corners_.size()));
+  for (std::size_t i = 0; i < corners_.size(); ++i)
+    body.rest.col(static_cast<Eigen::Index>(i)) = place(Vector3(corners_[i][0], corners_[i][1], corners_[i][2]));
+  const auto lines = [&](int axis) { return static_cast<std::size_t>(counts_[axis]) + 1; };
+  const int mirrored = image_.steps.determinant() < 0 ? 1 : 0;
+  Cells<8> cubes;
+  for_body([&](const Box&, const std::array<int, 3>& at) {
+    auto& cube = cubes.emplace_back();
+    for (int c = 0; c < 8; ++c)
+      cube[c] = numbers_[static_cast<std::size_t>(at[0] + c % 2) +
+                         lines(0) * (static_cast<std::size_t>(at[1] + c / 2 % 2) +
+                                     lines(1) * static_cast<std::size_t>(at[2] + (c / 4 ^ mirrored)))];
+  });
+  if (setup_.as == ImageCells::hexahedra) {
+    CellBlock& block = body.blocks.emplace_back();
+    block.kind = &cell_kind("hexahedron8");
+    for (const auto& cube : cubes)
+      for (const int corner : {0, 1, 3, 2, 4, 5, 7, 6}) block.nodes.push_back(cube[corner]);
+    set_simplices(body);
+  } else if (setup_.as == ImageCells::tetrahedra) {
+    for (const auto& cube : cubes)
+      for (const auto& [one, other] : {std::array{1, 3}, {3, 2}, {2, 6}, {6, 4}, {4, 5}, {5, 1}})
+        body.tetrahedra.push_back({cube[0], cube[one], cube[other], cube[7]});
+    body.connections = connections_of_cells(body.rest, {}, body.tetrahedra);
+  } else {
+    auto& ends = body.connections.ends;
+    for (const auto& cube : cubes)
+      for (int a = 0; a < 8; ++a)
+        for (int b = a + 1; b < 8; ++b)
+          if ((a ^ b) != 7) ends.push_back({std::min(cube[a], cube[b]), std::max(cube[a], cube[b])});
+    std::sort(ends.begin(), ends.end());
+    ends.erase(std::unique(ends.begin(), ends.end()), ends.end());
+    body.connections.rest_length.resize(ends.size());
+    set_present_lengths(body);
+    body.cubes = std::move(cubes);
+  }
+  return body;
+}
+
+void Boxes::set_matter(Body& body) const {
+  double all = 0;
+  VectorX volumes = VectorX::Zero(body.size());
+  const auto lines = [&](int axis) { return static_cast<std::size_t>(counts_[axis]) + 1; };
+  bool varied = false;
+  for_body([&](const Box& box, const std::array<int, 3>& at) {
+    const double own = context_.material->density;
+    const double density = density_of_ ? density_of_(double{box.value}) : labels_[box.label].density.value_or(own);
+    const double of_box = double{box.fraction} * volume(at) * density / own;
+    all += of_box;
+    varied |= stiffness(box) != 1;
+    if (setup_.as == ImageCells::packing) return;
+    for (int c = 0; c < 8; ++c)
+      volumes[numbers_[static_cast<std::size_t>(at[0] + c % 2) +
+                       lines(0) * (static_cast<std::size_t>(at[1] + c / 2 % 2) +
+                                   lines(1) * static_cast<std::size_t>(at[2] + c / 4))]] += of_box / 8;
+  });
+  if (setup_.as == ImageCells::packing) volumes.setConstant(all / body.size());
+  context_.volumes = volumes;
+  if (!varied) return;
+  if (setup_.as == ImageCells::packing)
+    setup_.file->fail(
+        "a packing has one stiffness: leave out materials of labels, `youngs_modulus` and `fill_fraction`");
+  if (context_.material->curve || context_.material->fibre)
+    setup_.file->fail("stiffness that varies needs a material without curve or fibre");
+  // What lies on a face or edge has the mean of the boxes around it.
+  change_stiffness(body, [&](const auto& molecules, double& factor) {
+    Vector3 middle = Vector3::Zero();
+    for (const int molecule : molecules)
+      middle += Vector3(corners_[molecule][0], corners_[molecule][1], corners_[molecule][2]);
+    middle /= static_cast<double>(molecules.size());
+    double sum = 0;
+    int count = 0;
+    for (int c = 0; c < 8; ++c) {
+      std::array<int, 3> at{};
+      for (int axis = 0; axis < 3; ++axis)
+        at[axis] = static_cast<int>(std::floor(middle[axis] + ((c >> axis) & 1 ? 1e-6 : -1e-6)));
+      if (!is_body(at[0], at[1], at[2])) continue;
+      sum += stiffness(boxes_[index(at[0], at[1], at[2])]);
+      ++count;
+    }
+    if (count > 0) factor *= sum / count;
+  });
+}
+
+Body make_body(const ImageSetup& setup, ShapeContext& context) {
+  mesh::Image image = [&] {
+    try {
+      return mesh::load_image(setup.path);
+    } catch (const InputError& error) {
+      setup.file->fail(error.what());
+    }
+  }();
+  if (image.has_steps && setup.voxel_size)
+    setup.file->fail("the file states the size of its voxels; leave `voxel_size` out");
+  if (!image.has_steps && !setup.voxel_size)
+    setup.file->fail("the file does not state the size of its voxels; write `voxel_size: [1 mm, 1 mm, 1 mm]`");
+  if (setup.voxel_size) image.steps = (image.steps * (*setup.voxel_size / setup.length_unit).asDiagonal()).eval();
+  if (image.unit > 0 && std::abs(image.unit / setup.length_unit - 1) > 1e-6)
+    context.remarks.warnings.push_back(setup.file->path() +
+                                       ": the file states another unit of length than `length_unit`, which counts");
+  const Boxes boxes(image, setup, context);
+  Body body = boxes.body();
+  if (context.remarks.sets) *context.remarks.sets = boxes.sets();
+  context.map.set_mesh_sets(boxes.sets());
+  boxes.set_matter(body);
+  return body;
+}
+
+}  // namespace
+
+Shape image_shape() {
+  using S = ImageSetup;
+  return shape(
+      "image", ", the voxels of a segmentation or scan",
+      Keys<S>{
+          Key<S>(mesh_file_key(std::string("an image: ") + mesh::image_endings())), length_unit_key(),
+          Key<S>({"labels", "list of numbers, or map of number to `{name, material}`", "", "", "every value but 0",
+                  "the labels that are body; each is a set of that name, and has the `youngs_modulus` and `density` of "
+                  "its `material`"},
+                 [](const Reader& value, S& setup, const Frame&) { read_labels(value, setup); }),
+          Key<S>(key::quantity("threshold", &S::threshold, dimension::none, "grey value from which on a voxel is body"))
+              .otherwise("none")
+              .refused_for([](const S& setup) {
+                return setup.threshold && !setup.labels.empty() ? "does not go with `labels`" : "";
+              }),
+          key::choice("as", &S::as,
+                      {{"hexahedra", ImageCells::hexahedra},
+                       {"lattice", ImageCells::lattice},
+                       {"tetrahedra", ImageCells::tetrahedra},
+                       {"packing", ImageCells::packing}},
+                      "a cell a box, its edges and face diagonals as connections, six tetrahedra a box, or molecules "
+                      "at random"),
+          key::vector("voxel_size", &S::voxel_size, dimension::length, "of files that do not state it", kPositive),
+          key::quantity("spacing", &S::spacing, dimension::length,
+                        "side of the boxes, rounded to whole voxels; distance of the molecules of a packing", kPositive)
+              .otherwise("a voxel; of a packing two"),
+          key::flag("fill_fraction", &S::fill_fraction,
+                    "whether a box is as stiff and heavy as the part of its voxels that is body; otherwise it is body "
+                    "where half of it is"),
+          key::choice("pieces", &S::largest, {{"all", false}, {"largest", true}},
+                      "which pieces that share faces are kept"),
+          key::choice("holes", &S::close, {{"keep", false}, {"close", true}}, "whether closed holes are filled"),
+          key::vector("from", &S::from, dimension::length, "lowest coordinates of voxels that are read"),
+          key::vector("to", &S::to, dimension::length, "highest coordinates of voxels that are read"),
+          key::later({"youngs_modulus", "formula of `value`", "Pa", "> 0", "the material's",
+                      "E from the grey value: `2 kPa * (value / 100)^2`"},
+                     &S::youngs_modulus),
+          key::later({"density", "formula of `value`", "kg/m³", "> 0", "the material's", "density from the grey value"},
+                     &S::density),
+          seed_key(&S::seed), order_key()},
+      make_body);
+}
+
+}  // namespace elastin::lab

@@ -1,0 +1,580 @@
+#include "mesh/image_file.h"
+
+#include <zlib.h>
+
+#include <algorithm>
+#include <bit>
+#include <charconv>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <map>
+#include <span>
+#include <vector>
+
+#include "elastin/core/base/error.h"
+#include "elastin/core/base/text.h"
+#include "mesh/text_file.h"
+
+namespace elastin::mesh {
+namespace {
+
+using Number = Image::Number;
+
+constexpr double kMostVoxels = 2147483647;
+
+struct NumberName {
+  const char* name;
+  Number number;
+};
+/// The names that NRRD and MetaImage have, and the codes of NIfTI.
+constexpr NumberName kNrrd[] = {{"signed char", Number::int8},
+                                {"int8", Number::int8},
+                                {"int8_t", Number::int8},
+                                {"uchar", Number::uint8},
+                                {"unsigned char", Number::uint8},
+                                {"uint8", Number::uint8},
+                                {"uint8_t", Number::uint8},
+                                {"short", Number::int16},
+                                {"short int", Number::int16},
+                                {"signed short", Number::int16},
+                                {"int16", Number::int16},
+                                {"int16_t", Number::int16},
+                                {"ushort", Number::uint16},
+                                {"unsigned short", Number::uint16},
+                                {"unsigned short int", Number::uint16},
+                                {"uint16", Number::uint16},
+                                {"uint16_t", Number::uint16},
+                                {"int", Number::int32},
+                                {"signed int", Number::int32},
+                                {"int32", Number::int32},
+                                {"int32_t", Number::int32},
+                                {"uint", Number::uint32},
+                                {"unsigned int", Number::uint32},
+                                {"uint32", Number::uint32},
+                                {"uint32_t", Number::uint32},
+                                {"longlong", Number::int64},
+                                {"long long", Number::int64},
+                                {"int64", Number::int64},
+                                {"int64_t", Number::int64},
+                                {"ulonglong", Number::uint64},
+                                {"unsigned long long", Number::uint64},
+                                {"uint64", Number::uint64},
+                                {"uint64_t", Number::uint64},
+                                {"float", Number::float32},
+                                {"double", Number::float64}};
+constexpr NumberName kMeta[] = {{"MET_CHAR", Number::int8},       {"MET_UCHAR", Number::uint8},
+                                {"MET_SHORT", Number::int16},     {"MET_USHORT", Number::uint16},
+                                {"MET_INT", Number::int32},       {"MET_UINT", Number::uint32},
+                                {"MET_LONG_LONG", Number::int64}, {"MET_ULONG_LONG", Number::uint64},
+                                {"MET_FLOAT", Number::float32},   {"MET_DOUBLE", Number::float64}};
+constexpr NumberName kNumpy[] = {{"i1", Number::int8},    {"u1", Number::uint8},  {"b1", Number::uint8},
+                                 {"i2", Number::int16},   {"u2", Number::uint16}, {"i4", Number::int32},
+                                 {"u4", Number::uint32},  {"i8", Number::int64},  {"u8", Number::uint64},
+                                 {"f4", Number::float32}, {"f8", Number::float64}};
+struct NiftiNumber {
+  int code;
+  Number number;
+};
+constexpr NiftiNumber kNifti[] = {
+    {2, Number::uint8},  {4, Number::int16},    {8, Number::int32},    {16, Number::float32}, {64, Number::float64},
+    {256, Number::int8}, {512, Number::uint16}, {768, Number::uint32}, {1024, Number::int64}, {1280, Number::uint64}};
+
+std::size_t bytes_of(Number number) {
+  constexpr std::size_t bytes[] = {1, 1, 2, 2, 4, 4, 8, 8, 4, 8};
+  return bytes[static_cast<std::size_t>(number)];
+}
+
+template <class T>
+T number_at(const char* data, bool swapped) {
+  std::array<char, sizeof(T)> bytes;
+  std::copy_n(data, sizeof(T), bytes.begin());
+  if (swapped) std::reverse(bytes.begin(), bytes.end());
+  return std::bit_cast<T>(bytes);
+}
+
+/// One image file, and the file with its data.
+class ImageReader {
+ public:
+  explicit ImageReader(const std::string& path) : path_(path) {}
+  Image read_nifti();
+  Image read_nrrd();
+  Image read_meta();
+  Image read_numpy();
+
+ private:
+  [[noreturn]] void fail(const std::string& message) const { throw InputError(path_ + ": " + message); }
+  std::string load(const std::string& path) const {
+    try {
+      return format::load_file(path).bytes;
+    } catch (const InputError& error) {
+      if (path == path_) throw;
+      fail(std::string("its data: ") + error.what());
+    }
+  }
+  /// A data file that the header names, next to it.
+  std::string beside(const std::string& name) const {
+    return name.starts_with('/') ? name : path_.substr(0, path_.rfind('/') + 1) + name;
+  }
+  std::string unpacked(std::string_view packed, std::size_t most) const;
+  Number number_named(std::span<const NumberName> table, const std::string& name) const;
+  std::vector<double> numbers(const std::string& text, const std::string& key) const;
+  std::vector<std::size_t> sizes(const std::string& text, const std::string& key) const;
+  void set_size(Image& image, std::vector<std::size_t> sizes) const;
+  std::size_t data_bytes(const Image& image) const { return image.voxels() * bytes_of(image.number); }
+  void set_data(Image& image, std::string_view bytes) const;
+  void set_text(Image& image, std::string_view text) const;
+
+  std::string path_;
+};
+
+/// What gzip or zlib has packed, at most `most` bytes of it; memory grows with what comes out.
+std::string ImageReader::unpacked(std::string_view packed, std::size_t most) const {
+  std::string result;
+  z_stream stream{};
+  constexpr int any_header = 15 + 32;  // zlib.h: inflateInit2
+  if (inflateInit2(&stream, any_header) != Z_OK) fail("zlib cannot start");
+  stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(packed.data()));
+  stream.avail_in = static_cast<uInt>(std::min<std::size_t>(packed.size(), UINT32_MAX));
+  int code = Z_OK;
+  while (code == Z_OK && result.size() < most) {
+    const std::size_t before = result.size(), more = std::min<std::size_t>(most - before, 1 << 20);
+    result.resize(before + more);
+    stream.next_out = reinterpret_cast<Bytef*>(result.data() + before);
+    stream.avail_out = static_cast<uInt>(more);
+    code = inflate(&stream, Z_NO_FLUSH);
+    result.resize(before + more - stream.avail_out);
+    if (code == Z_STREAM_END && stream.avail_in > 0 && inflateReset(&stream) == Z_OK) code = Z_OK;
+  }
+  inflateEnd(&stream);
+  if (result.size() < most && code != Z_STREAM_END)
+    fail("its packed data end early or are damaged, after " + std::to_string(result.size()) +
+         " bytes; copy the file again");
+  return result;
+}
+
+Number ImageReader::number_named(std::span<const NumberName> table, const std::string& name) const {
+  for (const NumberName& row : table)
+    if (row.name == name) return row.number;
+  fail("has numbers of type '" + name + "'; needed: one integer or real number a voxel");
+}
+
+std::vector<double> ImageReader::numbers(const std::string& text, const std::string& key) const {
+  std::vector<double> result;
+  const char *at = text.data(), *end = at + text.size();
+  while (true) {
+    while (at != end && (std::isspace(static_cast<unsigned char>(*at)) || *at == ',' || *at == '(' || *at == ')')) ++at;
+    if (at == end) return result;
+    double value = 0;
+    if (*at == '+') ++at;
+    const auto [next, error] = std::from_chars(at, end, value);
+    if (error != std::errc() || !std::isfinite(value)) fail("'" + key + "' has no finite number in '" + text + "'");
+    result.push_back(value);
+    at = next;
+  }
+}
+
+std::vector<std::size_t> ImageReader::sizes(const std::string& text, const std::string& key) const {
+  std::vector<std::size_t> result;
+  for (const double value : numbers(text, key)) {
+    if (!(value >= 1) || value > kMostVoxels || value != std::floor(value))
+      fail("'" + key + "' is '" + text + "'; needed: whole numbers from 1");
+    result.push_back(static_cast<std::size_t>(value));
+  }
+  return result;
+}
+
+void ImageReader::set_size(Image& image, std::vector<std::size_t> sizes) const {
+  while (sizes.size() > 3 && sizes.back() == 1) sizes.pop_back();
+  double voxels = 1;
+  for (const std::size_t size : sizes) voxels *= static_cast<double>(size);
+  if (sizes.size() != 3)
+    fail("has " + std::to_string(sizes.size()) + " dimensions; needed: three, one number a voxel" +
+         (sizes.size() > 3 ? " (choose one time, channel or component before)" : ""));
+  if (voxels > kMostVoxels) fail("claims " + number(voxels) + " voxels; at most " + number(kMostVoxels) + " are read");
+  for (int axis = 0; axis < 3; ++axis) image.size[axis] = static_cast<int>(sizes[axis]);
+  image.strides = {1, sizes[0], sizes[0] * sizes[1]};
+}
+
+void ImageReader::set_data(Image& image, std::string_view bytes) const {
+  const std::size_t needed = data_bytes(image);
+  if (bytes.size() < needed)
+    fail("has " + std::to_string(bytes.size()) + " bytes of data; its header says " + std::to_string(image.size[0]) +
+         " x " + std::to_string(image.size[1]) + " x " + std::to_string(image.size[2]) + " voxels, " +
+         std::to_string(needed) + " bytes");
+  image.data = std::string(bytes.substr(0, needed));
+}
+
+/// Data written as text, as real numbers.
+void ImageReader::set_text(Image& image, std::string_view text) const {
+  if (text.size() + 1 < 2 * image.voxels()) fail("has fewer numbers than its header says voxels");
+  std::vector<double> values = numbers(std::string(text), "data");
+  image.number = Number::float64;
+  image.swapped = false;
+  set_data(image, {reinterpret_cast<const char*>(values.data()), 8 * values.size()});
+}
+
+Image ImageReader::read_nifti() {
+  std::string file = load(path_);
+  const bool packed = file.size() > 2 && file[0] == '\x1f' && file[1] == '\x8b';
+  constexpr std::size_t header_bytes = 540;
+  std::string header = packed ? unpacked(file, header_bytes) : file.substr(0, header_bytes);
+  if (header.size() < 348) fail("is no NIfTI image: its header of 348 bytes is cut");
+  Image image;
+  const auto first = number_at<std::int32_t>(header.data(), false);
+  image.swapped = first != 348 && first != 540;
+  const auto length = number_at<std::int32_t>(header.data(), image.swapped);
+  const bool second = length == 540;
+  if ((length != 348 && !second) || (second && header.size() < 540))
+    fail("is no NIfTI image: its header has another size");
+  const auto whole = [&](std::size_t at) { return number_at<std::int16_t>(header.data() + at, image.swapped); };
+  const auto real = [&](std::size_t one, std::size_t two) {
+    return second ? number_at<double>(header.data() + two, image.swapped)
+                  : double{number_at<float>(header.data() + one, image.swapped)};
+  };
+  const std::string magic = header.substr(second ? 4 : 344, 3);
+  const bool single = magic == "n+1" || magic == "n+2";
+  if (!single && magic != "ni1" && magic != "ni2")
+    fail("is no NIfTI image: its header lacks the mark n+1, ni1, n+2 or ni2");
+  const auto dim = [&](std::size_t i) {
+    return second ? number_at<std::int64_t>(header.data() + 16 + 8 * i, image.swapped)
+                  : std::int64_t{whole(40 + 2 * i)};
+  };
+  std::vector<std::size_t> counts;
+  if (dim(0) < 1 || dim(0) > 7) fail("its header says " + std::to_string(dim(0)) + " dimensions; needed: three");
+  for (std::size_t i = 1; i <= static_cast<std::size_t>(dim(0)); ++i) {
+    if (dim(i) < 1 || dim(i) > kMostVoxels)
+      fail("its dimension " + std::to_string(i) + " is " + std::to_string(dim(i)));
+    counts.push_back(static_cast<std::size_t>(dim(i)));
+  }
+  set_size(image, counts);
+  const int code = whole(second ? 12 : 70);
+  const auto* row =
+      std::find_if(std::begin(kNifti), std::end(kNifti), [&](const auto& own) { return own.code == code; });
+  if (row == std::end(kNifti))
+    fail("has NIfTI's data type " + std::to_string(code) + (code == 128 || code == 2304 ? " (colours)" : "") +
+         "; needed: one integer or real number a voxel");
+  image.number = row->number;
+  if (const double slope = real(112, 176); slope != 0 && std::isfinite(slope)) {
+    image.slope = slope;
+    image.intercept = real(116, 184);
+  }
+  const int units =
+      (second ? number_at<std::int32_t>(header.data() + 500, image.swapped) : static_cast<unsigned char>(header[123])) &
+      7;
+  image.unit = units == 1 ? 1 : units == 2 ? 1e-3 : units == 3 ? 1e-6 : 0;
+  image.space = "RAS";
+  const int qform = second ? number_at<std::int32_t>(header.data() + 344, image.swapped) : whole(252);
+  const int sform = second ? number_at<std::int32_t>(header.data() + 348, image.swapped) : whole(254);
+  const auto pixdim = [&](std::size_t i) { return real(76 + 4 * i, 104 + 8 * i); };
+  if (sform > 0) {
+    for (std::size_t r = 0; r < 3; ++r) {
+      const auto in_row = [&](std::size_t c) { return real(280 + 16 * r + 4 * c, 400 + 32 * r + 8 * c); };
+      const auto k = static_cast<Eigen::Index>(r);
+      image.steps.row(k) << in_row(0), in_row(1), in_row(2);
+      image.origin[k] = in_row(3);
+    }
+  } else if (qform > 0) {  // [nifti1.h, method 2]
+    const double b = real(256, 352), c = real(260, 360), d = real(264, 368);
+    const double a = std::sqrt(std::max(0., 1 - b * b - c * c - d * d));
+    const double flip = pixdim(0) < 0 ? -1 : 1;
+    image.steps << a * a + b * b - c * c - d * d, 2 * (b * c - a * d), 2 * (b * d + a * c), 2 * (b * c + a * d),
+        a * a + c * c - b * b - d * d, 2 * (c * d - a * b), 2 * (b * d - a * c), 2 * (c * d + a * b),
+        a * a + d * d - c * c - b * b;
+    image.steps = (image.steps * Vector3(pixdim(1), pixdim(2), flip * pixdim(3)).asDiagonal()).eval();
+    image.origin = {real(268, 376), real(272, 384), real(276, 392)};
+  } else {
+    image.steps = Vector3(pixdim(1), pixdim(2), pixdim(3)).asDiagonal();
+    image.space.clear();
+  }
+  const double offset =
+      second ? static_cast<double>(number_at<std::int64_t>(header.data() + 168, image.swapped)) : real(108, 0);
+  if (!(offset >= 0) || offset > 1e9) fail("its header says that data begin at byte " + number(offset));
+  const std::size_t begin = single ? std::max(static_cast<std::size_t>(offset), static_cast<std::size_t>(length))
+                                   : static_cast<std::size_t>(offset);
+  std::string own = std::move(file);
+  bool own_packed = packed;
+  if (!single) {
+    const std::size_t ending = path_.size() - (path_.ends_with(".gz") ? 7 : 4);
+    own = load(path_.substr(0, ending) + ".img" + path_.substr(ending + 4));
+    own_packed = own.size() > 2 && own[0] == '\x1f' && own[1] == '\x8b';
+  }
+  if (own_packed) own = unpacked(own, begin + data_bytes(image));
+  set_data(image, std::string_view(own).substr(std::min(begin, own.size())));
+  return image;
+}
+
+/// "a: b" and "a:=b", "a = b": without blanks around.
+std::string trimmed(std::string_view text) {
+  const auto first = text.find_first_not_of(" \t\r\n"), last = text.find_last_not_of(" \t\r\n");
+  return first == std::string_view::npos ? "" : std::string(text.substr(first, last - first + 1));
+}
+
+Image ImageReader::read_nrrd() {
+  std::string file = load(path_);
+  if (file.compare(0, 4, "NRRD") != 0) fail("is no NRRD image: it does not begin with NRRD");
+  std::map<std::string, std::string> fields;
+  std::size_t at = file.find('\n');
+  std::size_t data_at = file.size();
+  while (at != std::string::npos && at + 1 < file.size()) {
+    const std::size_t begin = at + 1, end = std::min(file.find('\n', begin), file.size());
+    const std::string line = trimmed(std::string_view(file).substr(begin, end - begin));
+    at = end;
+    if (line.empty()) {
+      data_at = std::min(end + 1, file.size());
+      break;
+    }
+    if (line[0] == '#') continue;
+    const std::size_t colon = line.find(':');
+    if (colon == std::string::npos) fail("its header has a line without a colon: '" + line.substr(0, 60) + "'");
+    if (line.compare(colon, 2, ":=") != 0) fields[trimmed(line.substr(0, colon))] = trimmed(line.substr(colon + 1));
+  }
+  const auto needed = [&](const std::string& key) -> const std::string& {
+    const auto found = fields.find(key);
+    if (found == fields.end()) fail("its header lacks '" + key + "'");
+    return found->second;
+  };
+  const auto given = [&](const std::string& key) {
+    const auto found = fields.find(key);
+    return found == fields.end() ? std::string() : found->second;
+  };
+  Image image;
+  image.number = number_named(kNrrd, needed("type"));
+  const std::vector<std::size_t> counts = sizes(needed("sizes"), "sizes");
+  if (std::to_string(counts.size()) != needed("dimension"))
+    fail("its 'dimension' is " + needed("dimension") + ", and its 'sizes' are " + std::to_string(counts.size()));
+  set_size(image, counts);
+  if (bytes_of(image.number) > 1 && given("encoding") != "ascii" && given("encoding") != "text" &&
+      given("encoding") != "txt") {
+    const std::string& endian = needed("endian");
+    if (endian != "little" && endian != "big") fail("its 'endian' is '" + endian + "'; needed: little or big");
+    image.swapped = (endian == "big") != (std::endian::native == std::endian::big);
+  }
+  if (const std::string text = given("space directions"); !text.empty()) {
+    const std::vector<double> all = numbers(text, "space directions");
+    if (all.size() != 9)
+      fail("its 'space directions' are " + std::to_string(all.size()) + " numbers; needed: three vectors of three");
+    image.steps = Eigen::Map<const Matrix3>(all.data());
+  } else if (const std::string spacings = given("spacings"); !spacings.empty()) {
+    const std::vector<double> all = numbers(spacings, "spacings");
+    if (all.size() < 3) fail("its 'spacings' are '" + spacings + "'; needed: three numbers");
+    image.steps = Vector3(all[0], all[1], all[2]).asDiagonal();
+  } else {
+    image.has_steps = false;
+  }
+  if (const std::string text = given("space origin"); !text.empty()) {
+    const std::vector<double> all = numbers(text, "space origin");
+    if (all.size() != 3) fail("its 'space origin' is '" + text + "'; needed: three numbers");
+    image.origin = {all[0], all[1], all[2]};
+  }
+  const std::string space = given("space");
+  image.space = space == "left-posterior-superior" ? "LPS" : space == "right-anterior-superior" ? "RAS" : space;
+  std::string other;
+  std::string_view data = std::string_view(file).substr(data_at);
+  std::string name = given("data file");
+  if (name.empty()) name = given("datafile");
+  if (name.compare(0, 4, "LIST") == 0 || name.find('%') != std::string::npos)
+    fail("has its data in several files; needed: one");
+  if (!name.empty()) {
+    other = load(beside(name));
+    data = other;
+  }
+  for (const char* key : {"line skip", "lineskip"})
+    if (const std::string text = given(key); !text.empty())
+      for (double lines = numbers(text, key).at(0); lines > 0; --lines)
+        data.remove_prefix(std::min(data.size(), std::min(data.find('\n'), data.size() - 1) + 1));
+  const std::string encoding = needed("encoding");
+  double skip = 0;
+  for (const char* key : {"byte skip", "byteskip"})
+    if (const std::string text = given(key); !text.empty()) skip = numbers(text, key).at(0);
+  std::string plain;
+  if (encoding == "gzip" || encoding == "gz") {
+    plain = unpacked(data, data_bytes(image) + static_cast<std::size_t>(std::clamp(skip, 0., 1e9)));
+    data = plain;
+  } else if (encoding == "ascii" || encoding == "text" || encoding == "txt") {
+    set_text(image, data);
+    return image;
+  } else if (encoding != "raw") {
+    fail("its 'encoding' is '" + encoding + "'; needed: raw, gzip or ascii");
+  }
+  if (skip == -1) skip = static_cast<double>(data.size()) - static_cast<double>(data_bytes(image));
+  data.remove_prefix(std::min(data.size(), static_cast<std::size_t>(std::clamp(skip, 0., 1e12))));
+  set_data(image, data);
+  return image;
+}
+
+Image ImageReader::read_meta() {
+  const std::string file = load(path_);
+  std::map<std::string, std::string> fields;
+  std::size_t at = 0;
+  while (at < file.size() && !fields.contains("ElementDataFile")) {
+    const std::size_t end = std::min(file.find('\n', at), file.size());
+    const std::string line = trimmed(std::string_view(file).substr(at, end - at));
+    at = std::min(end + 1, file.size());
+    const std::size_t equals = line.find('=');
+    if (line.empty()) continue;
+    if (equals == std::string::npos)
+      fail("is no MetaImage: its header has a line without '=': '" + line.substr(0, 60) + "'");
+    fields[trimmed(line.substr(0, equals))] = trimmed(line.substr(equals + 1));
+  }
+  const auto given = [&](std::initializer_list<const char*> keys) {
+    for (const char* key : keys)
+      if (const auto found = fields.find(key); found != fields.end()) return found->second;
+    return std::string();
+  };
+  const auto needed = [&](const char* key) {
+    const std::string text = given({key});
+    if (text.empty()) fail("its header lacks '" + std::string(key) + "'");
+    return text;
+  };
+  const auto flag = [&](std::initializer_list<const char*> keys) {
+    const std::string text = given(keys);
+    return !text.empty() && (text[0] == 'T' || text[0] == 't' || text[0] == '1');
+  };
+  Image image;
+  set_size(image, sizes(needed("DimSize"), "DimSize"));
+  if (const std::string text = given({"ElementNumberOfChannels"}); !text.empty() && text != "1")
+    fail("has " + text + " numbers a voxel; needed: one");
+  image.number = number_named(kMeta, needed("ElementType"));
+  image.swapped = flag({"BinaryDataByteOrderMSB", "ElementByteOrderMSB"}) != (std::endian::native == std::endian::big);
+  const auto three = [&](const std::string& text, const char* key) {
+    const std::vector<double> all = numbers(text, key);
+    if (all.size() < 3) fail("its '" + std::string(key) + "' is '" + text + "'; needed: three numbers");
+    return Vector3(all[0], all[1], all[2]);
+  };
+  Vector3 spacing = Vector3::Ones();
+  const std::string spacings = given({"ElementSpacing", "ElementSize"});
+  image.has_steps = !spacings.empty();
+  if (image.has_steps) spacing = three(spacings, "ElementSpacing");
+  if (const std::string text = given({"TransformMatrix", "Orientation", "Rotation"}); !text.empty()) {
+    const std::vector<double> all = numbers(text, "TransformMatrix");
+    if (all.size() != 9) fail("its 'TransformMatrix' has " + std::to_string(all.size()) + " numbers; needed: nine");
+    image.steps = Eigen::Map<const Matrix3>(all.data());  // an axis after the other
+  }
+  image.steps = (image.steps * spacing.asDiagonal()).eval();
+  if (const std::string text = given({"Offset", "Position", "Origin"}); !text.empty())
+    image.origin = three(text, "Offset");
+  image.space = "LPS";
+  const std::string name = needed("ElementDataFile");
+  if (name == "LIST" || name.find('%') != std::string::npos) fail("has its data in several files; needed: one");
+  std::string other;
+  std::string_view data = std::string_view(file).substr(at);
+  if (name != "LOCAL" && name != "local") {
+    other = load(beside(name));
+    data = other;
+  }
+  const double skip = given({"HeaderSize"}).empty() ? 0 : numbers(given({"HeaderSize"}), "HeaderSize").at(0);
+  if (flag({"CompressedData"})) {
+    other = unpacked(data, data_bytes(image));
+    data = other;
+  } else if (!given({"BinaryData"}).empty() && !flag({"BinaryData"})) {
+    set_text(image, data);
+    return image;
+  } else if (skip == -1 && data.size() > data_bytes(image)) {
+    data.remove_prefix(data.size() - data_bytes(image));
+  } else if (skip > 0) {
+    data.remove_prefix(std::min(data.size(), static_cast<std::size_t>(skip)));
+  }
+  set_data(image, data);
+  return image;
+}
+
+Image ImageReader::read_numpy() {
+  const std::string file = load(path_);
+  if (file.size() < 12 || file.compare(0, 6, "\x93NUMPY") != 0)
+    fail("is no array of NumPy: it does not begin with its mark");
+  const bool first = file[6] == 1;
+  const std::size_t begin = first ? 10 : 12;
+  const std::size_t length = first ? number_at<std::uint16_t>(file.data() + 8, std::endian::native == std::endian::big)
+                                   : number_at<std::uint32_t>(file.data() + 8, std::endian::native == std::endian::big);
+  if (begin + length > file.size()) fail("its header is cut");
+  const std::string header = file.substr(begin, length);
+  const auto after = [&](const std::string& key) {
+    const std::size_t at = header.find("'" + key + "':");
+    if (at == std::string::npos) fail("its header lacks '" + key + "'");
+    return trimmed(header.substr(at + key.size() + 3));
+  };
+  const std::string descr = after("descr"), shape = after("shape");
+  if (descr.size() < 5 || descr[0] != '\'') fail("has records; needed: one integer or real number a voxel");
+  Image image;
+  image.number = number_named(kNumpy, descr.substr(2, descr.find('\'', 1) - 2));
+  image.swapped = bytes_of(image.number) > 1 && (descr[1] == '>') != (std::endian::native == std::endian::big);
+  set_size(image, sizes(shape.substr(0, shape.find(')') + 1), "shape"));
+  if (after("fortran_order").compare(0, 4, "True") != 0) {
+    const auto ny = static_cast<std::size_t>(image.size[1]), nz = static_cast<std::size_t>(image.size[2]);
+    image.strides = {ny * nz, nz, 1};
+  }
+  image.has_steps = false;
+  set_data(image, std::string_view(file).substr(begin + length));
+  return image;
+}
+
+struct ImageFormat {
+  const char* ending;
+  Image (ImageReader::*read)();
+};
+constexpr ImageFormat kFormats[] = {
+    {".nii", &ImageReader::read_nifti},    {".nii.gz", &ImageReader::read_nifti}, {".hdr", &ImageReader::read_nifti},
+    {".hdr.gz", &ImageReader::read_nifti}, {".nrrd", &ImageReader::read_nrrd},    {".nhdr", &ImageReader::read_nrrd},
+    {".mhd", &ImageReader::read_meta},     {".mha", &ImageReader::read_meta},     {".npy", &ImageReader::read_numpy}};
+
+}  // namespace
+
+const char* image_endings() { return ".nii, .nii.gz, .hdr (with .img), .nrrd, .nhdr, .mhd, .mha, .npy"; }
+
+std::size_t Image::voxels() const {
+  return static_cast<std::size_t>(size[0]) * static_cast<std::size_t>(size[1]) * static_cast<std::size_t>(size[2]);
+}
+
+double Image::at(int x, int y, int z) const {
+  const char* place = data.data() + bytes_of(number) * (static_cast<std::size_t>(x) * strides[0] +
+                                                        static_cast<std::size_t>(y) * strides[1] +
+                                                        static_cast<std::size_t>(z) * strides[2]);
+  const auto value = [&]() -> double {
+    switch (number) {
+      case Number::int8:
+        return number_at<std::int8_t>(place, false);
+      case Number::uint8:
+        return number_at<std::uint8_t>(place, false);
+      case Number::int16:
+        return number_at<std::int16_t>(place, swapped);
+      case Number::uint16:
+        return number_at<std::uint16_t>(place, swapped);
+      case Number::int32:
+        return number_at<std::int32_t>(place, swapped);
+      case Number::uint32:
+        return number_at<std::uint32_t>(place, swapped);
+      case Number::int64:
+        return static_cast<double>(number_at<std::int64_t>(place, swapped));
+      case Number::uint64:
+        return static_cast<double>(number_at<std::uint64_t>(place, swapped));
+      case Number::float32:
+        return double{number_at<float>(place, swapped)};
+      case Number::float64:
+        return number_at<double>(place, swapped);
+    }
+    return 0;
+  };
+  return slope * value() + intercept;
+}
+
+Image load_image(const std::string& path) {
+  std::string name = path;
+  std::transform(name.begin(), name.end(), name.begin(), [](unsigned char c) { return std::tolower(c); });
+  for (const ImageFormat& format : kFormats)
+    if (name.ends_with(format.ending)) {
+      ImageReader reader(path);
+      Image image = (reader.*format.read)();
+      const double volume = image.steps.determinant(), sides = image.steps.colwise().norm().prod();
+      if (!image.steps.allFinite() || !image.origin.allFinite() || !(std::abs(volume) > 1e-6 * sides))
+        throw InputError(
+            path +
+            ": its voxels have no volume: spacings and directions must be finite, not zero and not in one plane");
+      if (!std::isfinite(image.slope) || !std::isfinite(image.intercept))
+        throw InputError(path + ": its scale of values is not finite");
+      return image;
+    }
+  throw InputError(path + ": is no image that is read: " + image_endings());
+}
+
+}  // namespace elastin::mesh

@@ -1,0 +1,137 @@
+// Bodies out of images: their geometry, labels, fractions and pieces.
+
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <functional>
+
+#include "core/simulation/warnings.h"
+#include "lab/report/records.h"
+#include "lab/run/specimen.h"
+#include "support/temporary_folder.h"
+
+using namespace elastin;
+using namespace elastin::lab;
+using Catch::Matchers::Contains;
+
+namespace {
+
+const Catalog kCatalog = built_in_catalog();
+
+/// An image as text with voxels of 2 × 1 × 1 mm, whose axes go along `directions`.
+std::string nrrd(std::array<int, 3> size, const std::function<double(int, int, int)>& value,
+                 const std::string& directions = "(2,0,0) (0,1,0) (0,0,1)") {
+  std::string text = "NRRD0004\ntype: float\ndimension: 3\nsizes: " + std::to_string(size[0]) + " " +
+                     std::to_string(size[1]) + " " + std::to_string(size[2]) + "\nspace directions: " + directions +
+                     "\nspace origin: (1,0.5,0.5)\nencoding: ascii\n\n";
+  for (int z = 0; z < size[2]; ++z)
+    for (int y = 0; y < size[1]; ++y)
+      for (int x = 0; x < size[0]; ++x) text += std::to_string(value(x, y, z)) + " ";
+  return text;
+}
+
+std::unique_ptr<Scene> scene_of(const TemporaryFolder& folder, const std::string& image, const std::string& keys,
+                                const std::string& strategy = "neo_hookean") {
+  folder.write("a.nrrd", image);
+  auto scene = load_scene(
+      folder.write("scene.yaml", "title: A scan\nbody: {image: {file: a.nrrd, length_unit: mm" + keys +
+                                     "}}\nmaterial: {youngs_modulus: 10 kPa, poissons_ratio: 0, density: 1000 kg/m3}\n"
+                                     "stiffness: " +
+                                     strategy +
+                                     "\nexperiment: {kind: tension, axis: z, force: 1 uN}\n"
+                                     "solver: {displacements: small}\nreference: none\n"),
+      kCatalog);
+  prepare(scene->specimen, scene->stiffness.strategy);
+  return scene;
+}
+
+double modulus(const Scene& scene) {
+  const Run run = run_strategy(scene.specimen, *scene.experiment, scene.stiffness, {.statics = scene.statics});
+  INFO(run.cause);
+  REQUIRE(run.outcome == Outcome::converged);
+  return run.measures.get("effective_modulus");
+}
+
+const std::array<int, 3> kSize{3, 4, 6};
+double halves(int, int, int z) { return z < 3 ? 1 : 2; }
+
+}  // namespace
+
+TEST_CASE("image: labels in series, as cells and whatever the directions of the image", "[image]") {
+  const TemporaryFolder folder;
+  const std::string labels =
+      ", labels: {1: {name: soft}, 2: {name: stiff, material: {youngs_modulus: 40 kPa, density: 2000 kg/m3}}}";
+  // 3 × 4 × 6 voxels: 6 × 4 × 6 mm, in the last three turned, mirrored and rotated by 30 degrees about z.
+  for (const char* directions : {"(2,0,0) (0,1,0) (0,0,1)", "(0,2,0) (1,0,0) (0,0,1)", "(2,0,0) (0,1,0) (0,0,-1)",
+                                 "(1.7320508075688772,1,0) (-0.5,0.8660254037844386,0) (0,0,1)"})
+    for (const char* as : {"hexahedra", "tetrahedra"}) {
+      INFO(directions << " " << as);
+      const auto scene = scene_of(folder, nrrd(kSize, halves, directions), labels + ", as: " + as);
+      const Body& body = scene->specimen.body;
+      CHECK(body.size() == 4 * 5 * 7);
+      CHECK(body.mass.sum() == Approx(144e-9 * 1500));
+      CHECK(modulus(*scene) == Approx(16e3).epsilon(1e-6));  // 2 / (1/10 + 1/40) kPa
+    }
+}
+
+TEST_CASE("image: a formula of the grey value is E at each box", "[image]") {
+  const TemporaryFolder folder;
+  const auto scene = scene_of(folder, nrrd(kSize, [](int, int, int z) { return z < 3 ? 100 : 200; }),
+                              ", youngs_modulus: 1 kPa * (value / 100)^2");
+  CHECK(modulus(*scene) == Approx(1.6e3).epsilon(1e-6));  // 2 / (1/1 + 1/4)
+}
+
+TEST_CASE("image: lattice and packing of the voxels run as springs", "[image]") {
+  const TemporaryFolder folder;
+  const auto lattice = scene_of(folder, nrrd(kSize, halves), ", as: lattice", "lattice");
+  CHECK(lattice->specimen.body.cubes.size() == 72);
+  CHECK(lattice->specimen.body.mass.sum() == Approx(144e-6));
+  const auto packing = scene_of(folder, nrrd({10, 20, 20}, halves), ", as: packing", "standard");
+  CHECK(packing->specimen.body.mass.sum() == Approx(8e-3));
+  CHECK(packing->specimen.body.connections.size() > 3 * packing->specimen.body.size());
+}
+
+TEST_CASE("image: larger boxes, and the part of them that is body", "[image]") {
+  const TemporaryFolder folder;
+  // Of two voxels along y one is body: half of the section.
+  const std::string image = nrrd({4, 4, 4}, [](int, int y, int) { return y % 2; });
+  const auto whole = scene_of(folder, image, ", spacing: 2 mm");
+  CHECK(whole->specimen.body.size() == 5 * 3 * 3);
+  CHECK(whole->specimen.body.mass.sum() == Approx(128e-6));
+  const auto part = scene_of(folder, image, ", spacing: 2 mm, fill_fraction: true");
+  CHECK(part->specimen.body.mass.sum() == Approx(64e-6));
+  CHECK(modulus(*part) == Approx(5e3).epsilon(1e-6));
+}
+
+TEST_CASE("image: pieces, holes, threshold and crop", "[image]") {
+  const TemporaryFolder folder;
+  const auto specks =
+      nrrd({5, 5, 5}, [](int x, int y, int z) { return (x > 3 && y > 3 && z > 3) || x < 3 ? 100 : 20; });
+  const auto boxes = [](const Scene& scene) { return scene.specimen.body.blocks.front().size(); };
+  const auto all = scene_of(folder, specks, ", threshold: 50");
+  CHECK(boxes(*all) == 76);
+  CHECK_THAT(all->warnings.front(), Contains("2 pieces"));
+  CHECK(boxes(*scene_of(folder, specks, ", threshold: 50, pieces: largest")) == 75);
+  CHECK(boxes(*scene_of(folder, specks, ", threshold: 50, from: [0 mm, 0 mm, 0 mm], to: [6 mm, 5 mm, 2 mm]")) == 30);
+  const auto hollow = nrrd({5, 5, 5}, [](int x, int y, int z) { return x == 2 && y == 2 && z == 2 ? 0 : 1; });
+  CHECK(boxes(*scene_of(folder, hollow, "")) == 124);
+  CHECK(boxes(*scene_of(folder, hollow, ", holes: close")) == 125);
+}
+
+TEST_CASE("image: what cannot be a body is refused by name", "[image]") {
+  const TemporaryFolder folder;
+  const auto image = nrrd(kSize, halves);
+  const auto refused = [&](const std::string& keys) {
+    try {
+      scene_of(folder, image, keys);
+    } catch (const InputError& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  CHECK_THAT(refused(", labels: [7]"), Contains("leaves no voxel") && Contains("1, 2"));
+  CHECK_THAT(refused(", labels: [liver]"), Contains("no label"));
+  CHECK_THAT(refused(", labels: [1], threshold: 3"), Contains("labels"));
+  CHECK_THAT(refused(", voxel_size: [1 mm, 1 mm, 1 mm]"), Contains("states the size"));
+  CHECK_THAT(refused(", youngs_modulus: value * 2 mm"), Contains("must give"));
+  CHECK_THAT(refused(", spacings: 2 mm"), Contains("spacing"));
+}

@@ -1,0 +1,286 @@
+#include "mesh/image_file.h"
+
+#include <zlib.h>
+
+#include <algorithm>
+#include <bit>
+#include <catch2/catch.hpp>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <random>
+
+#include "elastin/core/base/error.h"
+
+using namespace elastin;
+using namespace elastin::mesh;
+
+namespace {
+
+std::filesystem::path folder() {
+  const auto path = std::filesystem::temp_directory_path() / "elastin_images";
+  std::filesystem::create_directories(path);
+  return path;
+}
+
+std::string write(const std::string& name, const std::string& bytes) {
+  const std::string path = (folder() / name).string();
+  std::ofstream(path, std::ios::binary) << bytes;
+  return path;
+}
+
+std::string packed(const std::string& bytes) {
+  const std::string path = (folder() / "packed.gz").string();
+  gzFile file = gzopen(path.c_str(), "wb");
+  gzwrite(file, bytes.data(), static_cast<unsigned>(bytes.size()));
+  gzclose(file);
+  std::ifstream in(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+template <class T>
+std::string bytes_of(T value, bool swapped = false) {
+  std::string bytes(sizeof value, '\0');
+  std::memcpy(bytes.data(), &value, sizeof value);
+  if (swapped) std::reverse(bytes.begin(), bytes.end());
+  return bytes;
+}
+
+/// x + 10 y + 100 z of 3 × 4 × 2 voxels, x fastest.
+template <class T>
+std::string numbers(bool swapped = false) {
+  std::string bytes;
+  for (int z = 0; z < 2; ++z)
+    for (int y = 0; y < 4; ++y)
+      for (int x = 0; x < 3; ++x) bytes += bytes_of(static_cast<T>(x + 10 * y + 100 * z), swapped);
+  return bytes;
+}
+
+struct Nifti {
+  std::string header = std::string(352, '\0');
+  bool swapped = false;
+  template <class T>
+  void put(std::size_t at, T value) {
+    header.replace(at, sizeof value, bytes_of(value, swapped));
+  }
+  explicit Nifti(std::int16_t type, bool swapped_bytes = false) : swapped(swapped_bytes) {
+    put(0, std::int32_t{348});
+    const std::int16_t dim[] = {3, 3, 4, 2, 1, 1, 1, 1};
+    const float pixdim[] = {1, 1, 2, 3, 0, 0, 0, 0};
+    for (std::size_t i = 0; i < 8; ++i) put(40 + 2 * i, dim[i]), put(76 + 4 * i, pixdim[i]);
+    put(70, type);
+    put(108, 352.F);
+    header[123] = 2;
+    header.replace(344, 4, std::string("n+1\0", 4));
+  }
+};
+
+void check_values(const Image& image) {
+  REQUIRE(image.size == std::array<int, 3>{3, 4, 2});
+  for (int z = 0; z < 2; ++z)
+    for (int y = 0; y < 4; ++y)
+      for (int x = 0; x < 3; ++x) CHECK(image.at(x, y, z) == x + 10 * y + 100 * z);
+}
+
+std::string message_of(const std::string& path) {
+  try {
+    load_image(path);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+}  // namespace
+
+TEST_CASE("image: the same voxels from every format", "[image]") {
+  const std::string raw = numbers<std::int16_t>(), turned = numbers<std::int16_t>(true);
+  for (const bool swapped : {false, true}) {
+    Nifti nifti(4, swapped);
+    nifti.put(254, std::int16_t{1});
+    const float rows[] = {0, -2, 0, 5, 1, 0, 0, 6, 0, 0, 3, 7};  // x goes along y, and y against x
+    for (std::size_t i = 0; i < 12; ++i) nifti.put(280 + 4 * i, rows[i]);
+    for (const bool gzip : {false, true}) {
+      const std::string bytes = nifti.header + (swapped ? turned : raw);
+      const Image image = load_image(write(gzip ? "a.nii.gz" : "a.nii", gzip ? packed(bytes) : bytes));
+      check_values(image);
+      CHECK(image.space == "RAS");
+      CHECK(image.unit == 1e-3);
+      CHECK(image.origin == Vector3(5, 6, 7));
+      CHECK(image.steps.col(0) == Vector3(0, 1, 0));
+      CHECK(image.steps.col(1) == Vector3(-2, 0, 0));
+      CHECK(image.steps.col(2) == Vector3(0, 0, 3));
+    }
+  }
+  SECTION("quaternions turn by 90 degrees about z") {
+    Nifti nifti(4);
+    nifti.put(252, std::int16_t{1});
+    nifti.put(264, static_cast<float>(std::sqrt(0.5)));
+    nifti.put(76, -1.F);  // the third axis is reversed
+    const Image image = load_image(write("q.nii", nifti.header + raw));
+    CHECK((image.steps.col(0) - Vector3(0, 1, 0)).norm() < 1e-6);
+    CHECK((image.steps.col(1) - Vector3(-2, 0, 0)).norm() < 1e-6);
+    CHECK((image.steps.col(2) - Vector3(0, 0, -3)).norm() < 1e-6);
+  }
+  const std::string nrrd =
+      "NRRD0004\n# comment\ntype: short\ndimension: 3\nsizes: 3 4 2\nspace: left-posterior-superior\n"
+      "space directions: (1,0,0) (0,2,0) (0,0,3)\nspace origin: (5,6,7)\n";
+  write("b.raw", raw);
+  std::string text;
+  for (int i = 0; i < 24; ++i) text += std::to_string(i % 3 + 10 * (i / 3 % 4) + 100 * (i / 12)) + " ";
+  for (const auto& [name, bytes] :
+       {std::pair<std::string, std::string>{"b1.nrrd", nrrd + "endian: little\nencoding: raw\n\n" + raw},
+        {"b2.nrrd", nrrd + "endian: big\nencoding: raw\n\n" + turned},
+        {"b3.nrrd", nrrd + "endian: little\nencoding: gzip\n\n" + packed(raw)},
+        {"b4.nrrd", nrrd + "encoding: ascii\n\n" + text},
+        {"b5.nhdr", nrrd + "endian: little\nencoding: raw\ndata file: b.raw\n"}}) {
+    INFO(name);
+    const Image image = load_image(write(name, bytes));
+    check_values(image);
+    CHECK(image.space == "LPS");
+    CHECK(image.origin == Vector3(5, 6, 7));
+    CHECK(image.steps.col(1) == Vector3(0, 2, 0));
+  }
+  const std::string meta =
+      "ObjectType = Image\nNDims = 3\nDimSize = 3 4 2\nElementType = MET_SHORT\nElementSpacing = 1 2 3\nOffset = 5 6 "
+      "7\n"
+      "TransformMatrix = 0 1 0 -1 0 0 0 0 1\n";
+  for (const auto& [name, bytes] :
+       {std::pair<std::string, std::string>{"c1.mha", meta + "BinaryData = True\nElementDataFile = LOCAL\n" + raw},
+        {"c2.mhd", meta + "ElementDataFile = b.raw\n"},
+        {"c3.mha", meta + "BinaryDataByteOrderMSB = True\nElementDataFile = LOCAL\n" + turned},
+        {"c4.mha", meta + "CompressedData = True\nElementDataFile = LOCAL\n" + packed(raw)}}) {
+    INFO(name);
+    const Image image = load_image(write(name, bytes));
+    check_values(image);
+    CHECK(image.steps.col(0) == Vector3(0, 1, 0));
+    CHECK(image.steps.col(1) == Vector3(-2, 0, 0));
+  }
+  std::string header = "{'descr': '<i2', 'fortran_order': True, 'shape': (3, 4, 2), }";
+  header.resize(117, ' ');
+  const std::string npy =
+      std::string("\x93NUMPY\x01\x00", 8) + bytes_of(static_cast<std::uint16_t>(118)) + header + "\n";
+  const Image image = load_image(write("d.npy", npy + raw));
+  check_values(image);
+  CHECK(!image.has_steps);
+}
+
+TEST_CASE("image: numbers of every type, and scaled ones", "[image]") {
+  const auto check = [](std::int16_t code, const std::string& bytes) {
+    CAPTURE(code);
+    check_values(load_image(write("t.nii", Nifti(code).header + bytes)));
+  };
+  check(2, numbers<std::uint8_t>());
+  check(8, numbers<std::int32_t>());
+  check(16, numbers<float>());
+  check(64, numbers<double>());
+  check(512, numbers<std::uint16_t>());
+  check(768, numbers<std::uint32_t>());
+  check(1024, numbers<std::int64_t>());
+  check(1280, numbers<std::uint64_t>());
+  Nifti scaled(4);
+  scaled.put(112, 2.F);
+  scaled.put(116, -3.F);
+  CHECK(load_image(write("s.nii", scaled.header + numbers<std::int16_t>())).at(1, 1, 1) == 2 * 111 - 3);
+}
+
+TEST_CASE("image: what is broken or odd is named", "[image]") {
+  const std::string raw = numbers<std::int16_t>();
+  const auto nifti = [&](auto change) {
+    Nifti own(4);
+    change(own);
+    return own.header + raw;
+  };
+  const std::string nrrd = "NRRD0004\ntype: short\ndimension: 3\nsizes: 3 4 2\nspacings: 1 2 3\nendian: little\n";
+  const std::string meta = "NDims = 3\nDimSize = 3 4 2\nElementType = MET_SHORT\nElementSpacing = 1 2 3\n";
+  const std::string gzip = packed(nifti([](Nifti&) {}));
+  const auto npy = [](const std::string& text) {
+    return std::string("\x93NUMPY\x01\x00", 8) + bytes_of(static_cast<std::uint16_t>(text.size())) + text;
+  };
+  struct Case {
+    std::string name, bytes, message;
+  };
+  for (const Case& own : {
+           Case{"e1.nii", "", "header"},
+           {"e2.nii", std::string(348, '\0'), "header"},
+           {"e3.nii", nifti([](Nifti& n) { n.header.resize(200); }), "header"},
+           {"e4.nii", nifti([](Nifti& n) { n.put(42, std::int16_t{300}); }), "bytes of data"},
+           {"e5.nii", nifti([](Nifti& n) { n.put(42, std::int16_t{0}); }), "dimension 1 is 0"},
+           {"e6.nii", nifti([](Nifti& n) { n.put(40, std::int16_t{4}), n.put(48, std::int16_t{2}); }), "4 dimensions"},
+           {"e7.nii", nifti([](Nifti& n) { n.put(70, std::int16_t{128}); }), "colours"},
+           {"e8.nii", nifti([](Nifti& n) { n.put(70, std::int16_t{32}); }), "data type 32"},
+           {"e9.nii", nifti([](Nifti& n) { n.put(80, 0.F); }), "no volume"},
+           {"e10.nii", nifti([](Nifti& n) { n.put(80, NAN); }), "no volume"},
+           {"e11.nii", nifti([](Nifti& n) { n.put(254, std::int16_t{1}); }), "no volume"},
+           {"e12.nii", nifti([](Nifti& n) {
+              n.put(42, std::int16_t{1000}), n.put(44, std::int16_t{1000}), n.put(46, std::int16_t{1000});
+            }),
+            "bytes of data"},
+           {"e13.nii", nifti([](Nifti& n) {
+              n.put(42, std::int16_t{32000}), n.put(44, std::int16_t{32000}), n.put(46, std::int16_t{32000});
+            }),
+            "at most"},
+           {"e14.nii", nifti([](Nifti& n) { n.put(108, -5.F); }), "begin at byte"},
+           {"e15.nii", nifti([](Nifti& n) { n.header.replace(344, 3, "abc"); }), "mark"},
+           {"e16.nii", nifti([](Nifti& n) { n.put(40, std::int16_t{9}); }), "9 dimensions"},
+           {"e17.nii.gz", gzip.substr(0, gzip.size() / 2), "packed data"},
+           {"e18.nii.gz", gzip.substr(0, 12), "packed data"},
+           {"e19.hdr", nifti([](Nifti& n) { n.header.replace(344, 3, "ni1"); }), "cannot open"},
+           {"e20.nii", nifti([](Nifti& n) { n.put(112, 1.F), n.put(116, INFINITY); }), "not finite"},
+           {"f1.nrrd", "PNG", "begin with NRRD"},
+           {"f2.nrrd", nrrd + "encoding: raw\n\n" + raw.substr(1), "bytes of data"},
+           {"f3.nrrd", nrrd + "encoding: bzip2\n\n" + raw, "bzip2"},
+           {"f4.nrrd", nrrd + "\n" + raw, "'encoding'"},
+           {"f5.nrrd", "NRRD0004\ntype: block\ndimension: 3\nsizes: 3 4 2\nencoding: raw\n\n" + raw, "block"},
+           {"f6.nrrd", "NRRD0004\ntype: uchar\ndimension: 4\nsizes: 3 3 4 2\nencoding: raw\n\n" + raw, "4 dimensions"},
+           {"f7.nrrd", "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 3 4\nencoding: raw\n\n" + raw, "'dimension'"},
+           {"f8.nrrd", "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 3 -4 2\nencoding: raw\n\n" + raw, "'sizes'"},
+           {"f9.nrrd", "NRRD0004\ntype: short\ndimension: 3\nsizes: 3 4 2\nencoding: raw\n\n" + raw, "'endian'"},
+           {"f10.nrrd", "NRRD0004\ntype: short\ndimension: 3\nsizes: 3 4 2\nencoding: ascii\n\n1 2 3", "fewer numbers"},
+           {"f11.nrrd", nrrd + "encoding: gzip\n\n" + raw, "packed data"},
+           {"f12.nrrd",
+            "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 3 4 2\nspace directions: (1,0,0) (2,0,0) (0,0,1)\nencoding: "
+            "raw\n\n" +
+                raw,
+            "no volume"},
+           {"f13.nrrd",
+            "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 3 4 2\nspace directions: none (1,0,0) (0,1,0) "
+            "(0,0,1)\nencoding: raw\n\n" +
+                raw,
+            "no finite number"},
+           {"f14.nhdr", nrrd + "encoding: raw\ndata file: LIST\n", "several files"},
+           {"f15.nhdr", nrrd + "encoding: raw\ndata file: missing.raw\n", "cannot open"},
+           {"g1.mhd", "no header", "MetaImage"},
+           {"g2.mha", meta + "ElementDataFile = LOCAL\n" + raw.substr(2), "bytes of data"},
+           {"g3.mha", meta + "ElementNumberOfChannels = 3\nElementDataFile = LOCAL\n" + raw, "3 numbers a voxel"},
+           {"g4.mha", meta, "'ElementDataFile'"},
+           {"g5.mha", "DimSize = 3 4 2\nElementType = MET_SHORT_ARRAY\nElementDataFile = LOCAL\n" + raw,
+            "MET_SHORT_ARRAY"},
+           {"g6.mha", meta + "TransformMatrix = 1 0 0 1 0 0 0 0 1\nElementDataFile = LOCAL\n" + raw, "no volume"},
+           {"h1.npy", "abc", "NumPy"},
+           {"h2.npy", npy("{'descr': '<i2', 'fortran_order': False, 'shape': (3, 4, 2, 3), }") + raw, "4 dimensions"},
+           {"h3.npy", npy("{'descr': '<c8', 'fortran_order': False, 'shape': (3, 4, 2), }") + raw, "c8"},
+           {"h4.npy", npy("{'descr': [('a', '<i2')], 'fortran_order': False, 'shape': (3, 4, 2), }") + raw, "records"},
+           {"h5.npy", npy("{'descr': '<i2', 'fortran_order': False, 'shape': (1000, 1000, 1000), }") + raw,
+            "bytes of data"},
+           {"i.png", "", "is no image that is read"},
+       }) {
+    const std::string path = write(own.name, own.bytes), message = message_of(path);
+    INFO(own.name << ": " << message);
+    CHECK(message.find(own.name) != std::string::npos);
+    CHECK(message.find(own.message) != std::string::npos);
+  }
+}
+
+TEST_CASE("image: bytes changed at random end in a message or an image", "[image]") {
+  std::mt19937_64 generator(7);
+  const std::string whole = Nifti(4).header + numbers<std::int16_t>();
+  for (int trial = 0; trial < 300; ++trial) {
+    std::string bytes = whole;
+    for (int change = 0; change < 4; ++change) bytes[generator() % bytes.size()] = static_cast<char>(generator());
+    bytes.resize(generator() % 4 ? bytes.size() : generator() % bytes.size());
+    message_of(write("r.nii", bytes));
+    message_of(write("r.nii.gz", packed(bytes)));
+  }
+  SUCCEED();
+}
