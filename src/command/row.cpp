@@ -2,7 +2,9 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <csignal>
+#include <filesystem>
 #include <string_view>
 
 #include "elastin/core/base/error.h"
@@ -11,9 +13,11 @@
 namespace elastin::command {
 
 using namespace lab;
+namespace fs = std::filesystem;
 
 void SceneOptions::add_to(Options& options, bool several) {
-  options.argument("SCENE", into(scenes), several ? "Scene files (YAML)" : "Scene file (YAML)", true, several);
+  options.argument("SCENE", into(scenes), several ? "Scene files (YAML), or folders of them" : "Scene file (YAML)",
+                   true, several);
   options
       .add("--set", "KEY=VALUE", into(overrides),
            "Set a key of the scene: KEY.PATH=VALUE; a plain number is SI. May be repeated")
@@ -28,7 +32,18 @@ std::vector<SceneSource> SceneOptions::open() const {
   set_threads(threads);
   const SceneSource none;
   std::vector<SceneSource> sources;
-  for (const std::string& path : scenes) sources.push_back(none.other(path));
+  for (const std::string& path : scenes) {
+    if (!fs::is_directory(path)) {
+      sources.push_back(none.other(path));
+      continue;
+    }
+    std::vector<std::string> below;
+    for (const auto& entry : fs::recursive_directory_iterator(path))
+      if (entry.path().extension() == ".yaml") below.push_back(entry.path().string());
+    if (below.empty()) throw InputError(path + ": this folder has no scene (.yaml)");
+    std::sort(below.begin(), below.end());
+    for (const std::string& scene : below) sources.push_back(none.other(scene));
+  }
   return sources;
 }
 

@@ -43,7 +43,7 @@ struct SceneOptions {
   bool quiet = false;
 
   void add_to(Options& options, bool several = true);
-  /// Sets the number of threads. Every file is read once, even if several scenes name it.
+  /// Sets the number of threads. Every file is read once, even if several scenes name it; of a folder all scenes below.
   std::vector<lab::SceneSource> open() const;
   /// Puts these and how the program was called into a request.
   void fill(lab::Request& request, const Call& call) const;

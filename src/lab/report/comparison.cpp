@@ -51,11 +51,11 @@ std::vector<std::string> comparison_head(const std::vector<MeasureColumns>& colu
       head.push_back(column.reference ? "to the material's " + column.label() : "error of " + column.label());
     if (column.target) head.push_back(column.error ? "target at strain" : "its target");
   }
-  for (const char* name : {"iterations", "build", "solve", ""}) head.push_back(name);
   return head;
 }
 
-std::vector<TableCell> comparison_row(const Record& record, const std::vector<MeasureColumns>& columns, bool best) {
+std::vector<TableCell> comparison_row(const Record& record, const std::vector<MeasureColumns>& columns,
+                                      const std::vector<std::string>& scattered, bool best) {
   const Run& run = record.run;
   std::vector<TableCell> row{{run.strategy, best ? Tone::bold : run.suited ? Tone::plain : Tone::faint}};
   for (const auto& [info, value, with_target, with_error, reference, apparent] : columns) {
@@ -73,6 +73,7 @@ std::vector<TableCell> comparison_row(const Record& record, const std::vector<Me
                      Tone::faint, true});
     }
   }
+  for (const std::string& measure : scattered) row.push_back(scatter_cell(record, {measure}));
   row.push_back(number_cell(run.suited ? fmt::format("{} / {}", run.newton_iterations, run.linear_iterations) : "",
                             run.linear_iterations));
   for (const double seconds : {run.build_seconds, run.solve_seconds})
@@ -86,6 +87,28 @@ std::vector<TableCell> comparison_row(const Record& record, const std::vector<Me
 Tone tone_of_error(double error) {
   const double size = std::abs(error);
   return size <= 1e-3 ? Tone::good : size <= kNear ? Tone::plain : size <= 0.25 ? Tone::poor : Tone::bad;
+}
+
+Tone tone_of_scatter(double error) {
+  return !(error <= 4) ? Tone::bad : error <= 1 ? Tone::good : error <= 2 ? Tone::plain : Tone::poor;
+}
+
+std::vector<std::string> scattered_measures(const std::vector<Record>& records) {
+  std::vector<std::string> measures;
+  for (const Record& record : records)
+    for (const Reference& reference : record.references)
+      if (reference.scatter > 0)
+        found_or_added(
+            measures, [&](const auto& m) { return m == reference.measure; }, reference.measure);
+  return measures;
+}
+
+TableCell scatter_cell(const Record& record, const std::vector<std::string>& measures) {
+  double largest = std::nan("");
+  for (const std::string& measure : measures) largest = std::fmax(largest, record.error(measure + "_over_scatter"));
+  if (solved(record) && std::isfinite(largest))
+    return number_cell(fmt::format("{:.2f}", largest), largest, tone_of_scatter(largest));
+  return {scattered_measures({record}).empty() ? "" : outcome_text(record.run), Tone::faint, true};
 }
 
 std::string value_text(double value, const MeasureInfo& info, int digits) {
@@ -129,13 +152,19 @@ bool can_rank(const std::vector<Record>& records) {
 
 Table comparison_table(const std::vector<Record>& records, const Ranking& ranking) {
   const std::vector<MeasureColumns> columns = columns_of(records);
-  Table table(comparison_head(columns));
+  const std::vector<std::string> scattered = scattered_measures(records);
+  std::vector<std::string> head = comparison_head(columns);
+  for (const std::string& measure : scattered)
+    head.push_back("error of " + records.front().measure(measure).label() + " / scatter");
+  head.insert(head.end(), {"iterations", "build", "solve", ""});
+  Table table(std::move(head));
   const auto best = [&](const Record& record) {
     return &record == ranking.best ||
            std::find(ranking.tied.begin(), ranking.tied.end(), &record) != ranking.tied.end();
   };
   for (const Record& record : records)
-    table.add(comparison_row(record, columns, best(record)), {record.run.strategy, outcome_text(record.run)});
+    table.add(comparison_row(record, columns, scattered, best(record)),
+              {record.run.strategy, outcome_text(record.run)});
   return table;
 }
 
@@ -196,13 +225,15 @@ namespace {
 /// "E +0.1 %, torsional stiffness -2.0 %": the errors that count.
 std::string errors_text(const Ranking& ranking, const Record& record) {
   return joined(ranking.measures, [&](const std::string& name) {
-    return record.measure(name).label() + " " + percent(record.error(ranking.error_name(name)));
+    const double error = record.error(ranking.error_name(name));
+    return record.measure(name).label() + " " +
+           (ranking.by_scatter ? fmt::format("{:.2f} × the scatter of the specimens", error) : percent(error));
   });
 }
 
 /// What comes nearer than anything without a warning; "" where nothing does that would be near enough.
 std::string warned_text(const Ranking& ranking) {
-  if (!ranking.warned || ranking.error(*ranking.warned) > kNear) return "";
+  if (!ranking.warned || ranking.error(*ranking.warned) > ranking.near()) return "";
   if (ranking.recommends()) return "";
   return "\n    " + ranking.warned->run.strategy + " comes to " + errors_text(ranking, *ranking.warned) +
          ", with a warning: " + short_warning(ranking.warned->run.warnings.front());
@@ -222,13 +253,13 @@ std::string advice_text(const Ranking& ranking, bool colours) {
   }
   const auto label_of = [&](const std::string& name) { return best->measure(name).label(); };
   std::string found = errors_text(ranking, *best);
-  if (ranking.by_reference) found += " to the reference";
+  if (ranking.by_reference && !ranking.by_scatter) found += " to the reference";
   for (const auto& [name, prescribed, strain] : best->main_measures) {
     const MeasureInfo& info = best->measure(name);
     const double value = best->run.measures.get(name);
     const bool modulus = info.unit != dimension::none;
     const bool counted = std::find(ranking.measures.begin(), ranking.measures.end(), name) != ranking.measures.end();
-    if (counted || !std::isfinite(prescribed) || (modulus && !std::isfinite(value))) continue;
+    if (counted || ranking.by_scatter || !std::isfinite(prescribed) || (modulus && !std::isfinite(value))) continue;
     found += ", " + info.label() + " " +
              (!std::isfinite(value) ? "not measured"
               : modulus             ? percent(best->error(name))

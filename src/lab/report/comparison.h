@@ -26,6 +26,8 @@ struct Ranking {
   /// first with a value of the material, which is met only where the grips do not disturb. Empty: nothing to go by.
   std::vector<std::string> measures;
   bool by_reference = false;
+  /// Measured specimens with their scatter count alone, and errors are in units of it.
+  bool by_scatter = false;
   /// Why nothing ranks them, in words: the specimen does not show the material's values, and no reference is given.
   std::string no_reference;
   const Record* best = nullptr;     ///< points into the records; null if each one failed or has a warning
@@ -38,12 +40,16 @@ struct Ranking {
   std::vector<std::pair<const Record*, std::string>> passed_over;
 
   /// Name of a measure's error that counts.
-  std::string error_name(const std::string& measure) const { return measure + (by_reference ? "_to_reference" : ""); }
+  std::string error_name(const std::string& measure) const {
+    return measure + (by_scatter ? "_over_scatter" : by_reference ? "_to_reference" : "");
+  }
   /// The largest of the errors that count, as a size; infinite if one is missing. Of ratios that have a computed
   /// reference the difference counts.
   double error(const Record& record) const;
   /// Whether the best comes near enough to be recommended.
-  bool recommends() const { return best && rival_targets.empty() && error(*best) <= kNear; }
+  bool recommends() const { return best && rival_targets.empty() && error(*best) <= near(); }
+  /// An error up to here is fit for use.
+  double near() const { return by_scatter ? 1 : kNear; }
 };
 
 /// The best is near enough (0.1 %, or within a tenth of the least error), with nothing to warn of; of those the nearest
@@ -55,6 +61,13 @@ struct Ranking {
 Ranking rank_strategies(const std::vector<Record>& records);
 
 Tone tone_of_error(double error);
+Tone tone_of_scatter(double error);
+
+/// Of each measured reference with scatter its measure, in the order in which the records have them.
+std::vector<std::string> scattered_measures(const std::vector<Record>& records);
+
+/// "0.62": the largest error in units of the scatter, or why there is none; empty where the scene states no scatter.
+TableCell scatter_cell(const Record& record, const std::vector<std::string>& measures);
 
 /// A measure's value; small ratios with digits that show that they are not 0.
 std::string value_text(double value, const MeasureInfo& info, int digits = 5);
@@ -70,6 +83,10 @@ bool can_rank(const std::vector<Record>& records);
 
 /// A row a strategy: its main measures, their errors, iterations and times.
 Table comparison_table(const std::vector<Record>& records, const Ranking& ranking);
+
+/// A row an experiment, a column a strategy: the error in units of the scatter of what was measured. No rows where no
+/// scene states a scatter.
+Table scatter_table(const std::vector<Record>& records);
 
 /// What was expected of the runs, and what came.
 Table verdicts_table(const std::vector<Record>& records);

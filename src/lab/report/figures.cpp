@@ -63,10 +63,6 @@ bool spans_decades(const std::vector<CurvePoint>& history) {
   return history[last].time - history[last - 1].time > 100 * (history[1].time - history[0].time);
 }
 
-double along(const CurvePoint& point, const std::string& name) {
-  return name == "time" ? point.time : name == "load" ? point.load_factor : point.measures.get(name);
-}
-
 PlotAxis axis_of(const Record& record, const std::string& name) {
   if (name == "time") return {"time", "s"};
   if (name == "load") return {"share of the load", ""};
@@ -180,9 +176,16 @@ Plot error_plot(const std::vector<Record>& records, const Ranking& ranking, cons
   plot.title = records.front().title + ": error of " + of + " against time";
   plot.x = {"time: build and solve", "s", true};
   plot.y = {"error of " + of + (ranking.by_reference ? ", to the reference" : ""), "%", true};
+  if (ranking.by_scatter) {
+    plot.y = {"error of " + of + " over the scatter", "", true};
+    plot.level = 1, plot.level_text = "the scatter of the specimens";
+  }
   const auto point_of = [&](double seconds, double error, const std::string& name, const std::string& more) {
     return PlotPoint{seconds, std::max(error, kFoot),
-                     fmt::format("{}: error {:.3g} %, {}{}", name, 100 * error, readable_seconds(seconds), more)};
+                     fmt::format("{}: error {}, {}{}", name,
+                                 ranking.by_scatter ? fmt::format("{:.3g} × the scatter", error)
+                                                    : fmt::format("{:.3g} %", 100 * error),
+                                 readable_seconds(seconds), more)};
   };
   for (const StudyCurve& curve : curves_of(records)) {
     PlotSeries series{curve.name,
@@ -243,6 +246,18 @@ Plot response_plot(const std::vector<Record>& records, const std::map<std::strin
     return record.prescribed == records.front().prescribed;
   });
   if (!plot.series.empty() && one_target) add_target(plot, response, records);
+  for (const Reference& reference : records.front().references)
+    if (reference.along == response.x && reference.measure == response.y && !plot.series.empty()) {
+      PlotSeries measured{"measured", -1, PlotSeries::Kind::marks, {}};
+      PlotSeries low{"± standard deviation", -1, PlotSeries::Kind::dashed, {}}, high = low;
+      high.name.clear();
+      for (const auto& [at, value, deviation] : reference.points) {
+        measured.points.push_back({at, value, ""});
+        low.points.push_back({at, value - deviation, ""});
+        high.points.push_back({at, value + deviation, ""});
+      }
+      plot.series.insert(plot.series.end(), {measured, low, high});
+    }
   return plot;
 }
 

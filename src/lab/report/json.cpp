@@ -416,6 +416,9 @@ void study_fields(Io& io, AnyRecord& record) {
     inner.field("source", reference.source);
     inner.field_if(reference.computed, "computed", reference.computed);
     inner.field_if(reference.computed, "seconds", reference.seconds);
+    inner.field_if(reference.scatter > 0, "scatter", reference.scatter);
+    inner.field_if(!reference.points.empty(), "along", reference.along);
+    inner.field_if(!reference.points.empty(), "points", reference.points);
   });
   io.field_if(!record.variant.empty(), "variant", record.variant);
   io.field_if(!record.repeats.empty(), "repeats", record.repeats);

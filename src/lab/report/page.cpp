@@ -376,9 +376,12 @@ std::string summary_html(const PageMatter& matter, const Colours& colours) {
                ratio(s.ratio.worst),
                number_cell(std::isfinite(s.solve) ? fmt::format("{:.1f}", s.solve) : "", s.solve)});
   }
-  return "<details class=\"card\" open><summary>All scenes: errors by strategy; time of the solve over that of "
-         "standard, medians</summary>" +
-         table.html(mark) + "</details>\n";
+  const auto card = [](const std::string& title, const std::string& html) {
+    return "<details class=\"card\" open><summary>" + title + "</summary>" + html + "</details>\n";
+  };
+  const Table scattered = scatter_table(matter.records);
+  return (scattered.empty() ? "" : card("All experiments: error over the scatter of the specimens", scattered.html())) +
+         card("All scenes: errors by strategy; time of the solve over that of standard, medians", table.html(mark));
 }
 
 }  // namespace

@@ -148,7 +148,9 @@ double Ranking::error(const Record& record) const {
 
 Ranking rank_strategies(const std::vector<Record>& records) {
   Ranking ranking;
-  ranking.measures = measures_with(records, "_to_reference");
+  ranking.measures = scattered_measures(records);
+  ranking.by_scatter = !ranking.measures.empty();
+  if (!ranking.by_scatter) ranking.measures = measures_with(records, "_to_reference");
   const auto with_references =
       std::find_if(records.begin(), records.end(), [](const Record& record) { return !record.references.empty(); });
   if (with_references != records.end()) keep_ranked(*with_references, ranking.measures);
@@ -171,7 +173,7 @@ Ranking rank_strategies(const std::vector<Record>& records) {
     return measured(record) && record.directions->worst() <= kNear;
   };
   const bool some_true = std::any_of(records.begin(), records.end(), [&](const Record& record) {
-    return sound(record) && ranking.error(record) <= kNear && true_elsewhere(record);
+    return sound(record) && ranking.error(record) <= ranking.near() && true_elsewhere(record);
   });
   const auto fit = [&](const Record& record) {
     return sound(record) && !(some_true && measured(record) && !true_elsewhere(record));

@@ -236,12 +236,40 @@ double relative_spacing(const Body& body) {
   return 1 / std::cbrt(body.size());
 }
 
+double along(const CurvePoint& point, const std::string& name) {
+  return name == "time" ? point.time : name == "load" ? point.load_factor : point.measures.get(name);
+}
+
+double over_scatter(const Run& run, const Reference& reference) {
+  if (reference.points.empty())
+    return std::abs(run.measures.get(reference.measure) / reference.value - 1) / reference.scatter;
+  double sum = 0;
+  const double slack = 1e-6 * std::abs(reference.points.back()[0]);  // of a last load step that is rounded
+  for (const auto& [at, value, deviation] : reference.points) {
+    double from = 0, shown = 0;
+    const auto to = std::find_if(run.curve.begin(), run.curve.end(), [&](const CurvePoint& point) {
+      const double x = along(point, reference.along), y = along(point, reference.measure);
+      const bool reached = std::abs(x) >= std::abs(at) - slack && x * at >= 0;
+      shown = reached && x != from ? shown + (y - shown) * (at - from) / (x - from) : y;
+      from = x;
+      return reached;
+    });
+    if (to == run.curve.end()) return std::nan("");
+    sum += std::pow((shown - value) / deviation, 2);
+  }
+  return std::sqrt(sum / static_cast<double>(reference.points.size()));
+}
+
 void set_references(Record& record, const std::vector<Reference>& references) {
   record.references = references;
-  std::erase_if(record.errors, [](const auto& error) { return error.first.ends_with("_to_reference"); });
+  std::erase_if(record.errors, [](const auto& error) {
+    return error.first.ends_with("_to_reference") || error.first.ends_with("_over_scatter");
+  });
   for (const Reference& reference : references) {
     const double error = record.run.measures.get(reference.measure) / reference.value - 1;
     if (std::isfinite(error)) record.errors.emplace_back(reference.measure + "_to_reference", error);
+    const double scattered = reference.scatter > 0 ? over_scatter(record.run, reference) : std::nan("");
+    if (std::isfinite(scattered)) record.errors.emplace_back(reference.measure + "_over_scatter", scattered);
   }
 }
 

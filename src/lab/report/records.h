@@ -73,7 +73,7 @@ struct Record {
   /// Name of the measure with this role; "" if no measure has it.
   std::string measure(MeasureRole role) const;
   /// By measure, compared with the target of the material: relative, or a difference where the measure is a ratio;
-  /// MEASURE_to_reference against the scene's reference, relative.
+  /// MEASURE_to_reference against the scene's reference, relative; MEASURE_over_scatter as over_scatter.
   std::vector<std::pair<std::string, double>> errors;
   /// NaN if there is no such error.
   double error(std::string_view name) const;
@@ -106,6 +106,13 @@ struct Record {
 std::string strain_text(double strain);
 
 Record make_record(const Scene& scene, Run run);
+
+/// Of a measure, of the time or of the share of the load, by name.
+double along(const CurvePoint& point, const std::string& name);
+
+/// How far a run is from what was measured, in standard deviations of the specimens: root of the mean of squares over
+/// the points of a curve, between whose load steps it is straight. NaN where no scatter is stated, or it ends before.
+double over_scatter(const Run& run, const Reference& reference);
 
 /// Those that the scene states, and the computed ones of other measures.
 std::vector<Reference> references_of(const Scene& scene);

@@ -50,6 +50,8 @@ std::string run_name(const Record& record) {
 
 std::string reference_text(const Reference& reference, const MeasureInfo& measure) {
   std::string text = measure.label() + " " + readable(reference.value, measure, 6);
+  if (reference.scatter > 0) text += fmt::format(" ± {:.2g} % (standard deviation)", 100 * reference.scatter);
+  if (!reference.points.empty()) text += fmt::format(", the last of {}", counted(reference.points.size(), "point"));
   if (reference.computed) text += fmt::format(" ± {:.2g} %", 100 * reference.uncertainty);
   text += ", " + reference.source;
   if (!reference.computed) return text;

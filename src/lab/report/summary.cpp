@@ -287,6 +287,27 @@ Summary summarise(const std::vector<Record>& records) {
   return summary;
 }
 
+Table scatter_table(const std::vector<Record>& records) {
+  const std::vector<std::string> measures = scattered_measures(records);
+  std::vector<std::string> head{"experiment"};
+  for (const Record& record : records)
+    if (!measures.empty())
+      found_or_added(
+          head, [&](const auto& name) { return name == record.run.strategy; }, record.run.strategy);
+  Table table(head);
+  for (const auto& runs : grouped(records, [](const Record& record) { return record.path; })) {
+    if (scattered_measures({*runs.front()}).empty()) continue;
+    std::vector<TableCell> row{{runs.front()->scene}};
+    for (std::size_t column = 1; column < head.size(); ++column) {
+      const auto run =
+          std::find_if(runs.begin(), runs.end(), [&](const Record* r) { return r->run.strategy == head[column]; });
+      row.push_back(run == runs.end() ? TableCell{} : scatter_cell(**run, measures));
+    }
+    table.add(std::move(row));
+  }
+  return table;
+}
+
 std::string summary_text(const std::vector<Record>& records, bool colours) {
   if (records.empty()) return "";
   const Summary summary = summarise(records);
@@ -294,9 +315,12 @@ std::string summary_text(const std::vector<Record>& records, bool colours) {
   const bool moduli = std::any_of(records.begin(), records.end(), [](const Record& record) {
     return std::isfinite(record.error(record.measure(MeasureRole::youngs_modulus)));
   });
+  std::string scattered;
+  if (const Table table = scatter_table(records); !table.empty())
+    scattered = "  error over the scatter of the measured specimens\n\n" + table.text(colours) + "\n";
   return painted("Summary", Tone::bold, colours) + "  " +
          counted(static_cast<int>(summary.bodies.size()), "body", "bodies") + "\n\n" +
-         strategies_text(summary, colours) + "\n" + (moduli ? bodies_text(summary, colours) : "") +
+         strategies_text(summary, colours) + "\n" + (moduli ? bodies_text(summary, colours) : "") + scattered +
          calibrated_text(records) + failures_text(records, colours) + "\n";
 }
 

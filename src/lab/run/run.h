@@ -43,6 +43,9 @@ struct Reference {
   bool computed = false;   ///< the solid itself, refined and extrapolated
   double seconds = 0;      ///< that computing it took, when it was
   bool read_back = false;  ///< from the file of an earlier comparison
+  double scatter = 0;      ///< standard deviation of the measured specimens, over the value; 0 = not stated
+  std::string along = {};  ///< measure, "time" or "load" over which `points` stand; empty without
+  std::vector<std::array<double, 3>> points = {};  ///< of a measured curve: where, value, standard deviation
   bool certain() const { return uncertainty <= kMostUncertain; }
   bool operator==(const Reference&) const = default;
 };

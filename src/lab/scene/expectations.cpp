@@ -68,10 +68,42 @@ Keys<Measured<Expectation>> expect_keys(const std::vector<StrategyChoice>& strat
               .when(measures)};
 }
 
+/// points: [[where, value, standard deviation], …]; the last one is the reference's value.
+void read_measured_points(const Reader& reader, const MeasureList& known, Measured<Reference>& setup) {
+  const auto axes = std::find_if(known.response.begin(), known.response.end(),
+                                 [&](const ResponseAxes& one) { return one.y == setup.measure; });
+  if (axes == known.response.end()) reader.fail("no response is drawn as " + setup.measure + "; give its `value`");
+  setup.along = axes->x;
+  const Dimension unit = setup.along == "time"   ? dimension::time
+                         : setup.along == "load" ? dimension::none
+                                                 : known.at(setup.along).unit;
+  for (const Reader& item : reader.items()) {
+    const auto triple = item.items(3);
+    const double at = triple[0].quantity(unit);
+    if (!setup.points.empty() && std::abs(at) <= std::abs(setup.points.back()[0]))
+      triple[0].fail("points stand in the order of the load, each further from 0 than the one before");
+    setup.points.push_back({at, triple[1].quantity(setup.unit), triple[2].quantity(setup.unit, kPositive)});
+  }
+  if (setup.points.empty()) reader.fail("names no point; write [[where, value, standard deviation], ...]");
+  setup.value = setup.points.back()[1];
+  setup.scatter = setup.points.back()[2] / std::abs(setup.value);
+}
+
 Keys<Measured<Reference>> reference_keys(const MeasureList& known) {
+  using S = Measured<Reference>;
   return {measure_key<Reference>(known).needed(),
-          measured_key({.name = "value", .text = "what the measure is"}, &Reference::value).needed(),
+          Key<S>({"points", "list of triples", "", "", "this, or `value`",
+                  "a measured curve, `[where, value, standard deviation]` in the order of the load, over what the "
+                  "response is drawn over, a stress over the strain; errors are in units of the standard deviation"},
+                 [&known](const Reader& value, S& setup) { read_measured_points(value, known, setup); }),
+          measured_key({.name = "value", .text = "what the measure is"}, &Reference::value)
+              .needed_when([](const S& setup) { return setup.points.empty(); }, "needed, or `points`"),
           key::text("source", &Reference::source, "where the value comes from").needed(),
+          Key<S>(key::quantity("scatter", &Reference::scatter, dimension::none,
+                               "standard deviation of measured specimens over the value; errors are in units of it, "
+                               "and what comes within it is recommended",
+                               kPositive))
+              .when([](const S& setup) { return setup.points.empty(); }),
           key::quantity("uncertainty", &Reference::uncertainty, dimension::none,
                         "relative uncertainty of the value; beyond 5 % it ranks nothing", kPositive)};
 }

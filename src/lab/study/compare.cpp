@@ -184,7 +184,7 @@ void Comparison::add_directions(const Scene& scene, const StrategyChoice& choice
   alone.push_back(std::move(record));  // with its states, which are large
   const Ranking ranking = rank_strategies(alone);
   record = std::move(alone.front());
-  if (ranking.measures.empty() || !(ranking.error(record) <= kNear)) return;
+  if (ranking.measures.empty() || ranking.by_scatter || !(ranking.error(record) <= kNear)) return;
   progress_.set(scene.name + ", " + choice.label + ": in other directions");
   record.directions = measure_directions(scene, choice, options, record.run);
 }

@@ -79,6 +79,29 @@ TEST_CASE("strategies are ranked by the reference where the scene names one", "[
   CHECK(rank_strategies(two).best == nullptr);
 }
 
+TEST_CASE("errors are in units of the scatter where a reference is measured", "[texts]") {
+  // G = 4 kPa: 4, 6 and 8 mPa at these strains, the second one between two load steps.
+  const std::string experiment = "kind: shear, direction: x, strain: 2e-6, sides: affine, load_steps: 2";
+  const auto measured = [&](const std::string& reference) {
+    return records_of(experiment, "standard, lattice", "reference: [{source: me, " + reference + "}]\n");
+  };
+  const std::vector<Record> curve =
+      measured("measure: stress, points: [[1e-6, 4.4 mPa, 0.2 mPa], [1.5e-6, 6 mPa, 1 mPa], [2e-6, 7.6 mPa, 0.4 mPa]]");
+  CHECK(curve[1].error("stress_over_scatter") == Approx(std::sqrt((4 + 0 + 1) / 3.)).epsilon(1e-4));
+  CHECK_THAT(comparison_text(curve, false),
+             Contains("error of shear stress / scatter") || Contains("error of stress / scatter"));
+  CHECK_FALSE(rank_strategies(curve).recommends());
+  const std::vector<Record> value = measured("measure: shear_modulus, value: 4.4 kPa, scatter: 10 %");
+  CHECK(value[1].error("shear_modulus_over_scatter") == Approx(0.4 / 0.44).epsilon(1e-4));
+  CHECK(rank_strategies(value).best == &value[1]);
+  CHECK_THAT(comparison_text(value, false), Contains("recommended: lattice: G 0.91 × the scatter of the specimens"));
+  CHECK_THAT(scatter_table(value).text(false), Contains("block") && Contains("0.91"));
+  // A run that ends before the last point has no error.
+  CHECK(std::isnan(measured("measure: stress, points: [[3e-6, 12 mPa, 1 mPa]]")[1].error("stress_over_scatter")));
+  CHECK_THROWS_WITH(measured("measure: stress, points: [[2e-6, 8 mPa, 1 mPa], [1e-6, 4 mPa, 1 mPa]]"),
+                    Contains("each further from 0 than the one before"));
+}
+
 TEST_CASE("clamped and tapered specimens recommend nothing by the material's E", "[texts]") {
   const std::string clamped = "kind: tension, displacement: 1 um, fixed_grip: clamped";
   const std::vector<Record> records = records_of(clamped, "standard, lattice");
