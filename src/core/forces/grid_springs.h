@@ -16,8 +16,8 @@ namespace elastin {
 /// molecule adds up the same forces in the same order. The bits are not those of a pass over the list of connections.
 class GridSprings {
  public:
-  /// @param rest_lengths [m], one a connection
   /// None where the body is no grid, or a connection with a constant is not between neighbours on it, or there twice.
+  /// @param rest_lengths [m], one a connection
   static std::optional<GridSprings> make(const Body& body, const VectorX& constants, const double* rest_lengths);
 
   void add_forces(const Positions& positions, Positions& forces, Workspace& workspace) const;
