@@ -212,18 +212,20 @@ StatedNumber stated_number(const SceneSource& source, const std::vector<std::str
                            const std::string& path) {
   const SceneTree tree = load_scene_tree(source, overrides);
   YAML::Node node = tree.root;
-  for (std::size_t from = 0; from < path.size() && node.IsDefined();) {
+  bool there = true;
+  for (std::size_t from = 0; from < path.size() && there;) {
     const std::size_t to = std::min(path.find('.', from), path.size());
     const std::string key = path.substr(from, to - from);
     const auto item = node.IsSequence() ? item_of(node, key) : std::nullopt;
-    node.reset(item           ? std::as_const(node)[*item]
-               : node.IsMap() ? std::as_const(node)[key]
-                              : YAML::Node(YAML::NodeType::Undefined));
+    const YAML::Node child = item           ? std::as_const(node)[*item]
+                             : node.IsMap() ? std::as_const(node)[key]
+                                            : YAML::Node(YAML::NodeType::Undefined);
+    if ((there = child.IsDefined())) node.reset(child);
     from = to + 1;
   }
   std::vector<std::string> paths;
   add_numbers(tree.root, "", paths);
-  if (!node.IsDefined())
+  if (!there)
     throw InputError("the scene states no '" + path + "'" + suggestion(path, paths) +
                      "; a number that it leaves out is written into it first");
   const auto found = number_of(node);

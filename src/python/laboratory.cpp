@@ -29,6 +29,16 @@ py::dict by_name(const std::vector<Measured>& list) {
   return values;
 }
 
+py::dict by_measure(const Gradients& gradients) {
+  py::dict list;
+  for (const auto& [measure, slopes] : gradients) {
+    py::dict by_key;
+    for (const auto& [key, slope] : slopes) by_key[key.c_str()] = slope;
+    list[measure.c_str()] = by_key;
+  }
+  return list;
+}
+
 py::list as_list(const std::vector<Stated>& stated) {
   py::list list;
   for (const auto& [strategy, measured, source] : stated)
@@ -140,17 +150,12 @@ void add_result(py::module_& module) {
           "measures", [](const Outcomes& self) { return by_name(self.result.measures); },
           "Value by name, of the last load step, or of the course of a run in time.")
       .def_property_readonly(
-          "gradients",
-          [](const Outcomes& self) {
-            py::dict gradients;
-            for (const auto& [measure, slopes] : self.result.gradients) {
-              py::dict by_key;
-              for (const auto& [key, slope] : slopes) by_key[key.c_str()] = slope;
-              gradients[measure.c_str()] = by_key;
-            }
-            return gradients;
-          },
+          "gradients", [](const Outcomes& self) { return by_measure(self.result.gradients); },
           "Derivatives by name of the measure and key of the scene, those of derivatives_by; SI units.")
+      .def_property_readonly(
+          "spreads", [](const Outcomes& self) { return by_measure(self.result.spreads); },
+          "Where the scene states an uncertainty, by name of the measure its 'deviation', and by key the share of each "
+          "number in the square of that.")
       .def_property_readonly("main", part_of_result(&Result::main),
                              "Names of the measures by which strategies are compared, the most telling first.")
       .def_property_readonly(

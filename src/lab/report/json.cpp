@@ -458,6 +458,7 @@ void record_fields(Io& io, AnyRecord& record) {
   io.field("threads", record.threads);
   io.field("measures", run.measures);
   io.field_if(!run.gradients.empty(), "gradients", run.gradients);
+  io.field_if(!record.spreads.empty(), "uncertainty", record.spreads);
   io.field("errors", record.errors);
   io.object("seconds", [&](auto& inner) {
     inner.field("build", run.build_seconds);

@@ -164,6 +164,28 @@ Verdict judge(const Expectation& expectation, const Run& run) {
   return verdict;
 }
 
+namespace {
+
+/// σ² = gᵀ Σ g of each measure, g its derivatives and Σ the covariance of the scene's uncertain numbers.
+Gradients spreads_of(const Scene& scene, const Gradients& gradients) {
+  Gradients spreads;
+  for (const auto& [measure, slopes] : gradients) {
+    VectorX parts = VectorX::Zero(static_cast<Eigen::Index>(scene.uncertain.size()));
+    for (std::size_t i = 0; i < scene.uncertain.size(); ++i)
+      for (const auto& [key, slope] : slopes)
+        if (key == scene.uncertain[i].key) parts[static_cast<Eigen::Index>(i)] = slope * scene.uncertain[i].deviation;
+    if (parts.size() == 0) break;
+    const VectorX squares = parts.cwiseProduct(scene.correlation * parts);
+    const double square = std::max(0., squares.sum());
+    auto& row = spreads.emplace_back(measure, std::vector{std::pair{std::string("deviation"), std::sqrt(square)}});
+    for (std::size_t i = 0; square > 0 && i < scene.uncertain.size(); ++i)
+      row.second.emplace_back(scene.uncertain[i].key, squares[static_cast<Eigen::Index>(i)] / square);
+  }
+  return spreads;
+}
+
+}  // namespace
+
 Record make_record(const Scene& scene, Run run) {
   const Body& body = scene.specimen.body;
   Record record;
@@ -181,6 +203,7 @@ Record make_record(const Scene& scene, Run run) {
     if (std::isfinite(error)) record.errors.emplace_back(name, error);
   };
   record.measures = scene.measures;
+  record.spreads = spreads_of(scene, run.gradients);
   record.main_measures = scene.experiment->main_measures(scene.specimen.material, run.measures);
   // Moduli of the matrix alone are not the body's, nor is that of one material where there are several, or fields, nor
   // any material's where something disturbs what is measured and no reference is next to it.

@@ -77,6 +77,8 @@ struct Record {
   std::vector<std::pair<std::string, double>> errors;
   /// NaN if there is no such error.
   double error(std::string_view name) const;
+  /// Where the scene has uncertain numbers, of each measure its "deviation", and the share of each in its square.
+  Gradients spreads;
   std::vector<Verdict> verdicts;
   std::vector<std::string> warnings;   ///< of the scene and of the run
   std::vector<std::string> notes;      ///< of the scene

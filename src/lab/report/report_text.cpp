@@ -168,6 +168,23 @@ std::string gradients_text(const Gradients& gradients, bool colours) {
   return "\n" + table.text(colours);
 }
 
+std::string spreads_text(const Record& record, bool colours) {
+  std::vector<std::string> head{"measure", "value", "deviation"};
+  for (const auto& [key, share] : record.spreads.front().second)
+    if (key != "deviation") head.push_back("from " + key);
+  Table table(head);
+  for (const auto& [measure, parts] : record.spreads) {
+    const MeasureInfo& info = record.measure(measure);
+    std::vector<TableCell> row{{measure}, {value_text(record.run.measures.get(measure), info, 6), Tone::plain, true}};
+    for (const auto& [key, value] : parts)
+      row.push_back({key == "deviation" ? "± " + value_text(value, info, 3) : fmt::format("{:.1f} %", 100 * value),
+                     Tone::plain, true});
+    row.resize(head.size());
+    table.add(std::move(row));
+  }
+  return "\n" + table.text(colours);
+}
+
 }  // namespace
 
 std::string run_text(const Record& record, bool colours, bool whole_curve) {
@@ -222,6 +239,7 @@ std::string run_text(const Record& record, bool colours, bool whole_curve) {
     table.add(std::move(row));
   }
   if (!table.empty()) out += "\n" + table.text(colours);
+  if (!record.spreads.empty()) out += spreads_text(record, colours);
   if (!run.gradients.empty()) out += gradients_text(run.gradients, colours);
   if (run.measures.stiffness_matrix) out += stiffness_text(*run.measures.stiffness_matrix, colours);
   if (run.curve.size() > 1) out += curve_text(record, whole_curve, colours);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <utility>
 
@@ -18,12 +19,16 @@ namespace {
 
 constexpr double kTolerance = 1e-11;  ///< of the linear solves
 /// |f(p + h) − 2 f(p) + f(p − h)| / |f(p + h) − f(p − h)|: a difference is off by about its square.
-constexpr double kBend = 3e-5;
+constexpr double kBend = 3e-5, kCalibratedBend = 1e-3;
 /// Of the displacements and reactions, over which measures are differenced: the most that leaves no error of fourth
 /// order worth naming, for the positions of small displacements have few digits. What touches changes sooner.
-constexpr double kMotion = 1e-3, kContactMotion = 1e-6;
-/// Of the forces: what differences of them are below this are rounding.
-constexpr double kRounding = 1e-13;
+constexpr double kMotion = 1e-3, kContactMotion = 1e-4;
+constexpr double kEnough = 1e-7;         ///< residual with which a solve that rounding stops is taken
+constexpr double kSameDirection = 1e-9;  ///< of projectors
+/// The same ratio of a number at which the forces have a kink or jump.
+constexpr double kKink = 0.01;
+/// Of all forces, and of what the positions' last digits make of them: differences below these are rounding.
+constexpr double kRounding = 1e-13, kCalibratedRounding = 1e-8, kRoundedPositions = 4;
 
 /// A state at rest: velocities are there, and zero, where a force depends on them.
 State still(const Model& model, const Positions& positions, const State& like) {
@@ -46,10 +51,10 @@ Positions all_forces(Model& model, const State& state, bool linear) {
 }
 
 /// What is left on free molecules of a change of the supports' forces alone is rounding, which no motion balances.
-void leave_out_rounding(const Model& model, double forces, Positions& change) {
+void leave_out_rounding(const Model& model, double rounding, Positions& change) {
   Positions free = change;
   keep_free(model.supports, free);
-  if (free.norm() < kRounding * forces) change -= free;
+  if (free.norm() < rounding) change -= free;
 }
 
 /// |change| / |whole|, as norms; of a whole that is nothing 0.
@@ -103,8 +108,9 @@ struct Derivatives::Side {
     if (body.size() != own.size() || body.connections.ends != own.connections.ends)
       fail("it changes which molecules there are, or what joins them");
     if (!std::equal(model.supports.begin(), model.supports.end(), held->model->supports.begin(),
-                    held->model->supports.end(),
-                    [](const Support& a, const Support& b) { return a.molecule == b.molecule && a.free == b.free; }))
+                    held->model->supports.end(), [](const Support& a, const Support& b) {
+                      return a.molecule == b.molecule && (a.free - b.free).norm() < kSameDirection;
+                    }))
       fail("it changes which molecules are fixed, or in which directions");
   }
   StaticRig& rig() const { return *held->rig->at_rest(); }
@@ -127,37 +133,44 @@ struct Derivatives::Number {
   struct Change {
     Positions forces, displacement;
   };
-  Change change(Model& model, const State& state, double load_factor, const RunOptions& options) {
+  Change change(Model& model, const Tangent& tangent, const State& state, double load_factor,
+                const RunOptions& options) {
     if (!sides[0]) make_sides(model, options);
     const bool linear = options.statics.linear;
-    const Positions now = all_forces(model, state, linear);
+    const Positions now = all_forces(model, state, linear), displaced = state.positions - model.body().rest;
     for (bool again = true;; again = false) {
       std::array<Positions, 2> forces, moved;
       for (int side = 0; side < 2; ++side) {
         Model& varied = *sides[side]->held->model;
         lab::set_load(varied, sides[side]->rig(), load_factor);
-        forces[side] = all_forces(varied, still(varied, state.positions, state), linear);
-        moved[side] = state.positions;
+        const State at = still(varied, varied.body().rest + displaced, state);
+        forces[side] = all_forces(varied, at, linear);
+        moved[side] = at.positions;
         apply_supports(varied, moved[side]);
+        moved[side] -= at.positions;
       }
-      const double size = now.norm();
+      const double rounding = std::max((of.calibrated ? kCalibratedRounding : kRounding) * now.norm(),
+                                       kRoundedPositions * rounding_floor(tangent, state.positions));
       Positions difference = forces[1] - forces[0];
-      const double bend = (forces[1] - 2 * now + forces[0]).norm() - kRounding * size, most = kBend * difference.norm();
+      const double bend = (forces[1] - 2 * now + forces[0]).norm() - rounding,
+                   most = (of.calibrated ? kCalibratedBend : kBend) * difference.norm();
       if (again && bend > most && std::isfinite(bend)) {
         of.step *= std::max(most / bend, 1e-5);
         make_sides(model, options);
         continue;
       }
-      leave_out_rounding(model, size, difference);
+      if (bend > kKink * difference.norm() && difference.norm() > 0)
+        throw InputError("no derivative by " + of.key + ": the forces have a kink or a jump at this value of it");
+      leave_out_rounding(model, rounding, difference);
       return {difference / (2 * of.step), (moved[1] - moved[0]) / (2 * of.step)};
     }
   }
 
   StaticResponse response(Model& model, Responses& responses, const State& state, double load_factor,
                           const RunOptions& options) {
-    const Change by = change(model, state, load_factor, options);
+    const Change by = change(model, responses.tangent(), state, load_factor, options);
     StaticResponse found = responses.to(by.forces, by.displacement, std::min(kTolerance, options.statics.tolerance));
-    if (found.result.outcome != Outcome::converged)
+    if (found.result.outcome != Outcome::converged && found.result.residual > kEnough)
       throw InputError("no derivative by " + of.key + " at this equilibrium: " + found.result.cause);
     return found;
   }
@@ -214,7 +227,7 @@ Gradients Derivatives::at(Model& model, const StaticExperiment& experiment, cons
   exact.statics.tolerance = std::min(exact.statics.tolerance, 1e-13);
   const auto read = [&](Model& its, const StaticExperiment& of, const StaticRig& by, const Start& from,
                         const StaticResponse& motion, double step) {
-    const State at = still(its, state.positions + step * motion.motion, state);
+    const State at = still(its, its.body().rest + (state.positions - model.body().rest) + step * motion.motion, state);
     its.begin_step(at, std::numeric_limits<double>::infinity());
     StaticResult balanced = solved;
     balanced.reactions += step * motion.result.reactions;
@@ -243,7 +256,7 @@ Gradients Derivatives::at(Model& model, const StaticExperiment& experiment, cons
     for (const int side : {0, 1}) {
       const Side& varied = *number.sides[side];
       Model& its = *varied.held->model;
-      const Start from{number.start.size() > 0 ? start.positions : its.body().rest, start.reactions};
+      const Start from{its.body().rest + (start.positions - model.body().rest), start.reactions};
       slopes.add(read(its, *varied.problem.experiment->at_rest(), varied.rig(), from, found, 0),
                  (side ? 0.5 : -0.5) / number.of.step);
     }

@@ -23,14 +23,16 @@ struct SceneNumber {
   std::string key;  ///< "material.youngs_modulus"
   double value;     ///< SI
   double step;      ///< [the same] a difference that is small, and far above rounding
+  /// Whether the model's constants follow from solves of their own, so that forces have some 8 digits, not 13.
+  bool calibrated;
   std::function<VariedProblem(double value)> at;
 };
 
 /// Derivatives of all that an experiment at rest measures by numbers of its scene, whatever those change: the law, a
 /// rule's constants, shape, supports, loads, the measure itself. One linear solve a number at each equilibrium x:
 ///   K dx/dp = ∂f/∂p,  dm/dp = ∂m/∂p + ∂m/∂x dx/dp + ∂m/∂R dR/dp
-/// with ∂f/∂p and ∂m/∂p from two problems p ± h at the same positions and reactions R, and the rest from measures a
-/// little along the motion. No equilibrium is sought again.
+/// with ∂f/∂p and ∂m/∂p from two problems p ± h at the same displacements x and reactions R, and the rest from measures
+/// a little along the motion. No equilibrium is sought again.
 class Derivatives {
  public:
   explicit Derivatives(std::vector<SceneNumber> numbers);

@@ -156,6 +156,8 @@ void read_references(const Reader& reader, const Catalog& catalog, const Measure
 Study read_study(const Reader& reader, const std::vector<StrategyChoice>& known);
 /// Reads the section for its faults alone; see load_identify_task.
 void check_identify(const Reader& reader);
+/// Standard deviations of numbers that the scene, read with these overrides, states. Throws InputError.
+void read_uncertainty(Reader reader, const std::vector<std::string>& overrides, Scene& scene);
 StepperStudy read_stepper_study(const Reader& reader, const elastin::Table<Stepper>& steppers);
 EngineStudy read_engine_study(const Reader& reader);
 /// Contact, and which obstacles' motions follow the load, and which the time.

@@ -140,6 +140,8 @@ const std::vector<TopKey>& top_keys() {
         "[values](#reference) that errors are computed against: from elsewhere, or the solid's own limit"}},
       {{"expect", "list of maps", "", "", "none", "[what must come out](#expectations); exit code 1 if one fails"}},
       {{"study", "map", "", "", "none", "[what `compare` varies](#study)"}},
+      {{"uncertainty", "map of keys to quantities or intervals", "", "", "none",
+        "[standard deviations](#uncertainty) of numbers of the scene, which give every measure its own"}},
       {{"identify", "map", "", "", "none", "[measured tests](#identification) that `identify` fits the material to"}},
       {{"steppers", "map", "", "", "none", "[steppers to compare in place of strategies](#steppers)"}},
       {{"engines", "map", "", "", "none", "[engines that `compare` runs too](#engines-1)"}}};
@@ -438,6 +440,11 @@ std::unique_ptr<Scene> read_scene(const SceneSource& source, const Catalog& cata
   if (auto study = reader.find("study")) scene->study = read_study(*study, known);
   if (auto steppers = reader.find("steppers")) scene->steppers = read_stepper_study(*steppers, catalog.steppers);
   if (auto engines = reader.find("engines")) scene->engines = read_engine_study(*engines);
+  if (const auto uncertainty = reader.find("uncertainty")) {
+    if (timed)
+      uncertainty->fail("a " + scene->experiment->name() + " experiment runs in time; derivatives are of equilibria");
+    read_uncertainty(*uncertainty, overrides, *scene);
+  }
   if (const auto identify = reader.find("identify")) check_identify(*identify);
   reader.finish();
   scene->build_seconds = watch.seconds();

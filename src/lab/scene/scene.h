@@ -40,6 +40,12 @@ struct ComputedReference {
   std::string strategy;       ///< the law; empty = the material's own
 };
 
+/// A number of a scene that is known to a standard deviation.
+struct UncertainNumber {
+  std::string key;
+  double deviation = 0;  ///< > 0, SI
+};
+
 /// One scene file, read, checked and built.
 struct Scene {
   SceneSource source;
@@ -59,12 +65,14 @@ struct Scene {
   std::string problem;                ///< all but the body and the strategies, as text: equal ones are the same problem
   bool bare_graph = false;            ///< the body is a list of molecules without cells: nothing says what it fills
   Study study;                        ///< what `compare` changes from run to run; empty where the scene has none
-  std::optional<StepperStudy> steppers;  ///< where `compare` compares steppers and not strategies
-  EngineStudy engines;                   ///< what `compare` runs in addition to strategies
-  std::vector<std::string> warnings;     ///< of the scene as a whole
-  std::string whole_body = {};           ///< why each of several processes has the whole body; "" where shares of it
-  std::vector<std::string> notes;        ///< what was made of it that its author may want to know
-  double build_seconds = 0;              ///< body and experiment
+  std::optional<StepperStudy> steppers;    ///< where `compare` compares steppers and not strategies
+  EngineStudy engines;                     ///< what `compare` runs in addition to strategies
+  std::vector<UncertainNumber> uncertain;  ///< what gives every measure its standard deviation
+  MatrixX correlation;                     ///< of these with each other, 1 on its diagonal
+  std::vector<std::string> warnings;       ///< of the scene as a whole
+  std::string whole_body = {};             ///< why each of several processes has the whole body; "" where shares of it
+  std::vector<std::string> notes;          ///< what was made of it that its author may want to know
+  double build_seconds = 0;                ///< body and experiment
 };
 
 /// More molecules than this are an error of the scene.

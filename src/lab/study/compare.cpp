@@ -163,9 +163,8 @@ Record Comparison::run_one(Scene& scene, const StrategyChoice& choice, const Pla
   prepare(scene.specimen, choice.strategy);
   const double prepared = watch.seconds();
   RunOptions options = options_of(*row.plan, scene, choice);
-  if (!request_.gradient.empty())
-    options.derivatives =
-        derivatives_by(request_.gradient, scene, choice, catalog_, overrides_of(request_.overrides, *row.combination));
+  options.derivatives =
+      derivatives_by(request_.gradient, scene, choice, catalog_, overrides_of(request_.overrides, *row.combination));
   Run run = run_strategy(scene.specimen, *scene.experiment, choice, options);
   run.build_seconds += prepared;  // once a body: the first strategy that needs it pays
   Record record = make_record(scene, std::move(run));

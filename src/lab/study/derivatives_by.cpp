@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <memory>
 
@@ -9,7 +10,7 @@
 namespace elastin::lab {
 namespace {
 
-constexpr double kStep = 1e-5;  ///< of a number, or of what is large for its unit where it is 0
+constexpr double kStep = 1e-5, kCalibratedStep = 1e-3;  ///< of a number, or of what is large for its unit where it is 0
 
 /// What is large for a unit: of the body's size, modulus and density, in their powers.
 double large_for(const Dimension& unit, const Specimen& specimen) {
@@ -28,7 +29,10 @@ std::shared_ptr<Derivatives> derivatives_by(const std::vector<std::string>& keys
                                             const std::vector<std::string>& overrides,
                                             const ExperimentCatalog& experiments) {
   std::vector<SceneNumber> numbers;
-  for (const std::string& key : keys) {
+  std::vector<std::string> all = keys;
+  for (const UncertainNumber& uncertain : scene.uncertain) all.push_back(uncertain.key);
+  for (auto key = all.begin(); key != all.end();) key = std::count(all.begin(), key, *key) ? all.erase(key) : key + 1;
+  for (const std::string& key : all) {
     const config::StatedNumber stated = config::stated_number(scene.source, overrides, key);
     const auto at = [=, source = scene.source, label = choice.label, references = scene.specimen.references,
                      &catalog](double value) -> VariedProblem {
@@ -45,9 +49,10 @@ std::shared_ptr<Derivatives> derivatives_by(const std::vector<std::string>& keys
       }
     };
     const double size = stated.value != 0 ? std::abs(stated.value) : large_for(stated.unit, scene.specimen);
-    numbers.push_back({key, stated.value, kStep * size, at});
+    const double step = (choice.name.calibrated ? kCalibratedStep : kStep) * size;
+    numbers.push_back({key, stated.value, step, choice.name.calibrated, at});
   }
-  return std::make_shared<Derivatives>(std::move(numbers));
+  return numbers.empty() ? nullptr : std::make_shared<Derivatives>(std::move(numbers));
 }
 
 }  // namespace elastin::lab

@@ -51,6 +51,7 @@ LaboratoryResult result_of(const Scene& scene, Run made) {
   result.good = record.good() && (run.suited || record.stopped_as_expected());
   result.measures = measured(*scene.measures, run.measures);
   result.gradients = run.gradients;
+  result.spreads = record.spreads;
   for (const MainMeasure& measure : record.main_measures) result.main.emplace_back(measure.name);
   for (const auto& [name, error] : record.errors) result.errors.push_back({name, "", error});
   for (const CurvePoint& point : run.curve)
@@ -167,9 +168,8 @@ LaboratoryResult Laboratory::run(const std::string& strategy, const RunWatch& wa
   options.last_snapshot = !watch.keep_states;
   options.progress = watch.progress;
   options.stop = watch.stop;
-  if (!watch.derivatives_by.empty())
-    options.derivatives =
-        derivatives_by(watch.derivatives_by, scene, choice, impl_->catalog, impl_->overrides, impl_->experiments);
+  options.derivatives =
+      derivatives_by(watch.derivatives_by, scene, choice, impl_->catalog, impl_->overrides, impl_->experiments);
   LaboratoryResult result = result_of(scene, run_strategy(scene.specimen, *scene.experiment, choice, options));
   if (!watch.keep_states) result.states.clear();
   return result;

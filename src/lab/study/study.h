@@ -34,8 +34,8 @@ std::string catalog_text(const Catalog& catalog, const ExperimentCatalog& experi
 /// How progress is shown: not at all with --quiet, otherwise as standard error can show it.
 Progress::Show progress_of(const Output& output);
 
-/// Derivatives by numbers of a scene, which may be read again with others. Throws InputError: a key where the scene
-/// states no number, with the nearest one.
+/// Derivatives by numbers of a scene, which may be read again with others, and by its uncertain ones; null by none.
+/// Throws InputError: a key where the scene states no number, with the nearest one.
 std::shared_ptr<Derivatives> derivatives_by(const std::vector<std::string>& keys, const Scene& scene,
                                             const StrategyChoice& choice, const Catalog& catalog,
                                             const std::vector<std::string>& overrides,

@@ -45,7 +45,9 @@ struct LaboratoryResult {
     std::vector<Measured> measures;
   };
   std::vector<Row> curve;
-  Gradients gradients;  ///< of the measures, by RunWatch::derivatives_by
+  Gradients gradients;  ///< of the measures, by RunWatch::derivatives_by and the scene's uncertain numbers
+  /// Where the scene states an `uncertainty`: of each measure its "deviation", and each number's share in its square.
+  Gradients spreads;
   std::optional<Eigen::Matrix<double, 6, 6>> stiffness;  ///< [Pa], xx yy zz yz xz xy; of the experiment `material`
   Positions positions;  ///< [m], 3 × n, of the last state; empty where none was reached
   VectorX tensions;     ///< [N], one a connection, pulling is positive; as positions

@@ -1,0 +1,213 @@
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <random>
+#include <string>
+
+#include "elastin/core/base/error.h"
+#include "elastin/lab/study/laboratory.h"
+#include "lab/report/records.h"
+#include "lab/scene/scene.h"
+
+using namespace elastin;
+using namespace elastin::lab;
+using Catch::Matchers::Contains;
+
+namespace {
+
+using Settings = std::vector<std::string>;
+const Settings kExact{"solver.tolerance=1e-13"};
+
+const std::string kLattice =
+    "body: {lattice: {kind: cubic, molecules: [3, 3, 4], spacing: 10 mm, connections: [axis, face]}}\n";
+const std::string kRough =
+    "body: {tetrahedra: {kind: kuhn, cubes: [2, 2, 3], size: [20 mm, 21 mm, 30 mm]}, jitter: {amount: 8 %, seed: 2}}\n";
+const std::string kSecondOrder =
+    "body: {tetrahedra: {kind: kuhn, cubes: [1, 1, 2], size: [20 mm, 20 mm, 30 mm], order: 2}}\n";
+const std::string kSoft = "material: {youngs_modulus: 9 kPa, poissons_ratio: 0.3, density: 1000 kg/m3}\n";
+
+LaboratoryResult run(const std::string& scene, Settings settings, const Settings& derivatives_by = {}) {
+  settings.insert(settings.end(), kExact.begin(), kExact.end());
+  RunWatch watch;
+  watch.derivatives_by = derivatives_by;
+  return Laboratory(SceneSource::of_text("scene", scene), settings).run("", watch);
+}
+
+double gradient_of(const LaboratoryResult& result, const std::string& measure, const std::string& key) {
+  for (const auto& [name, slopes] : result.gradients)
+    for (const auto& [by, slope] : slopes)
+      if (name == measure && by == key) return slope;
+  return std::nan("");
+}
+
+std::string refusal(const std::string& scene, const std::string& key, const Settings& settings = {}) {
+  try {
+    run(scene, settings, {key});
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+struct Number {
+  std::string key;
+  double value;
+};
+
+/// Differences of fourth order of whole runs, over `part` of the number.
+double difference(const std::string& scene, const std::string& measure, const Number& by, double part) {
+  const auto at = [&](double times) {
+    char text[60];
+    std::snprintf(text, sizeof text, "=%.17g", by.value * (1 + times * part));
+    return run(scene, {by.key + text}).get(measure);
+  };
+  return (8 * (at(1) - at(-1)) - (at(2) - at(-2))) / (12 * part * by.value);
+}
+
+}  // namespace
+
+TEST_CASE(
+    "derivatives of every measure are differences of whole runs, for laws, shapes, experiments and kinds of number",
+    "[derivatives]") {
+  struct Case {
+    std::string name, scene;
+    std::vector<Number> numbers;
+  };
+  const std::string gravity = "loads: [{gravity: {acceleration: [0, 0, -9.81 m/s2]}}]\n";
+  const Case cases[] = {
+      {"springs under force",
+       kLattice + kSoft + "stiffness: lattice\nexperiment: {kind: tension, axis: z, force: 0.4 N}\n",
+       {{"material.youngs_modulus", 9000}, {"experiment.force", 0.4}, {"body.lattice.spacing", 0.01}}},
+      {"a calibrated rule",
+       kLattice + kSoft + "stiffness: calibrated:angles\nexperiment: {kind: tension, axis: z, strain: 5 %}\n",
+       {{"material.youngs_modulus", 9000}, {"experiment.strain", 0.05}}},
+      {"cells that are twisted under their weight",
+       kRough + kSoft + gravity + "stiffness: neo_hookean\nexperiment: {kind: torsion, axis: z, angle: 20 deg}\n",
+       {{"material.poissons_ratio", 0.3}, {"experiment.angle", M_PI / 9}, {"loads.0.gravity.acceleration.2", -9.81}}},
+      {"cells of second order in clamps, in two steps",
+       kSecondOrder + kSoft +
+           "stiffness: st_venant_kirchhoff\nexperiment: {kind: tension, axis: z, displacement: 3 mm, fixed_grip: "
+           "clamped, loaded_grip: clamped, load_steps: 2}\n",
+       {{"material.poissons_ratio", 0.3}, {"experiment.displacement", 3e-3}, {"body.tetrahedra.size.2", 0.03}}},
+      {"volume kept by pressures near incompressibility",
+       kSecondOrder + kSoft +
+           "stiffness: neo_hookean+volume\nexperiment: {kind: bending, axis: z, force: 5 mN, direction: x}\n",
+       {{"material.poissons_ratio", 0.3}, {"experiment.force", 5e-3}}},
+      {"constants of a law",
+       kRough + "material: {law: yeoh, terms: [2 kPa, 300 Pa], bulk_modulus: 40 kPa}\nstiffness: yeoh\n"
+                "experiment: {kind: compression, axis: z, displacement: 3 mm}\n",
+       {{"material.terms.0", 2000}, {"material.terms.1", 300}, {"material.bulk_modulus", 4e4}}},
+      {"small displacements",
+       kRough + kSoft +
+           "stiffness: van_gelder\nsolver: {displacements: small}\n"
+           "experiment: {kind: shear, axis: z, direction: x, strain: 1 %}\n",
+       {{"material.youngs_modulus", 9000}, {"experiment.strain", 0.01}}},
+      {"a value that formulas use",
+       "values: {side: 20 mm}\nbody: {tetrahedra: {kind: kuhn, cubes: [1, 1, 2], size: [= side, = side, = 2 * "
+       "side]}}\n" +
+           kSoft + "stiffness: neo_hookean\nexperiment: {kind: tension, axis: z, force: 0.3 N}\n",
+       {{"values.side", 0.02}}}};
+  for (const Case& one : cases) {
+    INFO(one.name);
+    Settings keys;
+    for (const Number& number : one.numbers) keys.push_back(number.key);
+    const LaboratoryResult result = run(one.scene, {}, keys);
+    REQUIRE(result.outcome == Outcome::converged);
+    REQUIRE(result.gradients.size() >= 5);
+    for (const auto& [measure, slopes] : result.gradients) {
+      REQUIRE(slopes.size() == keys.size());
+      for (const Number& number : one.numbers) {
+        if (measure == "tangent_modulus" || measure == "average_modulus")
+          continue;  // their differences have few digits
+        INFO(measure << " by " << number.key);
+        const double slope = gradient_of(result, measure, number.key),
+                     size = std::abs(result.get(measure) / number.value),
+                     expected = difference(one.scene, measure, number, 1e-3);
+        // What calibrates has some 8 digits itself.
+        const double most = one.name == "a calibrated rule" ? 1e-5 : 1e-8;
+        CHECK(std::abs(slope - expected) < most * (std::abs(expected) + 0.2 * size));
+      }
+    }
+  }
+}
+
+TEST_CASE("what is left of a change along a derivative is of second order", "[derivatives]") {
+  const std::string scene =
+                        kRough + kSoft +
+                        "stiffness: neo_hookean\nexperiment: {kind: bending, axis: z, force: 20 mN, direction: x}\n",
+                    key = "material.youngs_modulus", measure = "tip_deflection";
+  const LaboratoryResult base = run(scene, {}, {key});
+  const double slope = gradient_of(base, measure, key);
+  double before = 0;
+  for (double part = 1e-1; part > 1e-6; part /= 10) {
+    char text[80];
+    std::snprintf(text, sizeof text, "=%.17g", 9000 * (1 + part));
+    const double remainder = std::abs(run(scene, {key + text}).get(measure) - base.get(measure) - 9000 * part * slope);
+    // Rounding of the solutions: 1e-12 of the deflection.
+    if (before > 0) CHECK(std::log10(before / (remainder + 1e-13 * base.get(measure))) == Approx(2).margin(0.15));
+    before = remainder;
+    if (remainder < 1e-10 * base.get(measure)) break;
+  }
+}
+
+TEST_CASE("derivatives are refused by name where they would not be those of the run", "[derivatives]") {
+  const std::string scene =
+      kLattice + kSoft + "stiffness: lattice\nexperiment: {kind: tension, axis: z, force: 0.1 N}\n";
+  CHECK_THAT(refusal(scene, "material.young_modulus"), Contains("did you mean 'material.youngs_modulus'?"));
+  CHECK_THAT(refusal(scene, "stiffness"), Contains("'stiffness' is 'lattice', and no number"));
+  CHECK_THAT(refusal(scene, "material"), Contains("those in it are material.youngs_modulus, material.poissons_ratio"));
+  CHECK_THAT(refusal(scene, "body.lattice.molecules.0"), Contains("is not a whole number"));
+  CHECK_THAT(refusal(scene, "material.youngs_modulus",
+                     {"experiment={kind: relaxation, axis: z, strain: 1 %}", "time={duration: 1 s}"}),
+             Contains("the experiment 'relaxation' runs in time"));
+  const std::string pressed =
+      kRough + kSoft +
+      "stiffness: neo_hookean\nexperiment: {kind: indentation, axis: z, indenter: {sphere: {radius: "
+      "8 mm}}, depth: 0.5 mm}\ncontact: {friction: 0.3}\n";
+  CHECK_THAT(refusal(pressed, "material.youngs_modulus"), Contains("contact.friction"));
+}
+
+TEST_CASE("the deviation of a measure is that of runs with numbers drawn at random", "[derivatives]") {
+  // 2 % of a standard deviation is twice the error that 4000 draws leave.
+  const std::string scene =
+      kLattice + kSoft + "stiffness: lattice\nexperiment: {kind: tension, axis: z, force: 0.1 N}\n";
+  const std::string uncertainty =
+      "uncertainty:\n  material.youngs_modulus: 3 %\n  experiment.force: [98 mN, 102 mN]\n"
+      "  correlation: [[material.youngs_modulus, experiment.force, 0.5]]\n";
+  const LaboratoryResult result = run(scene + uncertainty, {});
+  REQUIRE(result.spreads.size() >= 5);
+  const double of_modulus = 0.03 * 9000, of_force = 2e-3 / 1.959964;
+  std::mt19937_64 generator(4);
+  std::normal_distribution<double> normal;
+  double sum = 0, squares = 0;
+  constexpr int draws = 4000;
+  for (int draw = 0; draw < draws; ++draw) {
+    const double first = normal(generator), second = 0.5 * first + std::sqrt(0.75) * normal(generator);
+    char modulus[80], force[80];
+    std::snprintf(modulus, sizeof modulus, "material.youngs_modulus=%.12g", 9000 + of_modulus * first);
+    std::snprintf(force, sizeof force, "experiment.force=%.12g", 0.1 + of_force * second);
+    const double value = run(scene, {modulus, force}).get("elongation");
+    sum += value, squares += value * value;
+  }
+  const double drawn = std::sqrt(squares / draws - std::pow(sum / draws, 2));
+  for (const auto& [measure, parts] : result.spreads) {
+    if (measure != "elongation") continue;
+    CHECK(parts[0].second == Approx(drawn).epsilon(0.025));
+    CHECK(parts[1].second + parts[2].second == Approx(1).epsilon(1e-12));
+  }
+  CHECK_THAT(refusal(scene + "uncertainty: {material.youngs_moduls: 3 %}\n", "experiment.force"),
+             Contains("did you mean 'material.youngs_modulus'?"));
+}
+
+TEST_CASE("gradients and deviations are read back from JSON as they were", "[derivatives]") {
+  Record record;
+  record.run.gradients = {{"force", {{"material.youngs_modulus", 0.25}, {"experiment.strain", 3}}}};
+  record.spreads = {{"force", {{"deviation", 2}, {"material.youngs_modulus", 1}}}};
+  record.run.curve.push_back({1, {}, 1, 1, 0});
+  record.run.curve.back().gradients = record.run.gradients;
+  const Record back = record_of_json(json_line(record));
+  CHECK(back.run.gradients == record.run.gradients);
+  CHECK(back.spreads == record.spreads);
+  CHECK(back.run.curve.back().gradients == record.run.gradients);
+  CHECK_THAT(json_text({record}),
+             Contains("\"gradients\": {\n    \"force\": {\n     \"material.youngs_modulus\": 0.25"));
+}
