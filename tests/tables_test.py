@@ -21,6 +21,7 @@ import tempfile
 PAPER = "elastin compare scenes/tension/table1-*.yaml scenes/tension/table2.yaml"
 HARD = "elastin verify scenes/hard/*.yaml --choices --markdown"
 SLIPS = "elastin check, on each slip of tests/lab/scene/slips.txt"
+REALITY = "elastin compare scenes/reality"
 BROUGHT = "elastin check, on each file of tests/mesh/data/brought"
 NUMBER = re.compile(r"[-+−]?\d+(?:\.\d+)?(?:e[-+]\d+)?")
 
@@ -141,6 +142,32 @@ def brought_table(elastin):
     return "\n".join(lines) + "\n"
 
 
+SPRINGS = ["standard", "lloyd", "calibrated:standard", "calibrated:van_gelder", "calibrated:patch+volume"]
+
+
+def reality_table(elastin):
+    """Errors over the scatter of what was measured: the largest of a scene's references, a row a scene."""
+    scenes = {}
+    for run in json.loads(output(elastin, REALITY + " --json -"))["runs"]:
+        scenes.setdefault(glob.glob(f"scenes/reality/*/{run['scene']}.yaml")[0], []).append(run)
+    lines = ["| experiment | its law | neo_hookean | " + " | ".join(SPRINGS) + " |", "|---" * (len(SPRINGS) + 3) + "|"]
+    for path, runs in sorted(scenes.items()):
+        cells = {}
+        for run in runs:
+            errors = [error for name, error in run.get("errors", {}).items() if name.endswith("_over_scatter")]
+            name = run["strategy"].replace("prony:", "").replace("patch+volume", "patch").replace("patch", "patch+volume")
+            name = name if name in SPRINGS or "calibrated:" + name not in SPRINGS else "calibrated:" + name
+            kind = name if name in SPRINGS else "neo_hookean" if name.startswith("neo_hookean") else "its law"
+            text = f"{max(errors):.2f}" if errors else run["outcome"].replace("_", " ")
+            law = f" ({run['strategy']})" if kind == "its law" else ""
+            cells.setdefault(kind, f"**{text}**{law}" if errors and max(errors) <= 1 else text + law)
+        with open(path, encoding="utf-8") as stream:
+            star = "*" if re.search("%.* is taken", stream.read()) else ""
+        lines.append(f"| [{runs[0]['title']}](../{path}){star} | " +
+                     " | ".join(cells.get(name, "") for name in ["its law", "neo_hookean"] + SPRINGS) + " |")
+    return "\n".join(lines) + "\n"
+
+
 def block(text, begin, end):
     """Where the text between two lines begins and ends."""
     start = text.find(begin + "\n")
@@ -158,6 +185,8 @@ def main(root, elastin, write):
                lambda: paper_table(elastin), lambda old, new: old == new),
               ("tests/README.md", f"<!-- table: {HARD} -->", "<!-- table: end -->",
                lambda: output(elastin, HARD if write else HARD.replace(" --choices", "")), same_cases),
+              ("tests/README.md", f"<!-- table: {REALITY} -->", "<!-- table: end -->",
+               lambda: reality_table(elastin), same_cases),
               ("tests/README.md", f"<!-- table: {SLIPS} -->", "<!-- table: end -->",
                lambda: slips_table(elastin), lambda old, new: old == new),
               ("tests/README.md", f"<!-- table: {BROUGHT} -->", "<!-- table: end -->",
