@@ -24,7 +24,7 @@ struct Label {
   std::optional<double> youngs_modulus, density;
 };
 
-struct ImageSetup : MeshFile, CellOrder {
+struct ImageSetup : MeshFile {
   std::vector<Label> labels;
   std::optional<Reader> labels_place;
   std::optional<double> threshold, spacing;
@@ -217,8 +217,7 @@ void Boxes::close_holes() {
   for (std::size_t box = 0; box < boxes_.size(); ++box)
     if (boxes_[box].label < 0 && !outside[box]) boxes_[box] = boxes_[box - 1], boxes_[box].fraction = 1, ++closed;
   if (closed > 0)
-    context_.remarks.notes.push_back(
-        fmt::format("{}: {} of closed holes filled", setup_.file->text(), counted(closed, "box")));
+    context_.remarks.notes.push_back(fmt::format("{}: {} boxes of closed holes filled", setup_.file->text(), closed));
 }
 
 void Boxes::find_pieces() {
@@ -264,8 +263,8 @@ void Boxes::find_thin_places() const {
   });
   if (thin > 0)
     context_.remarks.warnings.push_back(fmt::format(
-        "{}: the body is thinner than two boxes at {} of {} ({:.2g} %): it bends there as no solid does",
-        setup_.file->path(), thin, counted(all, "box"), 100. * static_cast<double>(thin) / static_cast<double>(all)));
+        "{}: the body is thinner than two boxes at {} of {} boxes ({:.2g} %): it bends there as no solid does",
+        setup_.file->path(), thin, all, 100. * static_cast<double>(thin) / static_cast<double>(all)));
 }
 
 void Boxes::number_corners() {
@@ -316,7 +315,7 @@ void Boxes::report() const {
   });
   std::vector<std::string> texts;
   for (std::size_t i = 0; i < labels_.size(); ++i) {
-    texts.push_back(fmt::format("{} ({}, {:.4g} cm3)", labels_[i].name, counted(counts[i], "box"), 1e6 * volumes[i]));
+    texts.push_back(fmt::format("{} ({} boxes, {:.4g} cm3)", labels_[i].name, counts[i], 1e6 * volumes[i]));
     if (counts[i] == 0)
       context_.remarks.warnings.push_back(
           fmt::format("{}: no voxel of the body has the label {}", setup_.file->path(), labels_[i].name));
@@ -534,7 +533,7 @@ Shape image_shape() {
                      &S::youngs_modulus),
           key::later({"density", "formula of `value`", "kg/m³", "> 0", "the material's", "density from the grey value"},
                      &S::density),
-          seed_key(&S::seed), order_key()},
+          seed_key(&S::seed)},
       make_body);
 }
 

@@ -128,7 +128,7 @@ TEST_CASE("image: what cannot be a body is refused by name", "[image]") {
     }
     return std::string();
   };
-  CHECK_THAT(refused(", labels: [7]"), Contains("leaves no voxel") && Contains("1, 2"));
+  CHECK_THAT(refused(", labels: [7]"), Contains("leaves no voxel") && Contains("1 and 2"));
   CHECK_THAT(refused(", labels: [liver]"), Contains("no label"));
   CHECK_THAT(refused(", labels: [1], threshold: 3"), Contains("labels"));
   CHECK_THAT(refused(", voxel_size: [1 mm, 1 mm, 1 mm]"), Contains("states the size"));
