@@ -51,6 +51,7 @@ std::string refusal(const std::string& scene, const std::string& key, const Sett
 struct Number {
   std::string key;
   double value;
+  std::string unit = "";  ///< where a plain number would not do
 };
 
 /// Differences of fourth order of whole runs, over `part` of the number.
@@ -58,7 +59,7 @@ double difference(const std::string& scene, const std::string& measure, const Nu
   const auto at = [&](double times) {
     char text[60];
     std::snprintf(text, sizeof text, "=%.17g", by.value * (1 + times * part));
-    return run(scene, {by.key + text}).get(measure);
+    return run(scene, {by.key + text + by.unit}).get(measure);
   };
   return (8 * (at(1) - at(-1)) - (at(2) - at(-2))) / (12 * part * by.value);
 }
@@ -105,7 +106,7 @@ TEST_CASE(
        "values: {side: 20 mm}\nbody: {tetrahedra: {kind: kuhn, cubes: [1, 1, 2], size: [= side, = side, = 2 * "
        "side]}}\n" +
            kSoft + "stiffness: neo_hookean\nexperiment: {kind: tension, axis: z, force: 0.3 N}\n",
-       {{"values.side", 0.02}}}};
+       {{"values.side", 0.02, " m"}}}};
   for (const Case& one : cases) {
     INFO(one.name);
     Settings keys;
@@ -156,9 +157,10 @@ TEST_CASE("derivatives are refused by name where they would not be those of the 
   CHECK_THAT(refusal(scene, "stiffness"), Contains("'stiffness' is 'lattice', and no number"));
   CHECK_THAT(refusal(scene, "material"), Contains("those in it are material.youngs_modulus, material.poissons_ratio"));
   CHECK_THAT(refusal(scene, "body.lattice.molecules.0"), Contains("is not a whole number"));
-  CHECK_THAT(refusal(scene, "material.youngs_modulus",
-                     {"experiment={kind: relaxation, axis: z, strain: 1 %}", "time={duration: 1 s}"}),
-             Contains("the experiment 'relaxation' runs in time"));
+  RunWatch watch;
+  watch.derivatives_by = {"material.youngs_modulus"};
+  CHECK_THROWS_WITH(Laboratory(std::string(ELASTIN_SOURCE_DIR) + "/scenes/dynamics/relaxation.yaml").run("", watch),
+                    Contains("the experiment 'relaxation' runs in time"));
   const std::string pressed =
       kRough + kSoft +
       "stiffness: neo_hookean\nexperiment: {kind: indentation, axis: z, indenter: {sphere: {radius: "
@@ -167,7 +169,7 @@ TEST_CASE("derivatives are refused by name where they would not be those of the 
 }
 
 TEST_CASE("the deviation of a measure is that of runs with numbers drawn at random", "[derivatives]") {
-  // 2 % of a standard deviation is twice the error that 4000 draws leave.
+  // 1000 draws leave an error of 2.2 % in a standard deviation.
   const std::string scene =
       kLattice + kSoft + "stiffness: lattice\nexperiment: {kind: tension, axis: z, force: 0.1 N}\n";
   const std::string uncertainty =
@@ -179,7 +181,7 @@ TEST_CASE("the deviation of a measure is that of runs with numbers drawn at rand
   std::mt19937_64 generator(4);
   std::normal_distribution<double> normal;
   double sum = 0, squares = 0;
-  constexpr int draws = 4000;
+  constexpr int draws = 1000;
   for (int draw = 0; draw < draws; ++draw) {
     const double first = normal(generator), second = 0.5 * first + std::sqrt(0.75) * normal(generator);
     char modulus[80], force[80];
@@ -191,7 +193,7 @@ TEST_CASE("the deviation of a measure is that of runs with numbers drawn at rand
   const double drawn = std::sqrt(squares / draws - std::pow(sum / draws, 2));
   for (const auto& [measure, parts] : result.spreads) {
     if (measure != "elongation") continue;
-    CHECK(parts[0].second == Approx(drawn).epsilon(0.025));
+    CHECK(parts[0].second == Approx(drawn).epsilon(0.06));
     CHECK(parts[1].second + parts[2].second == Approx(1).epsilon(1e-12));
   }
   CHECK_THAT(refusal(scene + "uncertainty: {material.youngs_moduls: 3 %}\n", "experiment.force"),
