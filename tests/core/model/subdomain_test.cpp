@@ -124,10 +124,14 @@ TEST_CASE("subdomain: parts of a grid of boxes add up to the whole's, on coarser
   const std::vector<Support> supports{{0}, {1}, {400}};
   using Pair = std::array<std::array<int, 3>, 2>;  // where two points are
   const auto add_blocks = [](const BoxLevel& level, std::map<Pair, Matrix3>& sums) {
-    for (int point = 0; point < level.points(); ++point)
-      for (int n = 0; const int other : level.neighbours(point))
-        sums.try_emplace({level.grid().at(point), level.grid().at(other)}, Matrix3::Zero()).first->second +=
-            level.block_to(point, n++) * (other == point && n > 1 ? 0 : 1);
+    for (int point = 0; point < level.points(); ++point) {
+      int n = 0;
+      for (const int other : level.neighbours(point)) {
+        const Matrix3 block = level.block_to(point, n++);
+        if (other != point || n == 1)
+          sums.try_emplace({level.grid().at(point), level.grid().at(other)}, Matrix3::Zero()).first->second += block;
+      }
+    }
   };
   std::unique_ptr<BoxLevel> whole = assemble_level(Tangent(shared.whole, rest), supports).level;
   for (const bool coarse : {false, true}) {

@@ -71,7 +71,7 @@ class StiffPoints {
   };
   virtual ~StiffPoints() = default;
   virtual int stiff_points() const = 0;
-  virtual Vector3 place_of(int point) const = 0;                ///< at rest [m]
+  virtual Vector3 place_of(int point) const = 0;               ///< at rest [m]
   virtual std::span<const int> nodes_of(int point) const = 0;  ///< molecules of its cell
   virtual Stiffness stiffness_at(int point) const = 0;
 };

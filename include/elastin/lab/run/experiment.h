@@ -46,7 +46,7 @@ struct CurvePoint {
   double residual = 0;
   double time = 0, step = 0;  ///< [s] of a run in time; step: the last one before
   int steps = 0;              ///< since the point before
-  Gradients gradients = {};  ///< of its measures, where they are requested
+  Gradients gradients = {};   ///< of its measures, where they are requested
 };
 
 /// A material to be found: the secant modulus E(ε) = c₀ + c₁ |ε| + … with which an experiment shows measured values.
