@@ -16,6 +16,7 @@ using namespace lab;
 namespace fs = std::filesystem;
 
 void SceneOptions::add_to(Options& options, bool several) {
+  takes_folders = several;
   options.argument("SCENE", into(scenes), several ? "Scene files (YAML), or folders of them" : "Scene file (YAML)",
                    true, several);
   options
@@ -33,7 +34,7 @@ std::vector<SceneSource> SceneOptions::open() const {
   const SceneSource none;
   std::vector<SceneSource> sources;
   for (const std::string& path : scenes) {
-    if (!fs::is_directory(path)) {
+    if (!takes_folders || !fs::is_directory(path)) {
       sources.push_back(none.other(path));
       continue;
     }

@@ -41,6 +41,7 @@ struct SceneOptions {
   std::vector<std::string> scenes, overrides;
   int threads = 0;
   bool quiet = false;
+  bool takes_folders = false;  ///< which commands of several scenes do
 
   void add_to(Options& options, bool several = true);
   /// Sets the number of threads. Every file is read once, even if several scenes name it; of a folder all scenes below.

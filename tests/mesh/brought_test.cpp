@@ -61,7 +61,6 @@ TEST_CASE("points at a seam are made one where that is asked for", "[brought]") 
   chain.points << 3, 0, 2, 1, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0;
   CHECK(join_points(chain, 1.1) == 3);
   CHECK(chain.points.row(0) == Eigen::RowVector2d(3, 9));
-  CHECK(load_mesh(brought("msh_one_inverted.msh")).reoriented == 1);
 }
 
 TEST_CASE("meshes of other programs: cells, points, volume, sets and what is left out", "[brought]") {

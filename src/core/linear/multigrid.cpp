@@ -90,8 +90,8 @@ void Multigrid::add(const Positions& forces, double size, Positions& motion) {
   const BoxGrid& grid = levels_.front()->grid();
   LevelWorkspace& finest = workspaces_.front();
   members_.restrict_to(
-      grid, [&](int molecule) -> Eigen::Vector3f { return (forces.col(molecule) / size).cast<float>(); },
-      finest.of_boxes, finest.b);
+      grid, [&](int molecule) -> Eigen::Vector3f { return (forces.col(molecule) / size).cast<float>(); }, of_boxes_,
+      finest.b);
   cycle(0);
   members_.prolong_from(grid, finest.x, [&](int molecule, const Eigen::Vector3f& value) {
     motion.col(molecule) += size * value.cast<double>();

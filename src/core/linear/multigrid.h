@@ -30,6 +30,7 @@ class Multigrid {
   BoxMembers members_;
   std::vector<std::unique_ptr<BoxLevel>> levels_;
   std::vector<LevelWorkspace> workspaces_;
+  BoxLevel::Vectors of_boxes_;  ///< of the finest grid, from the molecules
   std::unique_ptr<CoarsestSolver> coarsest_;
 };
 

@@ -484,7 +484,9 @@ class Laboratory:
             keep_states: bool = False) -> Result:
         """Runs the experiment with a strategy by name ('calibrated:angles', 'lattice+volume'); '' takes the scene's
         own. progress(doing) is called before each load step or frame; what it raises ends the run. keep_states: the
-        result has the positions of each load step or frame. Numerical trouble is an outcome in the result."""
+        result has the positions of each load step or frame. derivatives_by: keys of numbers of the scene,
+        'material.youngs_modulus', by which all measures at rest are differentiated. Numerical trouble is an outcome
+        in the result."""
     def simulation(self, strategy: str = "", *, scheme: str = "symplectic_euler", safety: float = 0.8,
                    max_substeps: int = 1000, scheme_parameters: Mapping[str, float] = ...,
                    parameters: Mapping[str, float] = ...) -> Simulation:
@@ -585,7 +587,7 @@ def run(scene: Scene, strategy: str | Strategy = "", *, experiment: Experiment |
     """Runs a scene with a strategy (a name, or a Strategy; "" is the scene's own) and gives its Result. The scene is a
     file, a dict or a Body, with further keys, as for Laboratory. Numbers equal those of the command to the last bit.
     reference: "computed" first computes the values that errors refer to; keep_states: the result has the positions
-    of every load step or frame."""
+    of every load step or frame; derivatives_by: the result's gradients are by these keys."""
 def compare(scene: Scene, strategies: Sequence[str | Strategy] | None = None, *,
             experiment: Experiment | Mapping[str, Any] | None = None,
             material: Material | Mapping[str, Any] | None = None, reference: Literal["", "computed", "none"] = "",

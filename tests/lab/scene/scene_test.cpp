@@ -511,8 +511,8 @@ TEST_CASE("keys that are missing or do not go together are named", "[scene]") {
       {kLattice, kLattice + "\n  packing: @{}", "body.packing: the body has a shape already: body.lattice", {}},
       {kLattice + "\n  radius",
        "@radius",
-       "body: needs a shape: lattice, packing, tetrahedra, sphere, sphere_octant, disc, sheet, canopy, mesh, fill or "
-       "molecules",
+       "body: needs a shape: lattice, packing, tetrahedra, sphere, sphere_octant, disc, sheet, canopy, mesh, fill, "
+       "image or molecules",
        {}},
       {kLattice + "\n  radius: 3 mm", "@molecules: [[0, 0, 0], [0, 0, 1 mm]]", "body: give a radius", {}},
       {kLattice, "molecules: @[]", "body.molecules: a body needs at least one molecule", {}},
