@@ -174,7 +174,8 @@ TEST_CASE("exit code 2: wrong use or input, told on standard error alone", "[com
            {"compare " + cube + " " + slip, "elastin: " + slip + ":3:48: "},  // before anything runs
            {"run " + folder.path("cub.yaml"),
             "elastin: " + folder.path("cub.yaml") + ": no such file; did you mean 'cube.y"},
-           {"run " + folder.path(""), "elastin: " + folder.path("") + ": is a folder"},
+           {"run " + folder.path(""), "elastin: " + slip + ":3:48: "},  // all scenes below the folder
+           {"export " + folder.path("") + " --to csv --out out", "elastin: " + folder.path("") + ": is a folder"},
            {"run " + cube + " --set body.radius=-1", "elastin: --set: body.radius: '-1' is out of range"},
            {"run --set body.radios=1 " + cube, "elastin: --set: body: unknown key 'radios'; did you mean 'radius'?"},
            {"run " + cube + " --strategies latice",

@@ -394,9 +394,10 @@ class TensionRig final : public StaticRig {
     const double elongation = experiment_.read_elongation(motion), strain = elongation / experiment_.gauge_length_,
                  stress = force / experiment_.area_;
     const double lateral = experiment_.lateral_strain(motion, solved.linear);
-    measures.set("effective_modulus", stress / strain);
+    const bool drawn = std::abs(strain) > 1e-12;  // what has a rest may push where nothing draws it
+    if (drawn) measures.set("effective_modulus", stress / strain);
     measures.set("elongation", elongation);
-    measures.set("poissons_ratio", -lateral / strain);
+    if (drawn) measures.set("poissons_ratio", -lateral / strain);
     measures.set("force", force);
     measures.set("stress", stress);
     measures.set("strain", strain);
