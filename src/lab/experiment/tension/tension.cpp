@@ -98,6 +98,7 @@ class Tension final : public StaticExperiment {
   }
 
   std::vector<MainMeasure> main_measures(const Material& material, const Measures& measured) const override {
+    if (setup_.displacement == 0.) return {{"force"}};  // with which a body pushes that has a rest
     UniaxialResponse target = uniaxial_response(material, setup_.axis);
     const double strain = measured.get("strain");
     if (std::isfinite(strain) && strain != 0)  // the secant of a curve, where no block shows the law's
