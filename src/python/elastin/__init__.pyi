@@ -340,6 +340,16 @@ class Simulation:
         """Where a held molecule is to be at the end of the next step [m]."""
     def reaction(self, molecule: int) -> Floats:
         """Force of its support on a held molecule [N]; zero where nothing holds it."""
+    def vjp(self, positions: ArrayLike | None = None, reactions: ArrayLike | None = None) -> dict[str, Any]:
+        """What a function of the equilibrium that settle() has found changes with, by one linear solve: from its
+        derivatives by positions and by reactions of fixed molecules, each (n, 3) or None, a dict of those by
+        'forces' on molecules (n, 3), by the 'displacement' of fixed molecules (n, 3), and a list, 'stiffness', of
+        arrays, one a law: by the logarithm of each element's stiffness, which is k dm/dk of a spring, and of a cell
+        E dm/dE. An array is empty where a law is no sum of elements."""
+    def jvp(self, *, forces: ArrayLike | None = None,
+            displacement: ArrayLike | None = None) -> tuple[Floats, Floats]:
+        """How positions and reactions, each (n, 3), of the equilibrium that settle() has found change with forces on
+        all molecules and displacements of fixed ones, (n, 3): a derivative along these."""
     def couple(self, molecule: int, position: ArrayLike, stiffness: float, damping: float = 0.0) -> int:
         """A spring [N/m] and damper [N s/m] between a molecule and a position [m]: a tool. Gives the coupling's number."""
     def move_coupling(self, coupling: int, position: ArrayLike, velocity: ArrayLike = ...) -> None:
@@ -377,6 +387,13 @@ class Result:
     @property
     def measures(self) -> dict[str, float]:
         """Value by name, of the last load step, or of the course of a run in time."""
+    @property
+    def gradients(self) -> dict[str, dict[str, float]]:
+        """Derivatives by name of the measure and key of the scene, those of derivatives_by; SI units."""
+    @property
+    def spreads(self) -> dict[str, dict[str, float]]:
+        """Where the scene states an uncertainty, by name of the measure its 'deviation', and by key the share of each
+        number in the square of that."""
     @property
     def main(self) -> list[str]:
         """Names of the measures by which strategies are compared, the most telling first."""
@@ -481,7 +498,7 @@ class Laboratory:
         what an engine of `elastin compare --engine` reads, a dict, and gives what that prints: {"positions": (n, 3),
         …}. The Result is measured off it as a strategy's is; what step raises comes out."""
     def run(self, strategy: str = "", *, progress: Callable[[str], object] | None = None,
-            keep_states: bool = False) -> Result:
+            keep_states: bool = False, derivatives_by: Sequence[str] = ()) -> Result:
         """Runs the experiment with a strategy by name ('calibrated:angles', 'lattice+volume'); '' takes the scene's
         own. progress(doing) is called before each load step or frame; what it raises ends the run. keep_states: the
         result has the positions of each load step or frame. derivatives_by: keys of numbers of the scene,
@@ -583,7 +600,7 @@ def where(condition: Any, one: Any, other: Any) -> Any:
 def run(scene: Scene, strategy: str | Strategy = "", *, experiment: Experiment | Mapping[str, Any] | None = None,
         material: Material | Mapping[str, Any] | None = None, reference: Literal["", "computed", "none"] = "none",
         set: Changes = None, catalog: Catalog | None = None, progress: Callable[[str], object] | None = None,
-        keep_states: bool = False, **keys: Any) -> Result:
+        keep_states: bool = False, derivatives_by: Sequence[str] = (), **keys: Any) -> Result:
     """Runs a scene with a strategy (a name, or a Strategy; "" is the scene's own) and gives its Result. The scene is a
     file, a dict or a Body, with further keys, as for Laboratory. Numbers equal those of the command to the last bit.
     reference: "computed" first computes the values that errors refer to; keep_states: the result has the positions
@@ -621,6 +638,12 @@ def sweep(scene: Scene, key: str | Mapping[str, Iterable[Any]], values: Iterable
     The rows are the same to the last bit but for times. A scene file must be there under the same path for all
     workers. Of a dask.distributed.Client a row whose worker dies goes to another one. `progress` is called with what
     a row is doing, or with a client how many rows are there."""
+def gradient(scene: Scene, of: Sequence[str] | None = None, by: Sequence[str] = (), strategy: str | Strategy = "",
+             **options: Any) -> Floats:
+    """Derivatives of measures by numbers of a scene, as an array (measures, numbers) in SI units, by one linear solve a
+    number at each equilibrium. of: names of measures, by default all, in the order of the result's; by: keys of the
+    scene that state numbers, ["material.youngs_modulus", "loads.0.pressure"]. Scene and options are as for run.
+    Experiments in time, friction and other histories raise InputError."""
 def identify(scene: Scene, data: Mapping[str, Path] | None = None, *, tests: Sequence[str] = (),
              laws: Sequence[str] = (), strategies: Sequence[str] = (), set: Changes = None,
              progress: Callable[[str], object] | None = None, **keys: Any) -> Any:
