@@ -227,7 +227,8 @@ void BoxLevel::set_damping() {
 }
 
 std::unique_ptr<BoxLevel> BoxLevel::coarser(BoxGrid::Coarser coarser, bool is_part) {
-  const auto& [coarse, parents] = coarser;
+  const BoxGrid& coarse = coarser.grid;
+  const std::vector<int>& parents = coarser.parents;
   BoxElements elements(coarse.boxes());
   for (int box = 0; box < grid_.boxes(); ++box)
     if (elements_.sums_of[box] >= 0) elements.sums_in(parents[box]);
