@@ -112,7 +112,7 @@ function types() {
   assert.match(elastin.version, /^\d+\.\d+/);
   assert(elastin.rows('steppers').some(row => row.name === 'newmark'));
   for (const check of [weight_on_a_spring, modulus_of_a_lattice, a_cell_law_from_arrays, wrong_input, poissons_ratio, warnings, types]) check(elastin);
-  const same = await import('file://' + path.join(folder, 'index.mjs'));
+  const same = await import('file://' + path.join(folder, 'node.mjs'));
   assert.strictEqual(same.load, load);
 })().catch(problem => {
   console.error(problem);

@@ -5,7 +5,7 @@
 #   hand      drag, push, pin, pause, step, keys     strategies    E in the page is that of the command
 #   rest      nothing is drawn while nothing moves                painters    card and processor draw the same
 #   wild      a minute at random                     access        labels, contrast, widths     refused    what is said where it cannot run
-#   npm       the package for node and bundlers: closed forms, its errors, its types
+#   npm       the package in node: closed forms, its errors, its types           module   the package in a browser
 #   wrong     a body that is too large, a folder without the module
 set -euo pipefail
 what=$1 build=$2 elastin=$3 bits=${4:-}
@@ -41,6 +41,10 @@ case $what in
     diff <(same "$folder/native") <(same "$folder/web")
     ;;
   npm) node "$here/npm_test.js" "$build/web/npm" ;;
+  module)
+    browser
+    node "$here/module_test.js" "$chromium" "$build/web/npm"
+    ;;
   strategies)
     browser
     for case in tension/cube-27-face.yaml:standard,lattice tension/tet-block.yaml:van_gelder,neo_hookean; do
