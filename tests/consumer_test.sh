@@ -63,7 +63,21 @@ case $what in
     [[ $table == *$'\n'"  columns   10.000 kPa"* ]] || fail "no row of the program's own law: $table"
     ;;
   parts) "$work/build/own_parts" "$source"/tests/consumer/{ratchet,hanging}.yaml ;;
-  c) "$work/build/from_c" ;;
+  c)
+    "$work/build/from_c"
+    # A program in C needs neither Eigen nor C++ to find the library.
+    mkdir -p -- "$work/slim"
+    cat >"$work/slim/CMakeLists.txt" <<END
+cmake_minimum_required(VERSION 3.22)
+project(slim C)
+find_package(elastin 0.1 CONFIG REQUIRED COMPONENTS c_slim)
+add_executable(from_c $source/tests/examples/embed.c)
+target_link_libraries(from_c PRIVATE elastin::c_slim m)
+END
+    cmake -S "$work/slim" -B "$work/slim/build" -DCMAKE_PREFIX_PATH="$work/prefix" -DCMAKE_DISABLE_FIND_PACKAGE_Eigen3=ON
+    cmake --build "$work/slim/build"
+    "$work/slim/build/from_c"
+    ;;
   pkg-config)
     export PKG_CONFIG_PATH=$work/prefix/lib/pkgconfig:$work/prefix/lib64/pkgconfig
     # shellcheck disable=SC2046  # flags are words

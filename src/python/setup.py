@@ -1,11 +1,14 @@
-"""A wheel of what CMake builds. With ELASTIN_BUILD_DIR in the environment it is taken from there; else the module is built
-now, which takes some minutes, in build-wheel next to the other builds."""
+"""A wheel of what CMake builds. With ELASTIN_BUILD_DIR in the environment (relative to the project) it is taken from there;
+else the module is built now, which takes some minutes, in build-wheel next to the other builds. Either must be built for the
+Python that asks."""
 
+import importlib.util
 import os
 import re
 import shutil
 import subprocess
 import sys
+import sysconfig
 from pathlib import Path
 
 from setuptools import setup
@@ -18,14 +21,21 @@ VERSION = re.search(r"project\(elastin VERSION ([\d.]+)", (ROOT / "CMakeLists.tx
 
 def built():
     """The folder of the package as CMake builds it."""
-    build = Path(os.environ.get("ELASTIN_BUILD_DIR") or ROOT / "build-wheel")
-    if "ELASTIN_BUILD_DIR" not in os.environ:
+    given = os.environ.get("ELASTIN_BUILD_DIR")
+    build = ROOT / (given or "build-wheel")
+    if not given:
         left_out = [f"-DELASTIN_{name}=OFF" for name in ("TESTS", "BENCH", "C", "INSTALL")]
+        if importlib.util.find_spec("pybind11"):
+            left_out.append("-Dpybind11_DIR=" + importlib.import_module("pybind11").get_cmake_dir())
         subprocess.check_call(["cmake", "-S", ROOT, "-B", build, f"-DPython_EXECUTABLE={sys.executable}", "-DELASTIN_UNITY=ON",
                                *left_out])
         subprocess.check_call(["cmake", "--build", build, "--parallel", "--target", "elastin_python"])
-    if not list((build / "python/elastin").glob("_elastin*.so")):
-        sys.exit(f"{build} has no Python module: CMake says why (python3-dev, python3-numpy and pybind11-dev are needed)")
+    wanted = "_elastin" + sysconfig.get_config_var("EXT_SUFFIX")
+    if not (build / "python/elastin" / wanted).exists():
+        others = ", ".join(one.name for one in (build / "python/elastin").glob("_elastin*.so"))
+        sys.exit(f"{build} has no {wanted}, the module for {sys.executable}"
+                 + (f"; it has {others}, of another Python" if others else
+                    ": CMake says why (Python's headers, numpy and pybind11 are needed)"))
     return build / "python/elastin"
 
 

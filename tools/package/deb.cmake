@@ -1,5 +1,5 @@
-# cpack -G DEB: libelastin-dev, elastin (command and scenes), and where they are built libelastin0 (the C library) and
-# python3-elastin.
+# cpack -G DEB: libelastin-dev, elastin (command and scenes), and where they are built libelastin1 and libelastin-slim1 (the C
+# library, whole and on the core alone: a package's number is the library's) and python3-elastin.
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_VENDOR "Elastin")
 set(CPACK_PACKAGE_CONTACT "Elastin maintainers <maintainers@users.noreply.h-seed-0a17a840.example>")
@@ -40,16 +40,25 @@ The command, with its scenes in /usr/share/elastin/scenes, and the core for page
 of `elastin lab` in /usr/share/elastin/web where it was built.")
 endif()
 
-if(TARGET elastin_c)
-  list(APPEND CPACK_COMPONENTS_ALL runtime)
-  set(CPACK_DEBIAN_RUNTIME_PACKAGE_NAME libelastin0)
-  set(CPACK_DEBIAN_RUNTIME_PACKAGE_SECTION libs)
-  set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS ON)
-  set(CPACK_DEBIAN_RUNTIME_DESCRIPTION "Soft tissue as a molecular model: shared library
+set(C_what "all that the command can do")
+set(C_SLIM_what "bodies and simulations on the core alone, without scenes, mesh files and contact")
+foreach(c C C_SLIM)
+  string(TOLOWER elastin_${c} target)
+  if(TARGET ${target})
+    get_target_property(output ${target} OUTPUT_NAME)
+    get_target_property(soversion ${target} SOVERSION)
+    string(REPLACE _ - package lib${output}${soversion})
+    string(TOLOWER runtime_${c} component)
+    list(APPEND CPACK_COMPONENTS_ALL ${component})
+    set(CPACK_DEBIAN_RUNTIME_${c}_PACKAGE_NAME ${package})
+    set(CPACK_DEBIAN_RUNTIME_${c}_PACKAGE_SECTION libs)
+    set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS ON)
+    set(CPACK_DEBIAN_RUNTIME_${c}_DESCRIPTION "Soft tissue as a molecular model: shared library
 ${about}
-The C library, for programs in any language.")
-  string(APPEND CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS ", libelastin0 (${same_version})")
-endif()
+The C library, for programs in any language: ${${c}_what}.")
+    string(APPEND CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS ", ${package} (${same_version})")
+  endif()
+endforeach()
 
 if(TARGET elastin_python)
   list(APPEND CPACK_COMPONENTS_ALL python)

@@ -43,14 +43,16 @@ foreach(component IN LISTS components)
   install(EXPORT elastin-${component} FILE elastin-${component}-targets.cmake NAMESPACE elastin::
           DESTINATION ${cmake_folder} COMPONENT development)
 endforeach()
-if(TARGET elastin_c)  # shared: asks nothing of its users
-  list(APPEND components c)
-  set_target_properties(elastin_c PROPERTIES EXPORT_NAME c)
-  install(TARGETS elastin_c EXPORT elastin-c LIBRARY COMPONENT runtime NAMELINK_COMPONENT development
-          INCLUDES DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
-  install(EXPORT elastin-c FILE elastin-c-targets.cmake NAMESPACE elastin:: DESTINATION ${cmake_folder}
-          COMPONENT development)
-endif()
+foreach(c c c_slim)
+  if(TARGET elastin_${c})  # shared: asks nothing of its users
+    list(APPEND components ${c})
+    set_target_properties(elastin_${c} PROPERTIES EXPORT_NAME ${c})
+    install(TARGETS elastin_${c} EXPORT elastin-${c} LIBRARY COMPONENT runtime_${c} NAMELINK_COMPONENT development
+            INCLUDES DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
+    install(EXPORT elastin-${c} FILE elastin-${c}-targets.cmake NAMESPACE elastin:: DESTINATION ${cmake_folder}
+            COMPONENT development)
+  endif()
+endforeach()
 install(DIRECTORY include/elastin DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT development)
 
 set(openmp_needs "")
@@ -70,10 +72,13 @@ list(JOIN eigen_flags "" eigen_flags)
 set(pkgconfig_folder ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
 file(RELATIVE_PATH up_to_prefix /${pkgconfig_folder} /)
 string(REGEX REPLACE "/$" "" up_to_prefix "${up_to_prefix}")
-foreach(component core contact c)
+foreach(component core contact c c_slim)
   if(TARGET elastin_${component})
-    configure_file(tools/package/elastin-${component}.pc.in ${PROJECT_BINARY_DIR}/elastin-${component}.pc @ONLY)
-    install(FILES ${PROJECT_BINARY_DIR}/elastin-${component}.pc DESTINATION ${pkgconfig_folder} COMPONENT development)
+    get_target_property(output_name elastin_${component} OUTPUT_NAME)
+    string(REPLACE "c_slim" "c" template ${component})
+    string(REPLACE _ - file elastin-${component}.pc)
+    configure_file(tools/package/elastin-${template}.pc.in ${PROJECT_BINARY_DIR}/${file} @ONLY)
+    install(FILES ${PROJECT_BINARY_DIR}/${file} DESTINATION ${pkgconfig_folder} COMPONENT development)
   endif()
 endforeach()
 
@@ -90,3 +95,14 @@ if(TARGET elastin)
   install(FILES ${PROJECT_BINARY_DIR}/web/bin/elastin.js ${PROJECT_BINARY_DIR}/web/bin/elastin.wasm
           DESTINATION ${CMAKE_INSTALL_DATADIR}/elastin/web COMPONENT command OPTIONAL)
 endif()
+
+# What a shell must be told where the prefix is none of the system's.
+string(CONFIGURE [=[
+if(NOT CMAKE_INSTALL_PREFIX MATCHES "^/usr(/local)?$" AND NOT DEFINED CPACK_INSTALL_PREFIX AND NOT "$ENV{DESTDIR}")
+  message("export PATH=${CMAKE_INSTALL_PREFIX}/@CMAKE_INSTALL_BINDIR@:$PATH
+export CMAKE_PREFIX_PATH=${CMAKE_INSTALL_PREFIX}:$CMAKE_PREFIX_PATH
+export PKG_CONFIG_PATH=${CMAKE_INSTALL_PREFIX}/@pkgconfig_folder@:$PKG_CONFIG_PATH
+export LD_LIBRARY_PATH=${CMAKE_INSTALL_PREFIX}/@CMAKE_INSTALL_LIBDIR@:$LD_LIBRARY_PATH
+export PYTHONPATH=${CMAKE_INSTALL_PREFIX}/@ELASTIN_PYTHON_DIR@:$PYTHONPATH")
+endif()]=] paths_to_set @ONLY)
+install(CODE "${paths_to_set}" COMPONENT development)
