@@ -4,9 +4,11 @@
 #include <pybind11/stl.h>
 
 #include <array>
+#include <chrono>
 #include <memory>
 #include <mutex>
 #include <string>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -90,6 +92,26 @@ inline config::SceneSource source_of(const GivenScene& given) {
 /// The strategy itself, or the one of this name.
 Strategy strategy_from(const py::handle& given, const Catalog& catalog);
 
+/// Looks every 50 ms whether Ctrl-C came, for calls without the interpreter's lock, and keeps what its handler raised.
+class Signals {
+ public:
+  bool raised() {
+    if (trouble_ || Clock::now() - looked_ < std::chrono::milliseconds(50)) return static_cast<bool>(trouble_);
+    const py::gil_scoped_acquire locked;
+    if (PyErr_CheckSignals() != 0) trouble_ = std::make_exception_ptr(py::error_already_set());
+    looked_ = Clock::now();
+    return static_cast<bool>(trouble_);
+  }
+  /// Raises it where the call has ended. With the interpreter's lock.
+  void rethrow() {
+    if (trouble_) std::rethrow_exception(std::exchange(trouble_, nullptr));
+  }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  Clock::time_point looked_ = Clock::now();
+  std::exception_ptr trouble_ = {};
+};
 /// Lets Ctrl-C through. The interpreter's lock must be held.
 inline void check_signals() {
   if (PyErr_CheckSignals() != 0) throw py::error_already_set();
@@ -130,6 +152,10 @@ struct Moving {
 using MovingClass = py::class_<Moving, std::shared_ptr<Moving>>;
 void add_topology(py::module_& module, MovingClass& simulation);
 void add_contact(MovingClass& simulation);
+void add_state(MovingClass& simulation);
+
+/// Simulation::settle that Ctrl-C ends.
+StaticResult settled(Moving& self);
 
 /// As keyword arguments give them.
 SimulationOptions simulation_options(const Catalog& catalog, const std::string& scheme, double safety, int max_substeps,

@@ -73,9 +73,10 @@ std::shared_ptr<Body> body_of(const std::shared_ptr<SharedLaboratory>& shared) {
   return {shared, const_cast<Body*>(&shared->laboratory.body())};
 }
 
-/// Calls a Python function with what is being done, and handles Ctrl-C.
-RunWatch watch_of(const std::optional<py::function>& progress) {
+/// Calls a Python function with what is being done, and ends with Ctrl-C.
+RunWatch watch_of(const std::optional<py::function>& progress, Signals& signals) {
   RunWatch watch;
+  watch.stop = [&signals] { return signals.raised(); };
   watch.progress = [report = progress ? keep(*progress) : nullptr](const std::string& doing) {
     const py::gil_scoped_acquire locked;
     check_signals();
@@ -87,12 +88,16 @@ RunWatch watch_of(const std::optional<py::function>& progress) {
 std::shared_ptr<Outcomes> run(const std::shared_ptr<SharedLaboratory>& shared, const std::string& strategy,
                               const std::optional<py::function>& progress, bool keep_states,
                               const std::vector<std::string>& derivatives_by) {
-  RunWatch watch = watch_of(progress);
+  Signals signals;
+  RunWatch watch = watch_of(progress, signals);
   watch.derivatives_by = derivatives_by;
   watch.keep_states = keep_states;
-  const py::gil_scoped_release others_run;
-  const std::lock_guard turn(shared->busy);
-  LaboratoryResult result = shared->laboratory.run(strategy, watch);
+  LaboratoryResult result = [&] {
+    const py::gil_scoped_release others_run;
+    const std::lock_guard turn(shared->busy);
+    return shared->laboratory.run(strategy, watch);
+  }();
+  signals.rethrow();
   return std::make_shared<Outcomes>(Outcomes{std::move(result), shared->laboratory.name(), body_of(shared)});
 }
 
@@ -110,10 +115,14 @@ std::shared_ptr<Outcomes> measure(const std::shared_ptr<SharedLaboratory>& share
 
 void compute_reference(const std::shared_ptr<SharedLaboratory>& shared, const std::string& option,
                        const std::optional<py::function>& progress) {
-  const RunWatch watch = watch_of(progress);
-  const py::gil_scoped_release others_run;
-  const std::lock_guard turn(shared->busy);
-  shared->laboratory.compute_reference(option, watch);
+  Signals signals;
+  const RunWatch watch = watch_of(progress, signals);
+  {
+    const py::gil_scoped_release others_run;
+    const std::lock_guard turn(shared->busy);
+    shared->laboratory.compute_reference(option, watch);
+  }
+  signals.rethrow();
 }
 
 std::shared_ptr<Moving> simulation(const std::shared_ptr<SharedLaboratory>& shared, const std::string& strategy,

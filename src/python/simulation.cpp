@@ -3,7 +3,6 @@
 #include <pybind11/eigen.h>
 
 #include <algorithm>
-#include <chrono>
 #include <variant>
 
 #include "core/base/named.h"
@@ -16,8 +15,6 @@
 
 namespace elastin::python {
 namespace {
-
-constexpr std::chrono::milliseconds kBetweenSignals{50};
 
 using GivenMaterial = std::variant<Material, std::vector<Material>, py::dict, py::str>;
 
@@ -100,23 +97,20 @@ Result checked(Result result, bool check) {
 StepResult step(Moving& self, double dt, int count, bool check) {
   if (count < 1) throw InputError("count: is " + std::to_string(count) + "; allowed: 1 or more");
   if (!(dt > 0)) throw InputError("dt: is " + std::to_string(dt) + "; allowed: above 0 s");
-  using Clock = std::chrono::steady_clock;
+  Signals signals;
   const StepResult last = self.in_turn([&](Simulation& simulation) {
     if (self.stepping) throw InputError("an observer must not step the simulation that it observes");
     StepResult result;
-    Clock::time_point looked = Clock::now();
     self.stepping = true;
     for (int i = 0; i < count && result.outcome == Outcome::converged && !self.trouble; ++i) {
       result = simulation.step(dt);
-      if (count == 1 || Clock::now() - looked < kBetweenSignals) continue;
-      const py::gil_scoped_acquire locked;
-      if (PyErr_CheckSignals() != 0) self.trouble = std::make_exception_ptr(py::error_already_set());
-      looked = Clock::now();
+      if (count > 1 && signals.raised()) break;
     }
     self.stepping = false;
     return result;
   });
   if (self.trouble) std::rethrow_exception(std::exchange(self.trouble, nullptr));
+  signals.rethrow();
   return checked(last, check);
 }
 
@@ -215,29 +209,71 @@ void add_views(Class& simulation) {
           "Forces of one's own [N], (n, 3): a view to write to. They act from the next step on until changed.");
 }
 
+using Rows = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;
+
+/// One molecule, or an array of them.
+using Molecules = std::variant<int, std::vector<int>>;
+
+/// Does it with each of them, in one turn; nothing where one of them is no molecule.
+template <class Act>
+void for_each(Moving& self, const Molecules& molecules, const Act& act) {
+  self.in_turn([&](Simulation& s) {
+    const int* one = std::get_if<int>(&molecules);
+    const std::vector<int> all = one ? std::vector<int>{*one} : std::get<std::vector<int>>(molecules);
+    for (const int molecule : all)
+      if (molecule < 0 || molecule >= s.body().size())
+        throw InputError("no molecule " + std::to_string(molecule) + ": the body has molecules 0 to " +
+                         std::to_string(s.body().size() - 1));
+    for (const int molecule : all) act(s, molecule);
+  });
+}
+
 void add_hands(Class& simulation) {
   simulation
       .def(
           "fix",
-          [](Moving& self, int molecule, const py::object& free) {
+          [](Moving& self, const Molecules& molecule, const py::object& free) {
             const Matrix3 directions = free_directions(free);
-            self.in_turn([&](Simulation& s) { s.fix(molecule, directions); });
+            for_each(self, molecule, [&](Simulation& s, int one) { s.fix(one, directions); });
           },
           py::arg("molecule"), py::arg("free") = "",
-          "Holds a molecule where it is, but in the directions that `free` names: 'z', 'xy', or a 3 x 3 projector.")
+          "Holds a molecule, or each of an array of them, where it is, but in the directions that `free` names: 'z', "
+          "'xy', "
+          "or a 3 x 3 projector.")
       .def(
-          "release", [](Moving& self, int molecule) { self.in_turn([&](Simulation& s) { s.release(molecule); }); },
-          py::arg("molecule"), "Releases a fixed molecule.")
+          "release",
+          [](Moving& self, const Molecules& molecule) {
+            for_each(self, molecule, [](Simulation& s, int one) { s.release(one); });
+          },
+          py::arg("molecule"), "Releases a fixed molecule, or each of an array of them.")
       .def(
           "move_to",
-          [](Moving& self, int molecule, const Vector3& position) {
-            self.in_turn([&](Simulation& s) { s.move_to(molecule, position); });
+          [](Moving& self, const Molecules& molecule, const py::object& position) {
+            const std::vector<int>* many = std::get_if<std::vector<int>>(&molecule);
+            const Positions places = many ? positions_from(position, "position")
+                                          : Positions(entry_of<Vector3>(position, "position", "three numbers"));
+            const std::size_t wanted = many ? many->size() : 1;
+            if (static_cast<std::size_t>(places.cols()) != wanted)
+              throw InputError("position: has " + std::to_string(places.cols()) + " rows for " +
+                               std::to_string(wanted) + " molecules");
+            Eigen::Index next = 0;
+            for_each(self, molecule, [&](Simulation& s, int one) { s.move_to(one, places.col(next++)); });
           },
-          py::arg("molecule"), py::arg("position"), "Where a held molecule is to be at the end of the next step [m].")
+          py::arg("molecule"), py::arg("position"),
+          "Where a held molecule is to be at the end of the next step [m]; of an array of them (k, 3).")
       .def(
           "reaction",
-          [](Moving& self, int molecule) { return self.in_turn([&](Simulation& s) { return s.reaction(molecule); }); },
-          py::arg("molecule"), "Force of its support on a held molecule [N]; zero where nothing holds it.")
+          [](Moving& self, const Molecules& molecule) -> py::object {
+            Positions reactions(3, 0);
+            for_each(self, molecule, [&](Simulation& s, int one) {
+              reactions.conservativeResize(3, reactions.cols() + 1);
+              reactions.rightCols<1>() = s.reaction(one);
+            });
+            if (std::holds_alternative<int>(molecule)) return py::cast(Vector3(reactions.col(0)));
+            return py::cast(Rows(reactions.transpose()));
+          },
+          py::arg("molecule"),
+          "Force of its support on a held molecule [N]; zero where nothing holds it. Of an array of them (k, 3).")
       .def(
           "couple",
           [](Moving& self, int molecule, const Vector3& position, double stiffness, double damping) {
@@ -263,8 +299,6 @@ void add_hands(Class& simulation) {
           [](Moving& self, CouplingId coupling) { self.in_turn([&](Simulation& s) { s.decouple(coupling); }); },
           py::arg("coupling"));
 }
-
-using Rows = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;
 
 /// About the equilibrium that the simulation stands in: what is left of it unbalanced must be small.
 template <class Act>
@@ -404,11 +438,8 @@ void add_simulation(py::module_& module) {
            "leaves the state as it was and raises StepError; with check=False its result says so, and no step "
            "follows.")
       .def(
-          "settle",
-          [](Moving& self, bool check) {
-            return checked(self.in_turn([](Simulation& s) { return s.settle(); }), check);
-          },
-          py::kw_only(), py::arg("check") = true,
+          "settle", [](Moving& self, bool check) { return checked(settled(self), check); }, py::kw_only(),
+          py::arg("check") = true,
           "Goes to the equilibrium of all that acts now, at rest: a start. Raises StepError where none is found, "
           "unless check=False.")
       .def_property_readonly(
@@ -451,6 +482,7 @@ void add_simulation(py::module_& module) {
   add_hands(simulation);
   add_derivatives(simulation);
   add_loads(simulation);
+  add_state(simulation);
   add_contact(simulation);
   add_topology(module, simulation);
 }

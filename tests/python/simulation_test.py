@@ -1,5 +1,6 @@
 """A simulation of a body, without a scene, gives what the command gives: strategies by their whole name, preparation."""
 
+import tempfile
 import unittest
 
 import numpy
@@ -17,16 +18,85 @@ def modulus_and_ratio(body, strategy, material):
     x, z = body.positions[:, 0], body.positions[:, 2]
     low, high = numpy.flatnonzero(z == z.min()), numpy.flatnonzero(z == z.max())
     elongation = 1e-5 * numpy.ptp(z)
-    for molecule in (*low, *high):
-        tissue.fix(molecule, "xy")
-    for molecule in high:
-        tissue.move_to(molecule, body.positions[molecule] + (0, 0, elongation))
+    tissue.fix([*low, *high], "xy")
+    tissue.move_to(high, body.positions[high] + (0, 0, elongation))
     assert tissue.settle()
-    force = sum(tissue.reaction(molecule)[2] for molecule in high)
+    force = tissue.reaction(high)[:, 2].sum()
     stress = force / (numpy.ptp(x) * numpy.ptp(body.positions[:, 1]))
     middle = abs(z - z.mean()) < 1e-9
     narrowing = -numpy.polyfit(x[middle], (tissue.positions - body.positions)[middle, 0], 1)[0]
     return stress / 1e-5, narrowing / 1e-5
+
+
+CUBE_CORNERS = numpy.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]]) * 1e-2
+BODIES = {
+    "tetrahedron4": elastin.Body(CUBE_CORNERS[[0, 1, 3, 4]], tetrahedra=[[0, 1, 2, 3]]),
+    "hexahedron8": elastin.Body(CUBE_CORNERS, cells={"hexahedron8": [range(8)]}),
+}
+
+
+class States(unittest.TestCase):
+    def test_cells_under_a_homogeneous_deformation_have_the_laws_stress(self):
+        F = numpy.eye(3) + numpy.random.default_rng(3).uniform(-0.2, 0.2, (3, 3))
+        E = (F.T @ F - numpy.eye(3)) / 2
+        lame, shear = 1e4 * 0.3 / (1.3 * 0.4), 1e4 / 2.6
+        stress = F @ (lame * numpy.trace(E) * numpy.eye(3) + 2 * shear * E) @ F.T / numpy.linalg.det(F)
+        for shape, body in BODIES.items():
+            tissue = elastin.Simulation(body, "st_venant_kirchhoff", elastin.Material(1e4, 0.3))
+            tissue.place(body.positions @ F.T)
+            state = tissue.cell_states()
+            self.assertEqual(list(state), [shape])
+            numpy.testing.assert_allclose(state[shape]["strain"][0], E, atol=1e-12)
+            numpy.testing.assert_allclose(state[shape]["stress"][0], stress, rtol=1e-9, atol=1e-6)
+
+    def test_springs_without_cells_have_no_states_of_cells(self):
+        self.assertEqual(elastin.Simulation(elastin.body(LATTICE, SOFT), "lattice", SOFT).cell_states(), {})
+
+    def test_stiffness_is_the_forces_derivative(self):
+        for body in BODIES.values():
+            tissue = elastin.Simulation(body, "neo_hookean", SOFT)
+            random, step = numpy.random.default_rng(4), 1e-8
+            at = body.positions + random.uniform(-5e-4, 5e-4, body.positions.shape)
+            by = random.uniform(-1, 1, at.shape)
+            tissue.place(at)
+            data, columns, starts = tissue.stiffness()
+            K = numpy.zeros((len(body), 3, len(body), 3))
+            for row in range(len(body)):
+                for i in range(starts[row], starts[row + 1]):
+                    K[row, :, columns[i], :] = data[i]
+            forces = []
+            for sign in (1, -1):
+                tissue.place(at + sign * step * by)
+                forces.append(numpy.array(tissue.forces))
+            differences = (forces[1] - forces[0]) / (2 * step)
+            numpy.testing.assert_allclose(numpy.tensordot(K, by, 2), differences, rtol=1e-6, atol=1e-6 * abs(differences).max())
+
+    def test_placed_molecules_go_on_from_there(self):
+        body = elastin.Body([[0, 0, 0], [0, 0, 1]], [[0, 1]], masses=[1, 1])
+        tissue = elastin.Simulation(body, "uniform", SOFT, parameters={"constant": 0})
+        tissue.step(0.5)
+        tissue.place(velocities=[[1, 0, 0], [0, 2, 0]])
+        tissue.step(0.25)
+        numpy.testing.assert_allclose(tissue.positions, [[0.25, 0, 0], [0, 0.5, 1]], atol=1e-12)
+        for wrong, said in (([[0, 0, 0]], "1 rows; the body has 2"), ([[0, 0, numpy.nan], [0, 0, 1]], "not finite")):
+            with self.assertRaisesRegex(elastin.InputError, said):
+                tissue.place(wrong)
+        with self.assertRaisesRegex(elastin.InputError, "no molecule 2: the body has molecules 0 to 1"):
+            tissue.fix([0, 2])
+        self.assertEqual(tissue.reaction([0, 1]).tolist(), [[0, 0, 0], [0, 0, 0]])
+        with self.assertRaisesRegex(elastin.InputError, "1 rows for 2 molecules"):
+            tissue.move_to([0, 1], [[0, 0, 0]])
+
+    def test_a_file_of_the_present_state(self):
+        with tempfile.TemporaryDirectory() as folder:
+            for shape, body in BODIES.items():
+                tissue = elastin.Simulation(body, "neo_hookean", SOFT)
+                tissue.place(body.positions * 1.1)
+                tissue.to_vtu(f"{folder}/{shape}.vtu")
+                again = elastin.read_mesh(f"{folder}/{shape}.vtu", "m")
+                numpy.testing.assert_allclose(again.positions, body.positions * 1.1, rtol=1e-12)
+                with open(f"{folder}/{shape}.vtu", encoding="utf8") as file:
+                    self.assertRegex(file.read(), '(?s)green_strain.*NumberOfComponents="9".*stress')
 
 
 class WholeNames(unittest.TestCase):

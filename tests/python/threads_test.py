@@ -6,6 +6,8 @@ import sys
 import threading
 import unittest
 
+import numpy
+
 import elastin
 
 
@@ -89,6 +91,22 @@ class Interruptions(unittest.TestCase):
         with self.assertRaises(KeyboardInterrupt):
             elastin.run(f"{SOURCE}/scenes/tension/cube-1000.yaml",
                         progress=lambda doing: os.kill(os.getpid(), signal.SIGINT))
+
+    def test_ctrl_c_ends_an_equilibrium_and_vibrations_in_the_middle(self):
+        """Neither takes steps: a timer, not progress, asks them to stop."""
+        from helpers import SOURCE
+        body = elastin.lattice([40, 40, 40], 1e-3)
+        heavy = elastin.Simulation(body, "lattice", elastin.Material(10e3))
+        heavy.fix(numpy.flatnonzero(body.positions[:, 2] == 0))
+        heavy.add_load("gravity", acceleration=(0, 0, -1e3))
+        large = elastin.Laboratory(f"{SOURCE}/scenes/dynamics/vibration-cube-clamped.yaml",
+                                   set={"body.tetrahedra.cubes": [16, 16, 16]})
+        for act in (heavy.settle, lambda: large.run("neo_hookean")):
+            timer = threading.Timer(0.1, os.kill, (os.getpid(), signal.SIGINT))
+            with self.assertRaises(KeyboardInterrupt):
+                timer.start()
+                act()
+                timer.join()
 
     def test_what_an_observer_raises_comes_out_of_the_step(self):
         simulation = tissue()

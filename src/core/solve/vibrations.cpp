@@ -170,7 +170,8 @@ void solve_whole(const ScaledStiffness& op, int count, Vibrations& found) {
             found);
 }
 
-void solve_by_blocks(const ScaledStiffness& op, int count, double tolerance, Vibrations& found) {
+void solve_by_blocks(const ScaledStiffness& op, int count, double tolerance, const std::function<bool()>& stop,
+                     Vibrations& found) {
   const Eigen::Index width = count + std::max(3, count / 2);
   Block x = fixed_start(op.size(), width), nothing, p(op.size(), 0), ap = p;
   op.project(x);
@@ -193,6 +194,11 @@ void solve_by_blocks(const ScaledStiffness& op, int count, double tolerance, Vib
   };
   ritz(Block(x), Block(ax), x.cols());
   for (; found.iterations < kIterationLimit; ++found.iterations) {
+    if (stop && stop()) {
+      found.outcome = Outcome::interrupted;
+      found.cause = "stopped after " + std::to_string(found.iterations) + " iterations";
+      return;
+    }
     if (found.iterations % 20 == 19) ax = op.apply(x);
     Block r = ax - x * values.asDiagonal();
     std::vector<Eigen::Index> open;
@@ -225,14 +231,15 @@ void solve_by_blocks(const ScaledStiffness& op, int count, double tolerance, Vib
 
 }  // namespace
 
-Vibrations find_vibrations(Model& model, const State& state, int count, double tolerance) {
+Vibrations find_vibrations(Model& model, const State& state, int count, double tolerance,
+                           const std::function<bool()>& stop) {
   Vibrations found;
   const ScaledStiffness op(model, state);
   found.rigid_motions = static_cast<int>(op.rigid().cols());
   if (op.size() <= kDenseLimit)
     solve_whole(op, count, found);
   else
-    solve_by_blocks(op, count, tolerance, found);
+    solve_by_blocks(op, count, tolerance, stop, found);
   if (found.outcome == Outcome::converged && found.frequencies.hasNaN()) {
     found.outcome = Outcome::diverged;
     found.cause = "the state is no stable equilibrium: a vibration has negative stiffness";

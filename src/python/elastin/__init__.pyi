@@ -332,14 +332,15 @@ class Simulation:
         'triangles', or 'spheres' of the molecules, which push the parts of a cut apart."""
     def contact_forces(self) -> dict[str, Floats]:
         """Force of the body on each obstacle by its name [N]."""
-    def fix(self, molecule: int, free: str | ArrayLike = "") -> None:
-        """Holds a molecule where it is, but in the directions that `free` names: 'z', 'xy', or a 3 x 3 projector."""
-    def release(self, molecule: int) -> None:
-        """Releases a fixed molecule."""
-    def move_to(self, molecule: int, position: ArrayLike) -> None:
-        """Where a held molecule is to be at the end of the next step [m]."""
-    def reaction(self, molecule: int) -> Floats:
-        """Force of its support on a held molecule [N]; zero where nothing holds it."""
+    def fix(self, molecule: int | ArrayLike, free: str | ArrayLike = "") -> None:
+        """Holds a molecule, or each of an array of them, where it is, but in the directions that `free` names: 'z',
+        'xy', or a 3 x 3 projector."""
+    def release(self, molecule: int | ArrayLike) -> None:
+        """Releases a fixed molecule, or each of an array of them."""
+    def move_to(self, molecule: int | ArrayLike, position: ArrayLike) -> None:
+        """Where a held molecule is to be at the end of the next step [m]; of an array of them (k, 3)."""
+    def reaction(self, molecule: int | ArrayLike) -> Floats:
+        """Force of its support on a held molecule [N]; zero where nothing holds it. Of an array of them (k, 3)."""
     def vjp(self, positions: ArrayLike | None = None, reactions: ArrayLike | None = None) -> dict[str, Any]:
         """What a function of the equilibrium that settle() has found changes with, by one linear solve: from its
         derivatives by positions and by reactions of fixed molecules, each (n, 3) or None, a dict of those by
@@ -362,6 +363,23 @@ class Simulation:
         -9.81))."""
     def plot(self, ax: Any = None, **options: Any) -> Any:
         """The body as it is now, its connections coloured by their tension. Options go to Line3DCollection."""
+    def place(self, positions: ArrayLike | None = None, velocities: ArrayLike | None = None) -> None:
+        """Puts all molecules there, (n, 3) [m], and gives them these velocities, (n, 3) [m/s]; None leaves them. A
+        fixed molecule goes back to where it is held in the next step. What laws and contact remember stays."""
+    def cell_states(self) -> dict[str, dict[str, Floats]]:
+        """Means over each cell now, by shape as in Body.cells: {'tetrahedron4': {'strain': (k, 3, 3), 'stress': (k, 3,
+        3)}, …}: Green and Lagrange's strain and Cauchy's stress [Pa], of triangles force over width [N/m]. Of
+        springs the stress is the virial of the cell's sides."""
+    def stiffness(self) -> tuple[Floats, Ints, Ints]:
+        """The stiffness -d(all forces)/d(positions) [N/m] now, supports not regarded: data (m, 3, 3), columns (m,) and
+        row starts (n + 1,) of its blocks, what scipy.sparse.bsr_matrix takes."""
+    def to_vtu(self, path: Path) -> None:
+        """Writes the present state as a VTU file: displacements [m], tensions of the connections [N], and of cells
+        Green and Lagrange's strain and Cauchy's stress [Pa]."""
+    def to_meshio(self) -> Any:
+        """A meshio.Mesh of the present state, with the fields of to_vtu."""
+    def to_pyvista(self) -> Any:
+        """A pyvista.UnstructuredGrid of the present state, with the fields of to_vtu."""
     def animate(self, dt: float, frames: int, *, scale: float = 1.0, interval: float = 40,
                 act: Callable[[Simulation], object] | None = None, **options: Any) -> Any:
         """Steps `frames` times by dt [s] and gives a matplotlib animation of it, displacements times `scale`,

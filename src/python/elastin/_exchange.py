@@ -52,7 +52,7 @@ def frame_of_results(results):
 class Grid:
     """Points, cells by shape with the connections as lines at the end, and fields on them."""
 
-    def __init__(self, body, positions=None, tensions=None):
+    def __init__(self, body, positions=None, tensions=None, states=None):
         self.points = numpy.array(body.positions if positions is None else positions)
         self.blocks = list(body.cells.items())
         self.blocks.append(("line", numpy.array(body.connections)))
@@ -62,8 +62,11 @@ class Grid:
         self.cell_data = {}
         self.blocks = [(name, cells) for name, cells in self.blocks if len(cells)]
         if tensions is not None and len(tensions):
-            self.cell_data["tension"] = [numpy.full(len(cells), numpy.nan) for _, cells in self.blocks]
+            self.cell_data["tension"] = [numpy.zeros(len(cells)) for _, cells in self.blocks]
             self.cell_data["tension"][-1][:len(tensions)] = tensions
+        for ours, theirs in (("strain", "green_strain"), ("stress", "stress")) if states else ():
+            self.cell_data[theirs] = [states[name][ours].reshape(-1, 9) if name in states else numpy.zeros((len(cells), 9))
+                                      for name, cells in self.blocks]
 
 
 def vtu_text(grid):
@@ -152,6 +155,26 @@ def body_to_meshio(body):
 def result_to_meshio(result):
     """A meshio.Mesh of the last state, with displacements and tensions."""
     return meshio_mesh(last_state(result))
+
+
+def of_now(simulation):
+    return Grid(simulation.body, simulation.positions, numpy.array(simulation.tensions), simulation.cell_states())
+
+
+def simulation_to_vtu(simulation, path):
+    """Writes the present state as a VTU file: displacements [m], tensions of the connections [N], and of cells Green and
+    Lagrange's strain and Cauchy's stress [Pa]."""
+    write_vtu(of_now(simulation), path)
+
+
+def simulation_to_meshio(simulation):
+    """A meshio.Mesh of the present state, with the fields of to_vtu."""
+    return meshio_mesh(of_now(simulation))
+
+
+def simulation_to_pyvista(simulation):
+    """A pyvista.UnstructuredGrid of the present state, with the fields of to_vtu."""
+    return pyvista_grid(of_now(simulation))
 
 
 def body_to_pyvista(body):

@@ -2,7 +2,7 @@
 
 import numpy
 
-from . import _pictures, _tables
+from . import _exchange, _pictures, _tables
 from ._elastin import Simulation
 
 
@@ -33,6 +33,7 @@ def _html(simulation):
 
 
 Simulation._repr_html_ = _html
-for _name, _method in (("plot", _plot), ("animate", _animate)):
+for _name, _method in (("plot", _plot), ("animate", _animate), ("to_vtu", _exchange.simulation_to_vtu),
+                       ("to_meshio", _exchange.simulation_to_meshio), ("to_pyvista", _exchange.simulation_to_pyvista)):
     _method.__name__, _method.__qualname__ = _name, f"Simulation.{_name}"
     setattr(Simulation, _name, _method)

@@ -19,6 +19,8 @@ struct Vibrations {
 /// The `count` (≥ 1) lowest vibrations about `state`, or as many as the body has: K u = ω² M u with the stiffness of
 /// everything that acts there. By blocks of conjugate gradients [Knyazev 2001], steered by the static linear solver,
 /// with the rigid motions taken out; small bodies by a whole eigenproblem. `tolerance`: of the residual over ω².
-Vibrations find_vibrations(Model& model, const State& state, int count, double tolerance = 1e-5);
+/// `stop` is asked before each iteration; true ends it as `interrupted`, without vibrations. May be empty.
+Vibrations find_vibrations(Model& model, const State& state, int count, double tolerance = 1e-5,
+                           const std::function<bool()>& stop = {});
 
 }  // namespace elastin

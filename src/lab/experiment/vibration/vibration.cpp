@@ -64,8 +64,9 @@ class VibrationRig final : public StaticRig {
   }
   double longest_step() const override { return experiment_.loaded_ ? fixture_->longest_step() : 1; }
 
-  Measures measure(const Start&, const State& state, const StaticOptions&, StaticResult& solved) const override {
-    const Vibrations found = find_vibrations(model_, state, experiment_.count_);
+  Measures measure(const Start&, const State& state, const StaticOptions& options,
+                   StaticResult& solved) const override {
+    const Vibrations found = find_vibrations(model_, state, experiment_.count_, 1e-5, options.stop);
     solved.linear_iterations += found.iterations;
     solved.residual = 0;  // of a state without loads it would be that of rounding
     solved.outcome = found.outcome;

@@ -1,0 +1,145 @@
+#include <pybind11/eigen.h>
+
+#include <algorithm>
+#include <map>
+#include <vector>
+
+#include "elastin/core/forces/tangent.h"
+#include "elastin/core/simulation/simulation.h"
+#include "lab/format/cell_stress.h"
+#include "lab/run/contact_measures.h"
+#include "python/bind.h"
+
+namespace elastin::python {
+namespace {
+
+/// {'strain': (k, 3, 3), 'stress': (k, 3, 3)}.
+py::dict arrays_of(const CellState* states, std::size_t count) {
+  py::array_t<double> strain({count, std::size_t{3}, std::size_t{3}}), stress({count, std::size_t{3}, std::size_t{3}});
+  for (std::size_t cell = 0; cell < count; ++cell) {  // symmetric: rows are columns
+    Eigen::Map<Matrix3>(strain.mutable_data(cell, 0, 0)) = states[cell].strain;
+    Eigen::Map<Matrix3>(stress.mutable_data(cell, 0, 0)) = states[cell].stress;
+  }
+  return py::dict(py::arg("strain") = strain, py::arg("stress") = stress);
+}
+
+py::dict cell_states(Moving& self) {
+  struct Found {
+    std::vector<CellState> simplices, blocks;
+  };
+  Found found = self.in_turn([](Simulation& s) {
+    lab::Snapshot shot = lab::snapshot_of(s.model(), s.state(), s.time(), 0);
+    Found of_cells{{}, std::move(shot.block_states)};
+    of_cells.blocks.resize(cells_in_blocks(s.body()));  // spring rules have none
+    if (s.body().blocks.empty()) of_cells.simplices = lab::cell_states(s.body(), shot.positions, shot.force_densities);
+    return of_cells;
+  });
+  const Body& body = self.simulation.body();
+  py::dict result;
+  if (!body.blocks.empty()) {
+    std::map<std::string, std::vector<CellState>> by_shape;
+    auto next = found.blocks.begin();
+    for (const CellBlock& block : body.blocks) {
+      auto& all = by_shape[std::string(block.kind->name)];
+      all.insert(all.end(), next, next + block.size());
+      next += block.size();
+    }
+    for (const auto& [name, states] : by_shape) result[name.c_str()] = arrays_of(states.data(), states.size());
+  } else if (const std::size_t triangles = body.triangles.size(); !body.tetrahedra.empty()) {
+    result["tetrahedron4"] = arrays_of(found.simplices.data() + triangles, body.tetrahedra.size());
+  } else if (triangles) {
+    result["triangle3"] = arrays_of(found.simplices.data(), triangles);
+  }
+  return result;
+}
+
+/// A finite array (n, 3), or what there was.
+void take(const py::object& given, const char* name, Positions& values) {
+  if (given.is_none()) return;
+  Positions read = positions_from(given, name);
+  if (read.cols() != values.cols())
+    throw InputError(std::string(name) + ": has " + std::to_string(read.cols()) + " rows; the body has " +
+                     std::to_string(values.cols()) + " molecules");
+  if (!read.allFinite()) throw InputError(std::string(name) + ": has numbers that are not finite");
+  values = std::move(read);
+}
+
+void place(Moving& self, const py::object& positions, const py::object& velocities) {
+  SimulationState state = self.in_turn([](Simulation& s) { return s.save(); });
+  take(positions, "positions", state.state.positions);
+  take(velocities, "velocities", state.state.velocities);
+  state.state.accelerations = {};  // of the state before
+  self.in_turn([&](Simulation& s) { s.restore(state); });
+}
+
+/// Blocks of 3 x 3 by rows, as scipy.sparse.bsr_matrix takes them.
+struct BlockRows {
+  std::vector<double> data;
+  std::vector<int> columns, starts;
+};
+
+BlockRows stiffness_of(Simulation& simulation) {
+  const Tangent tangent(simulation.model(), simulation.state());
+  if (!tangent.wide_terms().empty())
+    throw InputError(
+        "a load that joins all molecules with all has a full matrix: the stiffness is given without such loads");
+  std::vector<std::map<int, Matrix3>> rows(static_cast<std::size_t>(simulation.body().size()));
+  tangent.visit_blocks([&](int a, int b, const Matrix3& block) {
+    const auto [at, is_new] = rows[a].try_emplace(b, block);
+    if (!is_new) at->second += block;
+  });
+  BlockRows result;
+  result.starts.push_back(0);
+  for (const auto& row : rows) {
+    for (const auto& [column, block] : row) {
+      result.columns.push_back(column);
+      const Matrix3 by_rows = block.transpose();
+      result.data.insert(result.data.end(), by_rows.data(), by_rows.data() + 9);
+    }
+    result.starts.push_back(static_cast<int>(result.columns.size()));
+  }
+  return result;
+}
+
+template <class T>
+py::array_t<T> array_from(const std::vector<T>& values) {
+  return py::array_t<T>(static_cast<py::ssize_t>(values.size()), values.data());
+}
+
+}  // namespace
+
+StaticResult settled(Moving& self) {
+  Signals signals;
+  StaticOptions options;
+  options.stop = [&] { return signals.raised(); };
+  const StaticResult result = self.in_turn([&](Simulation& s) { return s.settle(options); });
+  signals.rethrow();
+  return result;
+}
+
+void add_state(MovingClass& simulation) {
+  simulation
+      .def("place", &place, py::arg("positions") = py::none(), py::arg("velocities") = py::none(),
+           "Puts all molecules there, (n, 3) [m], and gives them these velocities, (n, 3) [m/s]; None leaves them. A "
+           "fixed "
+           "molecule goes back to where it is held in the next step. What laws and contact remember stays.")
+      .def("cell_states", &cell_states,
+           "Means over each cell now, by shape as in Body.cells: {'tetrahedron4': {'strain': (k, 3, 3), 'stress': (k, "
+           "3, "
+           "3)}, …}: Green and Lagrange's strain and Cauchy's stress [Pa], of triangles force over width [N/m]. Of "
+           "springs "
+           "the stress is the virial of the cell's sides.")
+      .def(
+          "stiffness",
+          [](Moving& self) {
+            const BlockRows rows = self.in_turn([](Simulation& s) { return stiffness_of(s); });
+            const py::array_t<double> data(
+                {static_cast<py::ssize_t>(rows.columns.size()), py::ssize_t{3}, py::ssize_t{3}}, rows.data.data());
+            return py::make_tuple(data, array_from(rows.columns), array_from(rows.starts));
+          },
+          "The stiffness -d(all forces)/d(positions) [N/m] now, supports not regarded: data (m, 3, 3), columns (m,) "
+          "and "
+          "row starts (n + 1,) of its blocks, what scipy.sparse.bsr_matrix takes.");
+}
+
+}  // namespace elastin::python
