@@ -70,7 +70,7 @@ case $what in
     cat >"$work/slim/CMakeLists.txt" <<END
 cmake_minimum_required(VERSION 3.22)
 project(slim C)
-find_package(elastin 0.1 CONFIG REQUIRED COMPONENTS c_slim)
+find_package(elastin 0.2 CONFIG REQUIRED COMPONENTS c_slim)
 add_executable(from_c $source/tests/examples/embed.c)
 target_link_libraries(from_c PRIVATE elastin::c_slim m)
 END

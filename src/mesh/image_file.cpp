@@ -119,6 +119,7 @@ class ImageReader {
   std::string unpacked(std::string_view packed, std::size_t most) const;
   Number number_named(std::span<const NumberName> table, const std::string& name) const;
   std::vector<double> numbers(const std::string& text, const std::string& key) const;
+  double count(const std::string& text, const std::string& key) const;
   std::vector<std::size_t> sizes(const std::string& text, const std::string& key) const;
   void set_size(Image& image, std::vector<std::size_t> sizes) const;
   std::size_t data_bytes(const Image& image) const { return image.voxels() * bytes_of(image.number); }
@@ -172,6 +173,12 @@ std::vector<double> ImageReader::numbers(const std::string& text, const std::str
     result.push_back(value);
     at = next;
   }
+}
+
+double ImageReader::count(const std::string& text, const std::string& key) const {
+  const std::vector<double> all = numbers(text, key);
+  if (all.size() != 1) fail("'" + key + "' is '" + text + "'; needed: one number");
+  return all[0];
 }
 
 std::vector<std::size_t> ImageReader::sizes(const std::string& text, const std::string& key) const {
@@ -381,12 +388,12 @@ Image ImageReader::read_nrrd() {
   }
   for (const char* key : {"line skip", "lineskip"})
     if (const std::string text = given(key); !text.empty())
-      for (double lines = numbers(text, key).at(0); lines > 0; --lines)
+      for (double lines = count(text, key); lines > 0 && !data.empty(); --lines)
         data.remove_prefix(std::min(data.size(), std::min(data.find('\n'), data.size() - 1) + 1));
   const std::string encoding = needed("encoding");
   double skip = 0;
   for (const char* key : {"byte skip", "byteskip"})
-    if (const std::string text = given(key); !text.empty()) skip = numbers(text, key).at(0);
+    if (const std::string text = given(key); !text.empty()) skip = count(text, key);
   std::string plain;
   if (encoding == "gzip" || encoding == "gz") {
     plain = unpacked(data, data_bytes(image) + static_cast<std::size_t>(std::clamp(skip, 0., 1e9)));
@@ -463,7 +470,7 @@ Image ImageReader::read_meta() {
     other = load(beside(name));
     data = other;
   }
-  const double skip = given({"HeaderSize"}).empty() ? 0 : numbers(given({"HeaderSize"}), "HeaderSize").at(0);
+  const double skip = given({"HeaderSize"}).empty() ? 0 : count(given({"HeaderSize"}), "HeaderSize");
   if (flag({"CompressedData"})) {
     other = unpacked(data, data_bytes(image));
     data = other;
@@ -473,7 +480,7 @@ Image ImageReader::read_meta() {
   } else if (skip == -1 && data.size() > data_bytes(image)) {
     data.remove_prefix(data.size() - data_bytes(image));
   } else if (skip > 0) {
-    data.remove_prefix(std::min(data.size(), static_cast<std::size_t>(skip)));
+    data.remove_prefix(static_cast<std::size_t>(std::min(static_cast<double>(data.size()), skip)));
   }
   set_data(image, data);
   return image;

@@ -1,4 +1,6 @@
+#ifdef __linux__
 #include <unistd.h>
+#endif
 
 #include <cstdlib>
 
@@ -29,11 +31,15 @@ bool use_openmp() {
   return true;
 }
 
+#ifdef __linux__
 void let_threads_sleep(char** argv) {
   if (std::getenv("OMP_WAIT_POLICY") || std::getenv("GOMP_SPINCOUNT")) return;
   setenv("GOMP_SPINCOUNT", "3000", 1);
   execv("/proc/self/exe", argv);  // comes back only if it cannot: then threads spin on
 }
+#else  // other systems cannot start a program anew in its place
+void let_threads_sleep(char**) {}
+#endif
 
 }  // namespace elastin::openmp
 

@@ -41,7 +41,7 @@ static elastin_simulation* tissue(const elastin_options* options) {
 /* Programs that were compiled with this header must go on working: offsets only ever grow at the end. */
 static void layout(void) {
   CHECK(elastin_abi() == ELASTIN_ABI && ELASTIN_ABI == 1);
-  CHECK(strcmp(elastin_version(), "0.1.0") == 0);
+  CHECK(strcmp(elastin_version(), "0.2.0") == 0);
   CHECK(sizeof(elastin_status) == sizeof(int) && sizeof(elastin_outcome) == sizeof(int));
   if (sizeof(void*) != 8 || sizeof(size_t) != 8) return;
   CHECK(sizeof(elastin_arrays) == 112 && offsetof(elastin_arrays, positions) == 8);

@@ -68,7 +68,7 @@ TEST_CASE("the option --version gives name and version", "[command]") {
   CHECK(said.code == 0);
   CHECK(said.err.empty());
   CHECK(said.out.substr(0, 8) == "elastin ");
-  CHECK(std::count(said.out.begin(), said.out.end(), '.') == 2);  // 0.1.0
+  CHECK(std::count(said.out.begin(), said.out.end(), '.') == 2);  // 0.2.0
   CHECK(std::count(said.out.begin(), said.out.end(), '\n') == 1);
 }
 

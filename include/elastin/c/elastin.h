@@ -15,7 +15,11 @@
  * Structures begin with their own size, set by the caller, so that later versions can add to them; in an array of them
  * all have one size, and lie that far from each other. elastin_value has none, and nothing will be added to it. */
 
-#if defined(ELASTIN_BUILDING_C) && defined(__GNUC__)
+#if defined(_WIN32) && defined(ELASTIN_BUILDING_C)
+#define ELASTIN_API __declspec(dllexport)
+#elif defined(_WIN32)
+#define ELASTIN_API __declspec(dllimport)
+#elif defined(ELASTIN_BUILDING_C) && defined(__GNUC__)
 #define ELASTIN_API __attribute__((visibility("default")))
 #else
 #define ELASTIN_API
@@ -28,7 +32,7 @@ extern "C" {
 /* Grows where a program that was compiled with an older header would no longer work. */
 #define ELASTIN_ABI 1
 ELASTIN_API int elastin_abi(void);
-ELASTIN_API const char* elastin_version(void); /* "0.1.0" */
+ELASTIN_API const char* elastin_version(void); /* "0.2.0" */
 
 typedef int elastin_status;
 enum {

@@ -3,7 +3,7 @@
 
 namespace elastin::lab {
 
-/// "Elastin 0.1.0, commit 1234567890ab": this program; without the commit where it was built outside its repository.
+/// "Elastin 0.2.0, commit 1234567890ab": this program; without the commit where it was built outside its repository.
 std::string program_text();
 
 /// What figures were measured on.
