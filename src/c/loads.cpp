@@ -41,12 +41,33 @@ LoadValues load_values(const LoadKind& load, const elastin_value* values, std::s
 }  // namespace
 }  // namespace elastin::c
 
-extern "C" elastin_status elastin_add(elastin_simulation* simulation, const char* load, const elastin_value* values,
-                                      size_t value_count) {
-  using elastin::c::given;
-  return elastin::c::guarded([&] {
+using elastin::c::given;
+using elastin::c::guarded;
+using elastin::c::load_values;
+
+extern "C" elastin_status elastin_add_load(elastin_simulation* simulation, const char* load,
+                                           const elastin_value* values, size_t value_count, int* number) {
+  return guarded([&] {
     elastin_simulation& handle = given(simulation, "simulation");
     const elastin::LoadKind& kind = *elastin::c::catalog().loads.find(&given(load, "load"));
-    handle.simulation.add_load(kind, elastin::c::load_values(kind, values, value_count));
+    const int added = handle.simulation.add_load(kind, load_values(kind, values, value_count));
+    if (number) *number = added;
   });
+}
+
+extern "C" elastin_status elastin_add(elastin_simulation* simulation, const char* load, const elastin_value* values,
+                                      size_t value_count) {
+  return elastin_add_load(simulation, load, values, value_count, nullptr);
+}
+
+extern "C" elastin_status elastin_set_load(elastin_simulation* simulation, int number, const elastin_value* values,
+                                           size_t value_count) {
+  return guarded([&] {
+    elastin::Simulation& tissue = given(simulation, "simulation").simulation;
+    tissue.set_load(number, load_values(tissue.load_kind(number), values, value_count));
+  });
+}
+
+extern "C" elastin_status elastin_remove_load(elastin_simulation* simulation, int number) {
+  return guarded([&] { given(simulation, "simulation").simulation.remove_load(number); });
 }

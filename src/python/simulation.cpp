@@ -381,14 +381,32 @@ void add_loads(Class& simulation) {
       [](Moving& self, const std::string& load, const py::kwargs& values) {
         const LoadKind& kind = *built_in_loads().find(load);
         const LoadValues given = load_values(kind, values);
-        self.in_turn([&](Simulation& s) { s.add_load(kind, given); });
+        const LoadId id = self.in_turn([&](Simulation& s) { return s.add_load(kind, given); });
         py::dict keywords(values);
         keywords["load"] = load;
         self.record("add_load", keywords);
+        return id;
       },
       py::arg("load"),
       "Adds a load or damping, one of loads(), at any time between steps: add_load('gravity', acceleration=(0, 0, "
-      "-9.81)).");
+      "-9.81)). Gives its number for set_load and remove_load.");
+  simulation.def(
+      "set_load",
+      [](Moving& self, LoadId load, const py::kwargs& values) {
+        const LoadValues given = load_values(self.simulation.load_kind(load), values);
+        self.in_turn([&](Simulation& s) { s.set_load(load, given); });
+        py::dict keywords(values);
+        keywords["load"] = load;
+        self.record("set_load", keywords);
+      },
+      py::arg("load"), "Gives a load other values from the next step on, by its number: all of them, as add_load.");
+  simulation.def(
+      "remove_load",
+      [](Moving& self, LoadId load) {
+        self.in_turn([&](Simulation& s) { s.remove_load(load); });
+        self.record("remove_load", py::dict(py::arg("load") = load));
+      },
+      py::arg("load"), "Takes a load away, by its number.");
 }
 
 }  // namespace

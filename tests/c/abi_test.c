@@ -276,6 +276,17 @@ static void refusals(void) {
   CHECK(simulation == NULL);
 
   REFUSED(elastin_add(kept, "gravty", NULL, 0), "did you mean 'gravity'");
+  {
+    const elastin_value down[] = {{"acceleration_z", -10}}, odd[] = {{"aceleration_z", -10}},
+                        away[] = {{"acceleration_x", 3}};
+    int load = 0;
+    OK(elastin_add_load(kept, "gravity", down, 1, &load));
+    REFUSED(elastin_set_load(kept, load, odd, 1), "did you mean 'acceleration_z'");
+    OK(elastin_set_load(kept, load, away, 1));
+    OK(elastin_remove_load(kept, load));
+    REFUSED(elastin_remove_load(kept, load), "no load");
+    REFUSED(elastin_set_load(kept, 100, away, 1), "no load 100");
+  }
   REFUSED(elastin_add(kept, "stokes_drag", unknown, 1), "did you mean 'viscosity'");
   REFUSED(elastin_add(kept, "stokes_drag", negative, 1), "must be at least 0");
   REFUSED(elastin_add(kept, "stokes_drag", nameless, 1), "name is null");

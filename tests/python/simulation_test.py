@@ -1,5 +1,6 @@
 """A simulation of a body, without a scene, gives what the command gives: strategies by their whole name, preparation."""
 
+import pickle
 import tempfile
 import unittest
 
@@ -86,6 +87,24 @@ class States(unittest.TestCase):
         self.assertEqual(tissue.reaction([0, 1]).tolist(), [[0, 0, 0], [0, 0, 0]])
         with self.assertRaisesRegex(elastin.InputError, "1 rows for 2 molecules"):
             tissue.move_to([0, 1], [[0, 0, 0]])
+
+    def test_loads_change_and_go_also_in_a_copy(self):
+        body = elastin.Body([[0, 0, 0], [0, 0, 1]], [[0, 1]], masses=[1, 1])
+        tissue = elastin.Simulation(body, "uniform", SOFT, parameters={"constant": 0})
+        load = tissue.add_load("gravity", acceleration=(0, 0, -10))
+        tissue.step(0.1)
+        tissue.set_load(load, acceleration=(5, 0, 0))
+        tissue.step(0.1)
+        numpy.testing.assert_allclose(tissue.velocities, [[0.5, 0, -1]] * 2)
+        other = tissue.add_load("gravity", acceleration=(0, 1, 0))
+        tissue.remove_load(load)
+        again = pickle.loads(pickle.dumps(tissue))
+        for one in (tissue, again):
+            one.step(0.1)
+            numpy.testing.assert_allclose(one.velocities, [[0.5, 0.1, -1]] * 2)
+            one.remove_load(other)
+            with self.assertRaisesRegex(elastin.InputError, f"no load {other}"):
+                one.set_load(other, acceleration=(0, 0, 0))
 
     def test_a_file_of_the_present_state(self):
         with tempfile.TemporaryDirectory() as folder:

@@ -9,7 +9,10 @@ function weight_on_a_spring(elastin) {
   const body = elastin.body({positions: [0, 0, 0, 0, 0, -0.1], connections: [0, 1], masses: [1, 0.5]});
   assert.deepStrictEqual([...body.constants('uniform', {youngs_modulus: 1e3}, {constant: 200})], [200]);
   const tissue = body.simulate('uniform', {youngs_modulus: 1e3}, {scheme: 'backward_euler', parameters: {constant: 200}});
-  tissue.add('gravity', {acceleration_z: -9.81});
+  const weight = tissue.add('gravity', {acceleration_z: -1});
+  tissue.set_load(weight, {acceleration_z: -9.81});
+  tissue.remove_load(tissue.add('gravity', {acceleration_z: -5}));
+  assert.throws(() => tissue.remove_load(7), /no load 7/);
   tissue.fix(0);
   tissue.settle();
   near(tissue.positions[5], -0.1 - 0.5 * 9.81 / 200, 1e-9);

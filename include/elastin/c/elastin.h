@@ -218,6 +218,12 @@ ELASTIN_API void elastin_simulation_free(elastin_simulation* simulation); /* nul
  * molecules, the name once for each. */
 ELASTIN_API elastin_status elastin_add(elastin_simulation* simulation, const char* load, const elastin_value* values,
                                        size_t value_count);
+/* The same, and gives its number, by which it gets other values (all of them) or is taken away from the next step on. */
+ELASTIN_API elastin_status elastin_add_load(elastin_simulation* simulation, const char* load,
+                                            const elastin_value* values, size_t value_count, int* number);
+ELASTIN_API elastin_status elastin_set_load(elastin_simulation* simulation, int number, const elastin_value* values,
+                                            size_t value_count);
+ELASTIN_API elastin_status elastin_remove_load(elastin_simulation* simulation, int number);
 
 typedef struct elastin_step_result {
   size_t size; /* sizeof(elastin_step_result) */

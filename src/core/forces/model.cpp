@@ -116,6 +116,16 @@ void Model::add_law(std::unique_ptr<Elasticity> law, const CellRange& triangles)
   elasticity_.push_back(std::move(law));
 }
 
+void Model::remove(const Load* load) {
+  std::vector<std::unique_ptr<Load>> all = extract_loads();
+  for (auto& own : all)
+    if (own.get() != load) add(std::move(own));
+}
+
+void Model::remove(const Viscosity* viscosity) {
+  std::erase_if(viscosity_, [&](const auto& own) { return own.get() == viscosity; });
+}
+
 std::vector<std::unique_ptr<Load>> Model::extract_loads() {
   history_.clear();
   for (const auto& [law, name] : law_histories_) insert(law->history(name), history_);

@@ -109,7 +109,8 @@ void Simulation::Impl::set_effort(int number) {
 
 void Simulation::Impl::make_model() {
   recipe.add_laws(*this);
-  for (const auto& add : recipe.added) add(model);
+  for (Added& added : recipe.added)
+    if (added.add) perform(added);
   known = terms();
 }
 
@@ -136,23 +137,36 @@ double Simulation::Impl::longest_substep() {
     most_damped = std::max(most_damped, damping / body.mass[coupling.molecule]);
   }
   const double frequency = std::max(stable->frequency, watch ? watch->seen().frequency : 0);
-  const double square = frequency * frequency + stiffest, rate = stable->damping_rate + most_damped;
+  double square = frequency * frequency + stiffest, rate = stable->damping_rate + most_damped;
+  // The largest eigenvalue of a sum is at most the sum of both: the whole body is not searched for it while somebody
+  // waits for the next step.
+  for (const Added& added : recipe.added) square += added.frequency * added.frequency, rate += added.damping_rate;
   const double sum = std::sqrt(square + rate * rate) + rate;
   return sum > 0 ? options.safety * 2 / sum : std::numeric_limits<double>::infinity();
 }
 
-/// Brings the longest substep down by what is added. The largest eigenvalue of a sum is at most the sum of both: the
-/// whole body is not searched for it while somebody waits for the next step.
-void Simulation::Impl::limit_step_by(const std::function<void(Model&)>& add) {
-  Model added(body);
-  add(added);
-  const auto& loads = added.loads();
-  if (added.elasticity().empty() && added.viscosity().empty() &&
+/// How much it may bring the longest substep down. A load out of a table shows here what it throws.
+void Simulation::Impl::bound_step(Added& added) const {
+  if (!added.add || !(stable || added.kind)) return;
+  Model alone(body);
+  added.add(alone);
+  if (!stable) return;
+  const auto& loads = alone.loads();
+  if (alone.elasticity().empty() && alone.viscosity().empty() &&
       std::none_of(loads.begin(), loads.end(), [](const auto& load) { return load->changes(); }))
     return;
-  const StableStep own = bounded_stable_step(added, state_at_rest(body));
-  stable->frequency = std::hypot(stable->frequency, own.frequency);
-  stable->damping_rate += own.damping_rate;
+  const StableStep own = bounded_stable_step(alone, state_at_rest(body));
+  added.frequency = own.frequency, added.damping_rate = own.damping_rate;
+}
+
+/// Puts it on the model, and notes what that has got.
+void Simulation::Impl::perform(Added& added) {
+  const std::size_t loads = model.loads().size(), viscosity = model.viscosity().size();
+  added.loads.clear(), added.viscosity.clear();
+  added.add(model);
+  for (std::size_t i = loads; i < model.loads().size(); ++i) added.loads.push_back(model.loads()[i].get());
+  for (std::size_t i = viscosity; i < model.viscosity().size(); ++i)
+    added.viscosity.push_back(model.viscosity()[i].get());
 }
 
 StepResult Simulation::Impl::step(double dt) {
@@ -321,7 +335,7 @@ StaticResult Simulation::settle(const StaticOptions& options) {
   }
 }
 
-/// A model takes nothing back: what `add` throws half-way is tried on one of its own first.
+/// What `add` throws half-way is tried on a model of its own first.
 void Simulation::add(std::function<void(Model&)> add) {
   if (!add) throw InputError("add: there is no function to call");
   Impl& in = *impl_;
@@ -335,33 +349,72 @@ void Simulation::add(std::function<void(Model&)> add) {
   for (const HistoryBlock& block : trial.history())
     if (!has(of_laws, block.name) && has(in.model.history(), block.name))
       throw InputError("two loads declare history under the name '" + block.name + "'");
-  put(std::move(add));
+  in.put({std::move(add)}, in.recipe.added.size());
 }
 
-void Simulation::put(std::function<void(Model&)> add) {
-  Impl& in = *impl_;
-  if (in.stable) in.limit_step_by(add);
-  const std::size_t before = in.terms();
-  add(in.model);
-  in.known += in.terms() - before;
-  in.recipe.added.push_back(std::move(add));
-  // History that existed is kept.
-  std::vector<HistoryBlock> history = in.model.history();
+/// At this place of the recipe, in place of what stands there.
+void Simulation::Impl::put(Added added, std::size_t place) {
+  bound_step(added);
+  if (place == recipe.added.size()) recipe.added.emplace_back();
+  take_away(recipe.added[place]);
+  const std::size_t before = terms();
+  recipe.added[place] = std::move(added);
+  if (recipe.added[place].add) perform(recipe.added[place]);
+  known += terms() - before;
+  keep_history();
+  work.accelerations = shown.accelerations = {};  // those of the loads before
+  make_own_integrator();
+  if (effort > 0) set_effort(effort);
+  budget.restart();
+  forces_known = tensions_known = false;
+}
+
+void Simulation::Impl::take_away(Added& added) {
+  for (const Load* load : added.loads) model.remove(load);
+  for (const Viscosity* viscosity : added.viscosity) model.remove(viscosity);
+  known -= added.loads.size() + added.viscosity.size();
+  added = {};
+}
+
+/// Blocks that are there keep their values.
+void Simulation::Impl::keep_history() {
+  std::vector<HistoryBlock> history = model.history();
   for (HistoryBlock& block : history)
-    if (const HistoryBlock* own = in.shown.find_history(block.name); own && own->values.size() == block.values.size())
+    if (const HistoryBlock* own = shown.find_history(block.name); own && own->values.size() == block.values.size())
       block = *own;
-  if (!in.shown.history.empty() || in.shown.time > 0) in.work.history = in.shown.history = std::move(history);
-  in.make_own_integrator();
-  if (in.effort > 0) in.set_effort(in.effort);
-  in.budget.restart();
-  in.forces_known = in.tensions_known = false;
+  if (!shown.history.empty() || shown.time > 0) work.history = shown.history = std::move(history);
 }
 
-void Simulation::add_load(const LoadKind& load, const LoadValues& values) {
-  const LoadValues checked = checked_values(load, impl_->body, values);
-  put([load, checked, material = impl_->material](Model& model) {
-    elastin::add_load(model, load, checked, material ? &*material : nullptr);
-  });
+Simulation::Impl::Added Simulation::Impl::load_of(std::shared_ptr<const LoadKind> kind,
+                                                  const LoadValues& values) const {
+  return {[kind, checked = checked_values(*kind, body, values), of = material](Model& its) {
+            elastin::add_load(its, *kind, checked, of ? &*of : nullptr);
+          },
+          kind};
+}
+
+Simulation::Impl::Added& Simulation::Impl::load(LoadId id) {
+  const auto place = static_cast<std::size_t>(id) - 1;
+  if (id < 1 || place >= recipe.added.size() || !recipe.added[place].kind)
+    throw InputError("no load " + std::to_string(id) + ": none was added under this number, or it was removed");
+  return recipe.added[place];
+}
+
+LoadId Simulation::add_load(const LoadKind& load, const LoadValues& values) {
+  const std::size_t place = impl_->recipe.added.size();
+  impl_->put(impl_->load_of(std::make_shared<const LoadKind>(load), values), place);
+  return static_cast<LoadId>(place) + 1;
+}
+
+void Simulation::set_load(LoadId load, const LoadValues& values) {
+  impl_->put(impl_->load_of(impl_->load(load).kind, values), static_cast<std::size_t>(load) - 1);
+}
+
+const LoadKind& Simulation::load_kind(LoadId load) const { return *impl_->load(load).kind; }
+
+void Simulation::remove_load(LoadId load) {
+  Impl::Added& added = impl_->load(load);
+  impl_->put({}, static_cast<std::size_t>(&added - impl_->recipe.added.data()));
 }
 
 int Simulation::effort() const noexcept { return impl_->effort; }

@@ -21,7 +21,6 @@ struct Simulation::Impl {
   StepResult step(double dt);
   StepResult substeps_of(double dt, int substeps);
   double longest_substep();
-  void limit_step_by(const std::function<void(Model&)>& add);
   void make_own_integrator();
   void begin_step(double start, double end);
   void go_back();
@@ -33,12 +32,27 @@ struct Simulation::Impl {
   void ensure_couplings();
   void restore(const SimulationState& saved);
 
+  /// What was added to the model by a function, and what it put there.
+  struct Added {
+    std::function<void(Model&)> add;            // empty: removed
+    std::shared_ptr<const LoadKind> kind = {};  // null: no load out of a table
+    std::vector<const Load*> loads = {};
+    std::vector<const Viscosity*> viscosity = {};
+    double frequency = 0, damping_rate = 0;  // bounds of its own, of what came after `stable` was found
+  };
+  void put(Added added, std::size_t place);
+  void take_away(Added& added);
+  void perform(Added& added);
+  void bound_step(Added& added) const;
+  void keep_history();
+  Added& load(LoadId id);  ///< throws InputError where there is none
+  Added load_of(std::shared_ptr<const LoadKind> kind, const LoadValues& values) const;
   /// How its model is made again on another body.
   struct Recipe {
     std::function<void(Impl&)> add_laws;
     /// Spring constants [N/m] that are carried over to it; empty: the laws are made of the body.
     std::function<VectorX(const Impl&)> constants;
-    std::vector<std::function<void(Model&)>> added;
+    std::vector<Added> added;
     std::string fixed;  ///< why the strategy cannot follow a change of topology, or ""
   };
   /// Its laws and what was added, on its own body.

@@ -358,9 +358,13 @@ class Simulation:
     def coupling_force(self, coupling: int) -> Floats:
         """Force of the coupling on its molecule [N] in the state reached."""
     def decouple(self, coupling: int) -> None: ...
-    def add_load(self, load: str, **kwargs: float | ArrayLike) -> None:
+    def add_load(self, load: str, **kwargs: float | ArrayLike) -> int:
         """Adds a load or damping, one of loads(), at any time between steps: add_load('gravity', acceleration=(0, 0,
         -9.81))."""
+    def set_load(self, load: int, **kwargs: float | ArrayLike) -> None:
+        """x"""
+    def remove_load(self, load: int) -> None:
+        """x"""
     def plot(self, ax: Any = None, **options: Any) -> Any:
         """The body as it is now, its connections coloured by their tension. Options go to Line3DCollection."""
     def place(self, positions: ArrayLike | None = None, velocities: ArrayLike | None = None) -> None:

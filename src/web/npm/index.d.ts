@@ -100,7 +100,10 @@ export class Simulation {
   /** The host's own forces [N], to be written: they act until they are changed. */
   readonly host_forces: Float64Array;
   /** A row of the table "loads", at any time between steps: add('gravity', {acceleration_z: -9.81}). */
-  add(load: string, values?: Record<string, number | number[]>): void;
+  add(load: string, values?: Record<string, number | number[]>): number;
+  /** Other values of a load, all of them, by the number that add gave. */
+  set_load(load: number, values?: Record<string, number | number[]>): void;
+  remove_load(load: number): void;
   /** Brings it forward by dt [s]. */
   step(dt: number): void;
   /** Goes to the equilibrium of all that acts now. */

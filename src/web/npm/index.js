@@ -164,11 +164,21 @@ class Simulation extends ElastinSimulation {
   }
 
   add(load, values = {}) {
-    call(this.module, 'elastin_add', memory => {
+    call(this.module, 'elastin_add_load', memory => {
       const [[, at], [, count]] = named_values(memory, values);
-      return [this.handle, memory.text(load), at, count];
+      return [this.handle, memory.text(load), at, count, this.scratch];
+    });
+    return this.module.HEAP32[this.scratch / 4];
+  }
+
+  set_load(load, values = {}) {
+    call(this.module, 'elastin_set_load', memory => {
+      const [[, at], [, count]] = named_values(memory, values);
+      return [this.handle, load, at, count];
     });
   }
+
+  remove_load(load) { this.check(this.module._elastin_remove_load(this.handle, load)); }
 
   fix(molecule, free = []) { super.fix(molecule, bits(free, axes, 'free')); }
   move_to(molecule, position) { this.check(this.module._elastin_move_to(this.handle, this.number(molecule), this.vector(position))); }

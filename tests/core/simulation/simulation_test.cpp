@@ -49,6 +49,59 @@ TEST_CASE("simulation: a free body falls as its weight says, and its views stay 
   }
 }
 
+TEST_CASE("simulation: a load gets other values and goes, in the middle of a run") {
+  const LoadKind& gravity = *built_in_loads().find("gravity");
+  const auto along = [](double x, double z) { return LoadValues{.vectors = {{"acceleration", Vector3(x, 0, z)}}}; };
+  for (const Scheme& scheme : kSchemes) {
+    CAPTURE(scheme->name);
+    Simulation tissue = simulation_of(tissue_cube(3), scheme);
+    const LoadId load = tissue.add_load(gravity, along(0, -10));
+    const auto falls = [&](double x, double z) {
+      run(tissue, 20);
+      CHECK(tissue.velocities()(0, 13) == Approx(x).margin(1e-9));
+      CHECK(tissue.velocities()(2, 13) == Approx(z).margin(1e-9));
+    };
+    falls(0, -0.2);
+    tissue.set_load(load, along(5, 0));
+    falls(0.1, -0.2);
+    CHECK_THROWS_WITH(tissue.set_load(load, {.numbers = {{"acceleration", 1}}}), Contains("acceleration"));
+    CHECK_THROWS_WITH(tissue.set_load(2, along(1, 0)), Contains("no load 2"));
+    falls(0.2, -0.2);
+    tissue.remove_load(load);
+    falls(0.2, -0.2);
+    CHECK_THROWS_WITH(tissue.remove_load(load), Contains("no load 1"));
+    CHECK(tissue.add_load(gravity, along(0, 0)) == 2);
+    const Vector3 middle = tissue.positions().rowwise().mean();
+    REQUIRE(tissue.cut(CutSurface::plane(middle, {0, 1, 0.2})).changed);  // the model is made again
+    falls(0.2, -0.2);
+  }
+}
+
+TEST_CASE("simulation: a load that is set at every step leaves steps and bits as those of one that stays") {
+  const LoadKind& drag = *built_in_loads().find("stokes_drag");
+  const LoadValues water{.numbers = {{"viscosity", 1e-3}}};
+  for (const bool early : {true, false}) {
+    Simulation kept = simulation_of(tissue_cube(4)), set = simulation_of(tissue_cube(4));
+    for (Simulation* one : {&kept, &set}) {
+      one->add_load(*built_in_loads().find("gravity"), {.vectors = {{"acceleration", Vector3(0, 0, -10)}}});
+      one->fix(0);
+    }
+    if (!early) run(kept, 1), run(set, 1);
+    kept.add_load(drag, water);
+    const LoadId load = set.add_load(drag, water);
+    if (early) run(kept, 1), run(set, 1);
+    int first = 0;
+    for (int step = 0; step < 50; ++step) {
+      set.set_load(load, water);
+      const StepResult one = set.step(kStep), other = kept.step(kStep);
+      if (step == 0) first = one.substeps;
+      CHECK(one.substeps == first);
+      CHECK(other.substeps <= one.substeps);
+    }
+    CHECK(difference(kept.positions(), set.positions()) <= (early ? 1e-9 : 0));
+  }
+}
+
 TEST_CASE("simulation: one spring under its weight; tension, reaction and settle are m g") {
   Body pair = listed_body({{0, 0, 0}, {0, 0, -0.1}}, {{0, 1}});
   pair.mass = VectorX::Constant(2, 0.2);

@@ -49,6 +49,9 @@ class Model {
   /// Throws InputError where two loads declare history under one name.
   void add(std::unique_ptr<Load> load);
   void add(std::unique_ptr<Viscosity> viscosity) { viscosity_.push_back(std::move(viscosity)); }
+  /// Takes away a load, or a damping, that was added; its history goes with it.
+  void remove(const Load* load);
+  void remove(const Viscosity* viscosity);
   /// Hands the loads over: the model then has none.
   std::vector<std::unique_ptr<Load>> extract_loads();
   const std::vector<std::unique_ptr<Elasticity>>& elasticity() const { return elasticity_; }

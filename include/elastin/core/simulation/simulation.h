@@ -18,6 +18,8 @@ namespace elastin {
 
 /// Names a virtual coupling (see Simulation::couple); never used again after decouple.
 using CouplingId = int;
+/// Names a load (see Simulation::add_load), from 1; never used again after remove_load.
+using LoadId = int;
 /// Names a tool (see Simulation::add_tool), from 1.
 using ToolId = int;
 
@@ -132,7 +134,13 @@ class Simulation {
   void add(std::function<void(Model&)> add);
   /// Adds a load, or damping, out of a table, as add; the strategy's material stands behind defaults.
   /// Throws InputError as checked_values.
-  void add_load(const LoadKind& load, const LoadValues& values = {});
+  LoadId add_load(const LoadKind& load, const LoadValues& values = {});
+  /// From the next step on it acts with these values instead, or not at all; a history that it has begins anew or ends.
+  /// Throws InputError as add_load, and where there is no such load (any more), before anything changes.
+  void set_load(LoadId load, const LoadValues& values);
+  void remove_load(LoadId load);
+  /// Its row. Throws InputError as remove_load.
+  const LoadKind& load_kind(LoadId load) const;
   /// Brings the body forward by dt > 0 [s]; numerical trouble is an outcome, and the state then stays as it was.
   StepResult step(double dt) noexcept;
   double time() const noexcept;  ///< [s]
@@ -231,7 +239,6 @@ class Simulation {
  private:
   struct Impl;
   TopologyReport change(ChangedBody changed);
-  void put(std::function<void(Model&)> add);
   std::unique_ptr<Impl> impl_;
 };
 
