@@ -51,6 +51,7 @@
 #include "elastin/core/laws/volumetric.h"
 #include "elastin/core/linear/linear_solver.h"
 #include "elastin/core/model/body.h"
+#include "elastin/core/model/embedded_surface.h"
 #include "elastin/core/model/law_constants.h"
 #include "elastin/core/model/material.h"
 #include "elastin/core/model/parts.h"

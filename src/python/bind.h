@@ -24,6 +24,7 @@ namespace elastin::python {
 namespace py = pybind11;
 
 void add_bodies(py::module_& module);
+void add_surfaces(py::module_& module);
 void add_strategies(py::module_& module);
 void add_simulation(py::module_& module);
 void add_results(py::module_& module);

@@ -71,6 +71,7 @@ PYBIND11_MODULE(_elastin, module) {
   module.def("percent", &elastin::lab::percent, py::arg("ratio"), "A relative error as tables show it: '+0.02 %'.");
   module.def("readable_seconds", &elastin::lab::readable_seconds, py::arg("seconds"), "'1.2 ms'.");
   add_bodies(module);
+  add_surfaces(module);
   add_strategies(module);
   add_simulation(module);
   add_laboratory(module);

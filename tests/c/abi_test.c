@@ -196,6 +196,31 @@ static void bodies(void) {
   elastin_body_free(NULL);
 }
 
+static void drawing(void) {
+  const double points[] = {1e-3, 1e-3, 1e-3, 1.5e-3, 1e-3, 1e-3, 1e-3, 1.5e-3, 1e-3};
+  const int triangles[] = {0, 1, 2};
+  float at[9], normals[9];
+  elastin_body* body = lattice();
+  elastin_simulation* simulation = NULL;
+  elastin_surface* surface = NULL;
+  const elastin_value moves[] = {{"acceleration_x", 2}};
+  REFUSED(elastin_surface_make(body, NULL, 3, triangles, 1, &surface), "points is null");
+  REFUSED(elastin_surface_make(body, points, 2, triangles, 1, &surface), "points 0 to 1");
+  OK(elastin_surface_make(body, points, 3, triangles, 1, &surface));
+  OK(elastin_simulate(body, "lattice", &kSoft, NULL, &simulation));
+  OK(elastin_add(simulation, "gravity", moves, 1));
+  OK(elastin_step(simulation, 1e-3, NULL)); /* moves as a whole, by 2 m/s2 (1 ms)2 or half of it */
+  OK(elastin_surface_draw(surface, simulation, at, normals));
+  CHECK(at[0] > 1.0009e-3f && at[0] < 1.0021e-3f && fabs(at[3] - at[0] - 5e-4) < 1e-9);
+  CHECK(fabs(normals[2] - 1) < 1e-6 && fabs(normals[5] - 1) < 1e-6);
+  OK(elastin_surface_draw(surface, simulation, at, NULL));
+  REFUSED(elastin_surface_draw(surface, NULL, at, NULL), "simulation is null");
+  elastin_surface_free(surface);
+  elastin_surface_free(NULL);
+  elastin_simulation_free(simulation);
+  elastin_body_free(body);
+}
+
 static void stepping(void) {
   static twin_run twin, run;
   const elastin_value weight[] = {{"acceleration_z", -9.81}}, damping[] = {{"mass", 20}};
@@ -277,11 +302,11 @@ static void refusals(void) {
 
   REFUSED(elastin_add(kept, "gravty", NULL, 0), "did you mean 'gravity'");
   {
-    const elastin_value down[] = {{"acceleration_z", -10}}, odd[] = {{"aceleration_z", -10}},
+    const elastin_value down[] = {{"acceleration_z", -10}}, wrong[] = {{"aceleration_z", -10}},
                         away[] = {{"acceleration_x", 3}};
     int load = 0;
     OK(elastin_add_load(kept, "gravity", down, 1, &load));
-    REFUSED(elastin_set_load(kept, load, odd, 1), "did you mean 'acceleration_z'");
+    REFUSED(elastin_set_load(kept, load, wrong, 1), "did you mean 'acceleration_z'");
     OK(elastin_set_load(kept, load, away, 1));
     OK(elastin_remove_load(kept, load));
     REFUSED(elastin_remove_load(kept, load), "no load");
@@ -564,6 +589,7 @@ int main(void) {
   described();
 #endif
   bodies();
+  drawing();
   stepping();
   refusals();
   preparing();

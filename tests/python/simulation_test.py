@@ -106,6 +106,22 @@ class States(unittest.TestCase):
             with self.assertRaisesRegex(elastin.InputError, f"no load {other}"):
                 one.set_load(other, acceleration=(0, 0, 0))
 
+    def test_a_surface_is_drawn_with_the_body(self):
+        body = BODIES["hexahedron8"]
+        corners = numpy.array([[2, 2, 2], [8, 2, 2], [2, 8, 2], [2, 2, 8]]) * 1e-3
+        surface = elastin.Surface(body, corners, [[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]])
+        self.assertEqual((len(surface), surface.farthest), (4, 0))
+        F = numpy.array([[1.1, 0.2, 0], [0, 0.9, 0.1], [-0.1, 0, 1.2]])
+        points, normals = surface.draw(body.positions @ F.T)
+        self.assertEqual((points.dtype, points.shape), (numpy.float32, (4, 3)))
+        numpy.testing.assert_allclose(points, corners @ F.T, atol=1e-9)
+        self.assertTrue(((points - points.mean(0)) * normals).sum(1).min() > 0)
+        numpy.testing.assert_allclose((normals**2).sum(1), 1, rtol=1e-6)
+        with self.assertRaisesRegex(elastin.InputError, "5 positions"):
+            surface.draw(numpy.zeros((5, 3)))
+        with self.assertRaisesRegex(elastin.InputError, "triangles: is 'all'; allowed: three numbers each"):
+            elastin.Surface(body, corners, "all")
+
     def test_a_file_of_the_present_state(self):
         with tempfile.TemporaryDirectory() as folder:
             for shape, body in BODIES.items():

@@ -1,7 +1,7 @@
 // The npm package of the core: node npm_test.js FOLDER, where its package.json is.
 'use strict';
 const assert = require('node:assert'), fs = require('node:fs'), path = require('node:path');
-const folder = path.resolve(process.argv[2]), {load, ElastinError, Body, Simulation, Elastin} = require(folder);
+const folder = path.resolve(process.argv[2]), {load, ElastinError, Body, Surface, Simulation, Elastin} = require(folder);
 const near = (value, expected, tolerance) => assert(Math.abs(value - expected) <= tolerance * Math.abs(expected), `${value} for ${expected}`);
 
 /** A weight on one spring: m g / k lower. */
@@ -36,6 +36,21 @@ function modulus_of_a_lattice(elastin) {
   let force = 0;
   for (const m of ends) if (rest[3 * m + 2] > 1e-9) force += tissue.reaction(m)[2];
   near(force / top ** 2 / strain, E, 1e-5);
+}
+
+/** A triangle within a block moves with it, in single precision. */
+function a_surface_that_is_drawn(elastin) {
+  const body = elastin.lattice([3, 3, 3], 1e-2, {density: 1000});
+  const surface = body.surface([0.005, 0.005, 0.005, 0.015, 0.005, 0.005, 0.005, 0.015, 0.005], [0, 1, 2]);
+  const tissue = body.simulate('lattice', {youngs_modulus: 1e4}, {scheme: 'backward_euler'});
+  tissue.add('gravity', {acceleration_z: -1});
+  for (let i = 0; i < 10; ++i) tissue.step(0.01);
+  const {points, normals} = surface.draw(tissue), fallen = tissue.positions[2];
+  for (const at of [2, 5, 8]) near(points[at], 0.005 + fallen, 1e-5), near(normals[at], 1, 1e-5);
+  assert.throws(() => body.surface([0, 0, 0], [0, 1, 2]), ElastinError);
+  surface.free();
+  tissue.free();
+  body.free();
 }
 
 function a_cell_law_from_arrays(elastin) {
@@ -99,13 +114,13 @@ function warnings(elastin) {
 /** What the types name is there, and what is there they name. */
 function types() {
   const text = fs.readFileSync(path.join(folder, 'index.d.ts'), 'utf8');
-  for (const type of [Elastin, Body, Simulation]) {
+  for (const type of [Elastin, Body, Surface, Simulation]) {
     const part = text.match(new RegExp(`export class ${type.name} \\{([^]*?)\\n\\}`))[1];
     const named = [...part.matchAll(/^ {2}(?:readonly )?(\w+)[(:]/gm)].map(found => found[1]);
     const there = new Set();
     for (let one = type.prototype; one !== Object.prototype; one = Object.getPrototypeOf(one)) Object.getOwnPropertyNames(one).forEach(name => there.add(name));
     for (const name of named) assert(there.has(name), `${type.name} has no ${name}`);
-    const own = {Elastin: ['handle_of'], Body: ['view'], Simulation: ['check', 'view', 'vector', 'read', 'number']}[type.name];
+    const own = {Elastin: ['handle_of'], Body: ['view'], Surface: ['elastin', 'handle'], Simulation: ['check', 'view', 'vector', 'read', 'number']}[type.name];
     for (const name of there) assert(name === 'constructor' || own.includes(name) || named.includes(name), `the types lack ${type.name}.${name}`);
   }
 }
@@ -114,7 +129,7 @@ function types() {
   const elastin = await load();
   assert.match(elastin.version, /^\d+\.\d+/);
   assert(elastin.rows('steppers').some(row => row.name === 'newmark'));
-  for (const check of [weight_on_a_spring, modulus_of_a_lattice, a_cell_law_from_arrays, wrong_input, poissons_ratio, warnings, types]) check(elastin);
+  for (const check of [weight_on_a_spring, modulus_of_a_lattice, a_surface_that_is_drawn, a_cell_law_from_arrays, wrong_input, poissons_ratio, warnings, types]) check(elastin);
   const same = await import('file://' + path.join(folder, 'node.mjs'));
   assert.strictEqual(same.load, load);
 })().catch(problem => {

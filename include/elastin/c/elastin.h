@@ -119,6 +119,14 @@ ELASTIN_API elastin_status elastin_body_triangles(const elastin_body* body, cons
  * cubes (each cut in two), and its triangles. Found again by each call, which ends what the last one showed. */
 ELASTIN_API elastin_status elastin_body_surface(const elastin_body* body, const int** molecules, size_t* count);
 
+/* A surface that is drawn with a body and takes no part in its mechanics, as fine as a picture wants it: each of its
+ * points (in the body's shape at rest [m], 3 * point_count) moves with the solid cell, or the lattice's cube, that holds
+ * it or is nearest. Triangles have three numbers of points each, counter-clockwise seen from outside. */
+typedef struct elastin_surface elastin_surface;
+ELASTIN_API elastin_status elastin_surface_make(const elastin_body* body, const double* points, size_t point_count,
+                                                const int* triangles, size_t triangle_count, elastin_surface** surface);
+ELASTIN_API void elastin_surface_free(elastin_surface* surface);
+
 /* ---- materials and strategies ---- */
 /* A value by name. */
 typedef struct elastin_value {
@@ -179,6 +187,10 @@ ELASTIN_API elastin_status elastin_row_parameter(const char* table, size_t row, 
 
 /* ---- simulations ---- */
 typedef struct elastin_simulation elastin_simulation;
+/* Where the surface's points are now, in single precision, and the unit normals there: 3 * point_count numbers each;
+ * normals may be null. Of a simulation of the surface's body; a cut ends that. */
+ELASTIN_API elastin_status elastin_surface_draw(const elastin_surface* surface, const elastin_simulation* simulation,
+                                                float* points, float* normals);
 
 /* A host's task system: calls task(task_context, 0) to task(task_context, count - 1), each once, on any threads, and
  * comes back when all have ended. */

@@ -28,7 +28,7 @@ if "OMP_WAIT_POLICY" not in _os.environ:
     _os.environ.setdefault("GOMP_SPINCOUNT", "3000")
 
 from ._elastin import (Body, Catalog, InputError, Material, MissingFileError, Parameter, Result, Row, Simulation, SimulationState,
-                       StaticResult, StepError, StepResult, Strategy, TopologyReport, __version__, linear_solvers, loads,
+                       StaticResult, StepError, StepResult, Strategy, Surface, TopologyReport, __version__, linear_solvers, loads,
                        material_laws, measures, numbered_in_space, of_parts, order_in_space, set_threads, steppers, threads)
 from . import _bodies, _simulation  # the methods that Python adds to classes of C++
 from ._bodies import body, lattice, material, read_mesh
@@ -40,7 +40,7 @@ from ._sweep import Sweep, sweep
 globals().update(_experiments)
 
 __all__ = ["Body", "Catalog", "Comparison", "Experiment", "InputError", "Laboratory", "Material", "MissingFileError", "Parameter", "Result",
-           "Row", "Simulation", "SimulationState", "StaticResult", "StepError", "StepResult", "Strategy", "Sweep",
+           "Row", "Simulation", "SimulationState", "StaticResult", "StepError", "StepResult", "Strategy", "Surface", "Sweep",
            "TopologyReport", "Verdicts", "body", "compare", "experiments", "gradient", "identify", "lattice", "law", "linear_solvers",
            "loads", "material", "material_laws", "measure", "measures", "numbered_in_space", "of_parts", "order_in_space", "read_mesh", "run",
            "set_threads", "steppers", "strategies", "sweep", "threads", "verify", "where", *_experiments]

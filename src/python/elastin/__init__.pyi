@@ -82,6 +82,17 @@ class Body:
     def to_pyvista(self) -> Any:
         """A pyvista.UnstructuredGrid of the body at rest."""
 
+class Surface:
+    """x"""
+    def __init__(self, body: Body, points: ArrayLike, triangles: ArrayLike) -> None:
+        """x"""
+    def draw(self, positions: ArrayLike) -> tuple[Floats, Floats]:
+        """x"""
+    @property
+    def farthest(self) -> float:
+        """x"""
+    def __len__(self) -> int: ...
+
 class Material:
     """What a body should behave like; SI units."""
     def __init__(self, youngs_modulus: float | None = None, poissons_ratio: float = 0.25, density: float = 1000.0, *,

@@ -79,8 +79,17 @@ export class Body {
   triangles(): Int32Array;
   /** Spring constants [N/m] that a rule, also calibrated:RULE, gives each connection: what other engines take. */
   constants(strategy: string, material: Material, parameters?: Record<string, number>): Float64Array;
+  /** A surface that is drawn with the body: points in its shape at rest, three numbers each, and three of their numbers a triangle. */
+  surface(points: ArrayLike<number>, triangles: ArrayLike<number>): Surface;
   /** @param strategy a row of the table "strategies", with +volume, +wrinkling or calibrated: where it takes them. */
   simulate(strategy: string, material: Material, options?: Options): Simulation;
+  free(): void;
+}
+
+/** As fine as a picture wants it: each point moves with the cell that holds it. */
+export class Surface {
+  /** Where its points are in a simulation of its body, and the unit normals there; views of the module's memory. */
+  draw(simulation: Simulation): {points: Float32Array, normals: Float32Array};
   free(): void;
 }
 

@@ -128,6 +128,8 @@ class Body {
   connections() { return this.view('connections', 'HEAP32'); }
   triangles() { return this.view('triangles', 'HEAP32'); }
 
+  surface(points, triangles) { return new Surface(this, points, triangles); }
+
   constants(strategy, material, parameters = {}) {
     const {module} = this.elastin, memory = new Memory(module), count = this.connections().length / 2;
     try {
@@ -153,6 +155,28 @@ class Body {
 
   free() {
     this.elastin.module._elastin_body_free(this.handle);
+    this.handle = 0;
+  }
+}
+
+class Surface {
+  constructor(body, points, triangles) {
+    this.elastin = body.elastin;
+    this.handle = this.elastin.handle_of('elastin_surface_make', memory => [body.handle, array(memory, points, 'points'), points.length / 3,
+      array(memory, triangles, 'triangles', true), triangles.length / 3]);
+    this.count = points.length;
+    this.room = this.elastin.module._malloc(8 * this.count);
+  }
+
+  draw(simulation) {
+    const {module} = this.elastin, at = this.room / 4, normals = this.room + 4 * this.count;
+    call(module, 'elastin_surface_draw', () => [this.handle, simulation.handle, this.room, normals]);
+    return {points: module.HEAPF32.subarray(at, at + this.count), normals: module.HEAPF32.subarray(at + this.count, at + 2 * this.count)};
+  }
+
+  free() {
+    this.elastin.module._free(this.room);
+    this.elastin.module._elastin_surface_free(this.handle);
     this.handle = 0;
   }
 }
@@ -228,4 +252,4 @@ async function load({wasm} = {}) {
   return new Elastin(await make_module({wasmBinary: bytes}));
 }
 
-module.exports = {load, Elastin, Body, Simulation, ElastinError};
+module.exports = {load, Elastin, Body, Simulation, Surface, ElastinError};

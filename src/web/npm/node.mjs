@@ -1,3 +1,3 @@
 import elastin from './index.js';
-export const {load, Elastin, Body, Simulation, ElastinError} = elastin;
+export const {load, Elastin, Body, Simulation, Surface, ElastinError} = elastin;
 export default elastin;
