@@ -44,13 +44,14 @@ static void layout(void) {
   CHECK(strcmp(elastin_version(), "0.1.0") == 0);
   CHECK(sizeof(elastin_status) == sizeof(int) && sizeof(elastin_outcome) == sizeof(int));
   if (sizeof(void*) != 8 || sizeof(size_t) != 8) return;
-  CHECK(sizeof(elastin_arrays) == 112 && offsetof(elastin_arrays, positions) == 8);
+  CHECK(sizeof(elastin_arrays) == 128 && offsetof(elastin_arrays, positions) == 8);
   CHECK(offsetof(elastin_arrays, masses) == 16 && offsetof(elastin_arrays, radii) == 24);
   CHECK(offsetof(elastin_arrays, connections) == 32 && offsetof(elastin_arrays, rest_lengths) == 40);
   CHECK(offsetof(elastin_arrays, triangles) == 48 && offsetof(elastin_arrays, tetrahedra) == 56);
   CHECK(offsetof(elastin_arrays, molecule_count) == 64 && offsetof(elastin_arrays, connection_count) == 72);
   CHECK(offsetof(elastin_arrays, triangle_count) == 80 && offsetof(elastin_arrays, tetrahedron_count) == 88);
   CHECK(offsetof(elastin_arrays, density) == 96 && offsetof(elastin_arrays, thickness) == 104);
+  CHECK(offsetof(elastin_arrays, growth) == 112 && offsetof(elastin_arrays, growth_count) == 120);
   CHECK(sizeof(elastin_counts) == 40 && offsetof(elastin_counts, tetrahedra) == 32);
   CHECK(sizeof(elastin_material) == 56 && offsetof(elastin_material, bending_rigidity) == 32);
   CHECK(offsetof(elastin_material, law) == 40 && offsetof(elastin_material, description) == 48);
@@ -194,6 +195,36 @@ static void bodies(void) {
   REFUSED(elastin_body_counts(NULL, &counts), "body is null");
   CHECK(body == NULL);
   elastin_body_free(NULL);
+}
+
+/* A tetrahedron whose rest is larger than it lies becomes that large, from wherever it begins. */
+static void rests(void) {
+  const double corners[12] = {0, 0, 0, 1e-2, 0, 0, 0, 1e-2, 0, 0, 0, 1e-2}, growth[9] = {1.1, 0, 0, 0, 1.2, 0, 0, 0, 1};
+  const int cell[4] = {0, 1, 2, 3};
+  elastin_arrays arrays = {sizeof arrays};
+  double begin[12];
+  const double* now = NULL;
+  elastin_body* body = NULL;
+  elastin_simulation* simulation = NULL;
+  arrays.positions = corners, arrays.molecule_count = 4, arrays.tetrahedra = cell, arrays.tetrahedron_count = 1;
+  arrays.density = 1000, arrays.growth = growth, arrays.growth_count = 2;
+  REFUSED(elastin_body_from_arrays(&arrays, &body), "growth: has 2 matrices; allowed: 1");
+  arrays.growth_count = 1;
+  OK(elastin_body_from_arrays(&arrays, &body));
+  OK(elastin_simulate(body, "neo_hookean", &kSoft, NULL, &simulation));
+  OK(elastin_fix(simulation, 0, 0));
+  OK(elastin_fix(simulation, 1, 1));
+  OK(elastin_fix(simulation, 2, 3));
+  OK(elastin_positions(simulation, &now, NULL));
+  memcpy(begin, corners, sizeof begin);
+  begin[11] = 0.9e-2;
+  REFUSED(elastin_set_positions(simulation, begin, 9), "positions");
+  OK(elastin_set_positions(simulation, begin, 12));
+  CHECK(now[11] == 0.9e-2 && now[3] == 1e-2);
+  OK(elastin_settle(simulation, NULL));
+  CHECK(fabs(now[3] - 1.1e-2) < 1e-8 && fabs(now[7] - 1.2e-2) < 1e-8 && fabs(now[11] - 1e-2) < 1e-8);
+  elastin_simulation_free(simulation);
+  elastin_body_free(body);
 }
 
 static void stepping(void) {
@@ -553,6 +584,7 @@ int main(void) {
   described();
 #endif
   bodies();
+  rests();
   stepping();
   refusals();
   preparing();
