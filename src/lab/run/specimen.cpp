@@ -234,6 +234,11 @@ std::unique_ptr<Rig> add_surroundings(Model& model, const Specimen& specimen, co
 
 std::optional<HeldModel> make_model(const Specimen& specimen, const Experiment& experiment,
                                     const StrategyChoice& choice, const RunOptions& options, Run& run) {
+  if (specimen.given != GivenShape::at_rest) {
+    run.cause = "its `rest` is to be found first, which `run` and `compare` do";
+    run.suited = false;
+    return std::nullopt;
+  }
   auto elasticity = make_elasticity(specimen, experiment, choice, options, run);
   if (!elasticity) return std::nullopt;
   HeldModel held{std::make_unique<Model>(specimen.body), nullptr};

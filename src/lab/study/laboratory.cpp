@@ -195,7 +195,8 @@ Simulation Laboratory::simulation(const std::string& strategy, SimulationOptions
   RunOptions of_run;
   of_run.statics = scene->statics;
   const Experiment& experiment = *scene->experiment;
-  const std::string why = unsuited(scene->specimen, experiment, choice);
+  const std::string why = scene->specimen.given == GivenShape::at_rest ? unsuited(scene->specimen, experiment, choice)
+                                                                       : "its `rest` is to be found first, by run()";
   if (!why.empty()) throw InputError("strategy '" + choice.label + "' cannot run here: " + why);
   const auto specimen = std::make_shared<Specimen>(scene->specimen);
   if (const auto wanted = identification_of(experiment);
