@@ -22,6 +22,7 @@ PAPER = "elastin compare scenes/tension/table1-*.yaml scenes/tension/table2.yaml
 HARD = "elastin verify scenes/hard/*.yaml --choices --markdown"
 SLIPS = "elastin check, on each slip of tests/lab/scene/slips.txt"
 REALITY = "elastin compare scenes/reality"
+REST = "elastin compare scenes/rest"
 BROUGHT = "elastin check, on each file of tests/mesh/data/brought"
 NUMBER = re.compile(r"[-+−]?\d+(?:\.\d+)?(?:e[-+]\d+)?")
 
@@ -168,6 +169,19 @@ def reality_table(elastin):
     return "\n".join(lines) + "\n"
 
 
+def rest_table(elastin):
+    """Cells and springs on bodies that are stressed where they lie: the error of each, and its seconds of solving."""
+    lines = ["| case | strategy | measure | error | solved in |", "|---|---|---|---|---|"]
+    for run in json.loads(output(elastin, REST + " --json -"))["runs"]:
+        if "references" not in run:
+            continue
+        measure = run["references"][0]["measure"]
+        error = run.get("errors", {}).get(measure + "_to_reference")
+        text = percent(error) if error is not None else run["outcome"].replace("_", " ")
+        lines.append(f"| `{run['scene']}` | {run['strategy']} | `{measure}` | {text} | {run['seconds']['solve']:.2f} s |")
+    return "\n".join(lines) + "\n"
+
+
 def block(text, begin, end):
     """Where the text between two lines begins and ends."""
     start = text.find(begin + "\n")
@@ -187,6 +201,8 @@ def main(root, elastin, write):
                lambda: output(elastin, HARD if write else HARD.replace(" --choices", "")), same_cases),
               ("tests/README.md", f"<!-- table: {REALITY} -->", "<!-- table: end -->",
                lambda: reality_table(elastin), same_cases),
+              ("tests/README.md", f"<!-- table: {REST} -->", "<!-- table: end -->",
+               lambda: rest_table(elastin), same_cases),
               ("tests/README.md", f"<!-- table: {SLIPS} -->", "<!-- table: end -->",
                lambda: slips_table(elastin), lambda old, new: old == new),
               ("tests/README.md", f"<!-- table: {BROUGHT} -->", "<!-- table: end -->",

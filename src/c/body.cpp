@@ -53,6 +53,9 @@ Body body_of(const elastin_arrays& from) {
   if (from.rest_lengths) arrays.rest_lengths = numbers_of(from.rest_lengths, from.connection_count);
   arrays.masses = numbers_of(from.masses, molecules);
   arrays.radii = numbers_of(from.radii, molecules);
+  rows_of(from.growth, from.growth_count, "growth");
+  for (std::size_t cell = 0; cell < from.growth_count; ++cell)
+    arrays.growth.emplace_back(Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(from.growth + 9 * cell));
   if (!from.masses) require_positive(from.density, "density");
   if (!from.masses && !arrays.triangles.empty()) require_positive(from.thickness, "thickness");
   arrays.density = from.masses ? 1 : from.density;  // the masses replace what comes of it

@@ -104,6 +104,16 @@ elastin_status elastin_positions(const elastin_simulation* simulation, const dou
   return guarded([&] { elastin::c::show(given(simulation, "simulation").simulation.positions(), values, count); });
 }
 
+elastin_status elastin_set_positions(elastin_simulation* simulation, const double* positions, size_t count) {
+  return guarded([&] {
+    given(positions, "positions");
+    if (count % 3) throw elastin::InputError("count is " + std::to_string(count) + "; it must be 3 a molecule");
+    given(simulation, "simulation")
+        .simulation.set_positions(
+            Eigen::Map<const elastin::Positions>(positions, 3, static_cast<Eigen::Index>(count / 3)));
+  });
+}
+
 elastin_status elastin_velocities(const elastin_simulation* simulation, const double** values, size_t* count) {
   return guarded([&] { elastin::c::show(given(simulation, "simulation").simulation.velocities(), values, count); });
 }

@@ -459,8 +459,9 @@ std::function<double(const Vector3&)> Reader::of_place(const Dimension& dimensio
     const double value = own.located([&] { return formula_at(given, at, place, values).number; });
     if (std::isfinite(value) && value >= range.low && value <= range.high && !(range.open_low && value == range.low))
       return value;
-    char text[120];
-    std::snprintf(text, sizeof text, "is %.6g at (%.6g, %.6g, %.6g) m; must be ", value, at.x(), at.y(), at.z());
+    char text[120] = "is out of range: must be ";
+    if (own.located([&] { return formula_at(given, 2 * at + Vector3::Ones(), place, values).number; }) != value)
+      std::snprintf(text, sizeof text, "is %.6g at (%.6g, %.6g, %.6g) m; must be ", value, at.x(), at.y(), at.z());
     const std::string allowed = allowed_text(range, dimension);
     own.fail("'" + given + "' " + text + (allowed.empty() ? "finite" : allowed));
   };

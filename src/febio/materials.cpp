@@ -51,6 +51,36 @@ class ScaledTerm final : public LawTerm {
   double factor_;
 };
 
+/// A law that sees F F_p, whose Cauchy stress is the one that it says of that: S = F_p S(F_pᵀ C F_p) F_pᵀ / J_p.
+class PrestrainedTerm final : public LawTerm {
+ public:
+  /// @param prestrain F_p now
+  PrestrainedTerm(std::shared_ptr<const LawTerm> term, std::function<Matrix3()> prestrain)
+      : term_(std::move(term)), prestrain_(std::move(prestrain)) {}
+  bool has_energy() const override { return term_->has_energy(); }
+  Matrix3 stress(const Matrix3& A) const override {
+    const Matrix3 F = prestrain_();
+    return F * term_->stress(seen(F, A)) * F.transpose() / F.determinant();
+  }
+  TangentModuli<3> tangent(const Matrix3& A) const override {
+    const Matrix3 F = prestrain_();
+    TangentModuli<3> turn;  // of stresses; that of strains is its transpose
+    for (int k = 0; k < 6; ++k) turn.col(k) = components(F * tensor(Components(Components::Unit(k))) * F.transpose());
+    return turn * term_->tangent(seen(F, A)) * turn.transpose() / F.determinant();
+  }
+  double energy(const Matrix3& A) const override {
+    const Matrix3 F = prestrain_();
+    return term_->energy(seen(F, A)) / F.determinant();
+  }
+
+ private:
+  static Matrix3 seen(const Matrix3& F, const Matrix3& A) {
+    return F.transpose() * A * F + F.transpose() * F - Matrix3::Identity();
+  }
+  std::shared_ptr<const LawTerm> term_;
+  std::function<Matrix3()> prestrain_;
+};
+
 /// U(J) alone.
 struct NoShape {
   Matrix3 stress(const Matrix3&) const { return Matrix3::Zero(); }
@@ -531,6 +561,91 @@ void read_uncoupled_viscoelastic(const Element& element, Material& material, con
   read_relaxing(element, material, time);
 }
 
+/// The laws of <elastic> under a prestrain F_p = I + …, by the direction of fibres there.
+void set_prestrained(const Element& element, Material& material, const MaterialTime& time,
+                     const std::optional<FibreDirections>& fibres,
+                     const std::function<Matrix3(const Vector3& fibre)>& prestrain) {
+  const Element elastic = element.at("elastic");
+  const Material solid = read_material(elastic, time);
+  if (solid.volume || solid.relaxation)
+    elastic.refuse("type=\"" + elastic.attribute("type") + "\" in a material of type " + element.attribute("type"),
+                   "it may be neither uncoupled nor viscoelastic");
+  material.even = solid.even && (!fibres || fibres->even);
+  material.has_energy = solid.has_energy;
+  material.youngs_modulus = solid.youngs_modulus;
+  material.poissons_ratio = solid.poissons_ratio;
+  material.terms = [terms = solid.terms, fibres, prestrain](const PointPlace& place) {
+    const Vector3 fibre = fibres ? fibres->at(place) : Vector3(Vector3::UnitX());
+    LawTerms all = terms(place);
+    for (auto& term : all)
+      term = std::make_shared<PrestrainedTerm>(std::move(term), [prestrain, fibre] { return prestrain(fibre); });
+    return all;
+  };
+}
+
+/// a I + (b − 1) n nᵀ
+Matrix3 along_and_across(const Vector3& n, double a, double b) {
+  return a * Matrix3::Identity() + (b - 1) * n * n.transpose();
+}
+
+/// F_p = F_g⁻¹ of <growth>.
+void read_growth(const Element& element, Material& material, const MaterialTime& time) {
+  allow_numbers(element, {"elastic", "growth"});
+  const Element growth = element.at("growth");
+  const std::string type = growth.needed_attribute("type");
+  const auto value = [&](const char* name) {
+    growth.allow({name, "fiber"});
+    return growth.at(name).value(time.controllers);
+  };
+  std::function<Matrix3(const Vector3&)> metric;
+  if (type == "volume growth") {
+    metric = [m = value("multiplier"), now = time.now](const Vector3& n) { return along_and_across(n, m.at(*now), 1); };
+  } else if (type == "area growth") {
+    metric = [m = value("multiplier"), now = time.now](const Vector3& n) {
+      const double across = std::sqrt(m.at(*now));
+      return along_and_across(n, across, 2 - across);
+    };
+  } else if (type == "fiber growth") {
+    metric = [m = value("multiplier"), now = time.now](const Vector3& n) { return along_and_across(n, 1, m.at(*now)); };
+  } else if (type == "general growth") {
+    growth.allow({"iso", "ani", "fiber"});
+    metric = [iso = growth.at("iso").value(time.controllers), ani = growth.at("ani").value(time.controllers),
+              now = time.now](const Vector3& n) { return along_and_across(n, iso.at(*now), ani.at(*now)); };
+  } else {
+    growth.refuse("type=\"" + type + "\"");
+  }
+  const auto fibre = growth.find("fiber");
+  set_prestrained(element, material, time, fibre ? std::optional(read_fibre(*fibre)) : std::nullopt,
+                  [metric](const Vector3& n) { return Matrix3(metric(n).inverse()); });
+}
+
+void read_prestrain(const Element& element, Material& material, const MaterialTime& time) {
+  allow_numbers(element, {"elastic", "prestrain"});
+  const Element prestrain = element.at("prestrain");
+  const std::string type = prestrain.needed_attribute("type");
+  if (type == "prestrain gradient") {
+    prestrain.allow({"ramp", "F0"});
+    const std::vector<double> numbers = prestrain.at("F0").numbers(9);
+    const Matrix3 change = Eigen::Map<const Matrix3>(numbers.data()).transpose() - Matrix3::Identity();
+    const auto ramp = prestrain.find("ramp");
+    set_prestrained(element, material, time, std::nullopt,
+                    [part = ramp ? ramp->value(time.controllers) : Value{1}, change, now = time.now](const Vector3&) {
+                      return Matrix3(Matrix3::Identity() + part.at(*now) * change);
+                    });
+  } else if (type == "in-situ stretch") {
+    prestrain.allow({"stretch", "isochoric"});
+    const bool isochoric = prestrain.number("isochoric", 1) != 0;
+    set_prestrained(
+        element, material, time, read_fibre(element.at("elastic").at("fiber")),
+        [stretch = prestrain.at("stretch").value(time.controllers), isochoric, now = time.now](const Vector3& n) {
+          const double along = stretch.at(*now), across = isochoric ? 1 / std::sqrt(along) : 1;
+          return along_and_across(n, across, 1 + along - across);
+        });
+  } else {
+    prestrain.refuse("type=\"" + type + "\"");
+  }
+}
+
 const std::map<std::string, Read>& readers() {
   static const std::map<std::string, Read> table{
       {"neo-Hookean", read_neo_hookean},
@@ -545,6 +660,8 @@ const std::map<std::string, Read>& readers() {
       {"uncoupled fiber-exp-linear", read_uncoupled_fibre_exp_linear},
       {"solid mixture", read_mixture},
       {"uncoupled solid mixture", read_uncoupled_mixture},
+      {"kinematic growth", read_growth},
+      {"prestrain elastic", read_prestrain},
       {"viscoelastic", read_viscoelastic},
       {"uncoupled viscoelastic", read_uncoupled_viscoelastic},
   };

@@ -119,7 +119,7 @@ VectorX numbers_or_none(const py::handle& given, const char* name) {
 Body body_from_arrays(const py::object& positions, const py::object& connections, const py::object& triangles,
                       const py::object& tetrahedra, const py::dict& cells, const py::object& rest_lengths,
                       const py::object& masses, const py::object& radii, std::optional<double> density,
-                      double thickness) {
+                      double thickness, const py::object& growth) {
   BodyArrays arrays;
   arrays.positions = positions_from(positions, "positions");
   arrays.connections = rows_from<2>(connections, "connections");
@@ -131,6 +131,15 @@ Body body_from_arrays(const py::object& positions, const py::object& connections
   arrays.radii = numbers_or_none(radii, "radii");
   arrays.density = density;
   arrays.thickness = thickness;
+  if (!growth.is_none()) {
+    const Numbers all = Numbers::ensure(growth);
+    PyErr_Clear();
+    if (!all || all.ndim() != 3 || all.shape(1) != 3 || all.shape(2) != 3)
+      throw InputError("growth: has shape " + (all ? shape_text(all) : "of no array of numbers") +
+                       "; allowed: (n, 3, 3), a matrix a cell");
+    for (py::ssize_t cell = 0; cell < all.shape(0); ++cell)
+      arrays.growth.emplace_back(Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(all.data() + 9 * cell));
+  }
   return make_body(arrays);
 }
 
@@ -307,13 +316,15 @@ void add_bodies(py::module_& module) {
           py::init(&body_from_arrays), py::arg("positions"), py::arg("connections") = py::none(), py::kw_only(),
           py::arg("triangles") = py::none(), py::arg("tetrahedra") = py::none(), py::arg("cells") = py::dict(),
           py::arg("rest_lengths") = py::none(), py::arg("masses") = py::none(), py::arg("radii") = py::none(),
-          py::arg("density") = py::none(), py::arg("thickness") = 0.,
+          py::arg("density") = py::none(), py::arg("thickness") = 0., py::arg("growth") = py::none(),
           "positions (n, 3) [m]; connections (m, 2), numbers of molecules, by default the sides of the cells; "
           "triangles (k, 3); tetrahedra (k, 4); cells of other shapes by name, {'hexahedron8': (k, 8), …}, nodes as in "
           "VTK; rest_lengths (m,) [m], by default the distances; masses (n,) [kg], by "
           "default from density [kg/m^3], by default that of the material with which the body is used, and the cells "
           "(triangles: thickness [m]) or the convex hull; radii (n,) [m], "
-          "by default half the shortest connection. Arrays are copied.")
+          "by default half the shortest connection; growth (n, 3, 3), where each cell is unstressed, F_g, by default "
+          "as "
+          "it lies at rest: all of it acts from the start. Arrays are copied.")
       .def_property_readonly("positions", part_of_body([](const Body& b) -> auto& { return b.rest; }),
                              "Positions at rest [m], (n, 3).")
       .def_property_readonly("masses", part_of_body([](const Body& b) -> auto& { return b.mass; }), "[kg], (n,).")
@@ -340,12 +351,16 @@ void add_bodies(py::module_& module) {
           "proper_connections", [](const Body& b) { return b.connections.proper(); },
           "How many connections are more than sides of cells; they come first.")
       .def("__len__", &Body::size)
-      .def(py::pickle([](const Body& body) { return packed(body); },
-                      [](const py::bytes& state) {
-                        auto body = unpacked<Body>(state, "Body");
-                        check_indices(*body);
-                        return body;
-                      }))
+      .def(py::pickle(
+          [](const Body& body) {
+            if (body.unstressed) throw py::type_error("a body with growth cannot be pickled: make it again");
+            return packed(body);
+          },
+          [](const py::bytes& state) {
+            auto body = unpacked<Body>(state, "Body");
+            check_indices(*body);
+            return body;
+          }))
       .def("__repr__", &body_text);
   module.def(
       "order_in_space",

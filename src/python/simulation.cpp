@@ -191,8 +191,14 @@ void add_views(Class& simulation) {
                              })
       .def_property_readonly(
           "time", [](const Moving& self) { return self.simulation.time(); }, "[s]")
-      .def_property_readonly("positions", shown([](Simulation & s) -> auto& { return s.positions(); }),
-                             "[m], (n, 3): a view that changes with each step.")
+      .def_property(
+          "positions", shown([](Simulation & s) -> auto& { return s.positions(); }),
+          [](Moving& self, const py::object& positions) {
+            const Positions values = positions_from(positions, "positions");
+            self.in_turn([&](Simulation& s) { s.set_positions(values); });
+          },
+          "[m], (n, 3): a view that changes with each step. To be set between steps where the body is to "
+          "be elsewhere: velocities stay, and supports where they are.")
       .def_property_readonly("velocities", shown([](Simulation & s) -> auto& { return s.velocities(); }),
                              "[m/s], (n, 3): a view that changes with each step.")
       .def_property_readonly("forces", shown([](Simulation & s) -> auto& { return s.forces(); }),

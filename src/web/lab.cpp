@@ -115,6 +115,8 @@ elastin_status elastin_lab_open(const void* bytes, size_t count, elastin_lab** l
     if (reader.left() > 0) throw InputError("the body of this page is damaged: more stands in it than a body");
     web::restore_law(made->parcel.material);
     for (Material& material : made->parcel.materials) web::restore_law(material);
+    if (lab::Parcel& parcel = made->parcel; !parcel.rest.points.empty())
+      parcel.body.unstressed = std::make_shared<const Rest>(rest_of(parcel.body, parcel.rest));
     *lab = made.release();
   });
 }

@@ -44,13 +44,14 @@ static void layout(void) {
   CHECK(strcmp(elastin_version(), "0.2.0") == 0);
   CHECK(sizeof(elastin_status) == sizeof(int) && sizeof(elastin_outcome) == sizeof(int));
   if (sizeof(void*) != 8 || sizeof(size_t) != 8) return;
-  CHECK(sizeof(elastin_arrays) == 112 && offsetof(elastin_arrays, positions) == 8);
+  CHECK(sizeof(elastin_arrays) == 128 && offsetof(elastin_arrays, positions) == 8);
   CHECK(offsetof(elastin_arrays, masses) == 16 && offsetof(elastin_arrays, radii) == 24);
   CHECK(offsetof(elastin_arrays, connections) == 32 && offsetof(elastin_arrays, rest_lengths) == 40);
   CHECK(offsetof(elastin_arrays, triangles) == 48 && offsetof(elastin_arrays, tetrahedra) == 56);
   CHECK(offsetof(elastin_arrays, molecule_count) == 64 && offsetof(elastin_arrays, connection_count) == 72);
   CHECK(offsetof(elastin_arrays, triangle_count) == 80 && offsetof(elastin_arrays, tetrahedron_count) == 88);
   CHECK(offsetof(elastin_arrays, density) == 96 && offsetof(elastin_arrays, thickness) == 104);
+  CHECK(offsetof(elastin_arrays, growth) == 112 && offsetof(elastin_arrays, growth_count) == 120);
   CHECK(sizeof(elastin_counts) == 40 && offsetof(elastin_counts, tetrahedra) == 32);
   CHECK(sizeof(elastin_material) == 56 && offsetof(elastin_material, bending_rigidity) == 32);
   CHECK(offsetof(elastin_material, law) == 40 && offsetof(elastin_material, description) == 48);
@@ -142,7 +143,7 @@ static const double kPositions[15] = {0, 0, 0, 6e-3, 0, 0, 0, 6e-3, 0, 0, 0, 6e-
 static const int kCells[8] = {0, 1, 2, 3, 0, 1, 2, 4};
 
 static elastin_arrays arrays(void) {
-  elastin_arrays given = {sizeof given, kPositions, NULL, NULL, NULL, NULL, NULL, kCells, 5, 0, 0, 2, 1000, 0};
+  elastin_arrays given = {sizeof given, kPositions, NULL, NULL, NULL, NULL, NULL, kCells, 5, 0, 0, 2, 1000, 0, NULL, 0};
   return given;
 }
 
@@ -184,7 +185,7 @@ static void bodies(void) {
   given = arrays(), given.size = 0;
   REFUSED(elastin_body_from_arrays(&given, &body), "elastin_arrays.size is 0");
   given.size = sizeof given + 8;
-  REFUSED(elastin_body_from_arrays(&given, &body), "elastin_arrays.size is 120");
+  REFUSED(elastin_body_from_arrays(&given, &body), "elastin_arrays.size is 136");
   given = arrays(), given.connections = flat, given.connection_count = 2, given.tetrahedron_count = 0;
   OK(elastin_body_from_arrays(&given, &body));
   elastin_body_free(body);
@@ -217,6 +218,36 @@ static void drawing(void) {
   REFUSED(elastin_surface_draw(surface, NULL, at, NULL), "simulation is null");
   elastin_surface_free(surface);
   elastin_surface_free(NULL);
+  elastin_simulation_free(simulation);
+  elastin_body_free(body);
+}
+
+/* A tetrahedron whose rest is larger than it lies becomes that large, from wherever it begins. */
+static void rests(void) {
+  const double corners[12] = {0, 0, 0, 1e-2, 0, 0, 0, 1e-2, 0, 0, 0, 1e-2}, growth[9] = {1.1, 0, 0, 0, 1.2, 0, 0, 0, 1};
+  const int cell[4] = {0, 1, 2, 3};
+  elastin_arrays arrays = {.size = sizeof arrays};
+  double begin[12];
+  const double* now = NULL;
+  elastin_body* body = NULL;
+  elastin_simulation* simulation = NULL;
+  arrays.positions = corners, arrays.molecule_count = 4, arrays.tetrahedra = cell, arrays.tetrahedron_count = 1;
+  arrays.density = 1000, arrays.growth = growth, arrays.growth_count = 2;
+  REFUSED(elastin_body_from_arrays(&arrays, &body), "growth: has 2 matrices; allowed: 1");
+  arrays.growth_count = 1;
+  OK(elastin_body_from_arrays(&arrays, &body));
+  OK(elastin_simulate(body, "neo_hookean", &kSoft, NULL, &simulation));
+  OK(elastin_fix(simulation, 0, 0));
+  OK(elastin_fix(simulation, 1, 1));
+  OK(elastin_fix(simulation, 2, 3));
+  OK(elastin_positions(simulation, &now, NULL));
+  memcpy(begin, corners, sizeof begin);
+  begin[11] = 0.9e-2;
+  REFUSED(elastin_set_positions(simulation, begin, 9), "positions");
+  OK(elastin_set_positions(simulation, begin, 12));
+  CHECK(now[11] == 0.9e-2 && now[3] == 1e-2);
+  OK(elastin_settle(simulation, NULL));
+  CHECK(fabs(now[3] - 1.1e-2) < 1e-8 && fabs(now[7] - 1.2e-2) < 1e-8 && fabs(now[11] - 1e-2) < 1e-8);
   elastin_simulation_free(simulation);
   elastin_body_free(body);
 }
@@ -302,11 +333,11 @@ static void refusals(void) {
 
   REFUSED(elastin_add(kept, "gravty", NULL, 0), "did you mean 'gravity'");
   {
-    const elastin_value down[] = {{"acceleration_z", -10}}, wrong[] = {{"aceleration_z", -10}},
+    const elastin_value down[] = {{"acceleration_z", -10}}, misspelt[] = {{"aceleration_z", -10}},
                         away[] = {{"acceleration_x", 3}};
     int load = 0;
     OK(elastin_add_load(kept, "gravity", down, 1, &load));
-    REFUSED(elastin_set_load(kept, load, wrong, 1), "did you mean 'acceleration_z'");
+    REFUSED(elastin_set_load(kept, load, misspelt, 1), "did you mean 'acceleration_z'");
     OK(elastin_set_load(kept, load, away, 1));
     OK(elastin_remove_load(kept, load));
     REFUSED(elastin_remove_load(kept, load), "no load");
@@ -350,7 +381,7 @@ static void sinking(const char* strategy, const elastin_material* material, doub
   static const double places[12] = {0, 0, 0, 1e-2, 0, 0, 0, 1e-2, 0, 0, 0, 1e-2};
   static const int tetrahedra[4] = {0, 1, 2, 3};
   const elastin_value down[] = {{"acceleration_z", -9.81}};
-  elastin_arrays given = {sizeof given, places, NULL, NULL, NULL, NULL, NULL, tetrahedra, 4, 0, 0, 1, 1000, 0};
+  elastin_arrays given = {sizeof given, places, NULL, NULL, NULL, NULL, NULL, tetrahedra, 4, 0, 0, 1, 1000, 0, NULL, 0};
   elastin_body* body = NULL;
   elastin_simulation* simulation = NULL;
   double all[12] = {0};
@@ -404,7 +435,8 @@ static void preparing(void) {
   static const double sheet[12] = {0, 0, 0, 1e-2, 0, 0, 0, 1e-2, 0, 1e-2, 1e-2, 0};
   static const int triangles[6] = {0, 1, 2, 1, 3, 2};
   static double twin[3 * 36];
-  elastin_arrays given = {sizeof given, sheet, NULL, NULL, NULL, NULL, triangles, NULL, 4, 0, 2, 0, 1000, 1e-3};
+  elastin_arrays given = {sizeof given, sheet, NULL, NULL, NULL, NULL, triangles, NULL, 4, 0, 2, 0,
+                          1000,         1e-3,  NULL, 0};
   elastin_material material = {sizeof material, 5000, 0.4, 1e-3, 0, NULL, NULL};
   int number, at;
   for (number = 0; number < kTwinStrategies; ++number) {
@@ -590,6 +622,7 @@ int main(void) {
 #endif
   bodies();
   drawing();
+  rests();
   stepping();
   refusals();
   preparing();

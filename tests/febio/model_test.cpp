@@ -107,6 +107,31 @@ TEST_CASE("a cube of FEBio under a force has the closed form's displacements", "
   CHECK(norm_of({.loads = kPull}) == Approx(2 * elongation(0.1, 1)).epsilon(1e-9));
 }
 
+TEST_CASE("what grows or is prestrained in FEBio goes where it is free of stress, or pulls", "[febio][rest]") {
+  const std::string elastic = "<elastic type=\"neo-Hookean\"><density>1</density><E>1</E><v>0.3</v></elastic>",
+                    grows = "<interpolate>LINEAR</interpolate><points><pt>0,1</pt><pt>1,1.1</pt></points>";
+  const auto grown = [&](const std::string& growth) {
+    return norm_of(
+        {.curve = grows, .material = "type=\"kinematic growth\">" + elastic + "<growth " + growth + "</growth>"});
+  };
+  const std::string along = "<fiber type=\"vector\"><vector>0,0,1</vector></fiber>";
+  CHECK(grown("type=\"volume growth\"><multiplier lc=\"1\">1</multiplier>") == Approx(std::sqrt(0.12)).epsilon(1e-8));
+  CHECK(grown("type=\"fiber growth\"><multiplier lc=\"1\">1</multiplier>" + along) == Approx(0.2).epsilon(1e-8));
+  CHECK(grown("type=\"general growth\"><iso lc=\"1\">1</iso><ani>0.9</ani>" + along) ==
+        Approx(std::sqrt(0.08)).epsilon(1e-8));
+  const auto prestrained = [&](const std::string& prestrain, const std::string& law) {
+    return norm_of({.material = "type=\"prestrain elastic\">" + law + "<prestrain " + prestrain + "</prestrain>"});
+  };
+  const std::string third = "type=\"prestrain gradient\"><ramp lc=\"1\">1</ramp><F0>1,0,0,0,1,0,0,0,1.25</F0>";
+  CHECK(prestrained(third, elastic) == Approx(2 * 0.2).epsilon(1e-8));
+  // The closed form of a bar under nominal stress, for a bar that is already longer.
+  CHECK(norm_of({.loads = kPull,
+                 .material = "type=\"prestrain elastic\"><elastic type=\"neo-Hookean\"><E>1</E><v>0</v>"
+                             "</elastic><prestrain " +
+                             third + "</prestrain>"}) ==
+        Approx(2 * std::abs((1 + elongation(0.1, 1)) / 1.25 - 1)).epsilon(1e-8));
+}
+
 TEST_CASE("a tower of two materials: each cube as stiff as its own", "[febio]") {
   const double first = elongation(0.1, 1), second = elongation(0.1, 2.5);
   CHECK(norm_of({.youngs_moduli = {1, 2.5}, .loads = kPull}) ==

@@ -1,6 +1,7 @@
 """Bodies from arrays, from descriptions and files; materials; strategies of one's own; errors."""
 
 import os
+import pickle
 import tempfile
 import unittest
 
@@ -20,6 +21,26 @@ class Bodies(unittest.TestCase):
         self.assertEqual(body.connections.tolist(), PAIRS)
         self.assertEqual(body.masses.tolist(), [1, 2, 3, 4])
         self.assertEqual(body.rest_lengths.tolist(), [1e-2, numpy.hypot(1e-2, 1e-2), 1e-2, 1e-2])
+
+    def test_a_rest_of_its_own(self):
+        """A tetrahedron whose rest is larger than it lies becomes that large, from wherever it begins."""
+        growth = numpy.array([numpy.diag([1.1, 1.2, 1])])
+        body = elastin.Body(CORNERS, tetrahedra=[[0, 1, 2, 3]], density=1000, growth=growth)
+        tissue = elastin.Simulation(body, "neo_hookean", elastin.Material(1e3, 0.3))
+        for molecule, free in ((0, ""), (1, "x"), (2, "xy")):
+            tissue.fix(molecule, free)
+        tissue.positions = CORNERS * (1, 1, 0.9)
+        self.assertEqual(tissue.positions.tolist(), (CORNERS * (1, 1, 0.9)).tolist())
+        tissue.settle()
+        numpy.testing.assert_allclose(tissue.positions, CORNERS * (1.1, 1.2, 1), atol=1e-9)
+        with self.assertRaisesRegex(elastin.InputError, "positions: 1 molecules for 4"):
+            tissue.positions = CORNERS[:1]
+        for wrong, words in ((growth[0], "has shape"), (numpy.concatenate([growth, growth]), "2 matrices; allowed: 1"),
+                             (-growth, "determinant"), ([["a"]], "growth")):
+            with self.assertRaisesRegex(elastin.InputError, words):
+                elastin.Body(CORNERS, tetrahedra=[[0, 1, 2, 3]], density=1000, growth=wrong)
+        with self.assertRaisesRegex(TypeError, "cannot be pickled"):
+            pickle.dumps(body)
 
     def test_numbered_along_a_curve(self):
         grid = numpy.stack(numpy.meshgrid(*3 * [numpy.arange(8.)], indexing="ij"), -1).reshape(-1, 3)

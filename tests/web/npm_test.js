@@ -69,6 +69,20 @@ function a_cell_law_from_arrays(elastin) {
   assert.strictEqual(tissue.time, time);
 }
 
+/** A tetrahedron whose rest is larger than it lies becomes that large, from wherever it begins. */
+function a_rest_of_its_own(elastin) {
+  const corners = [0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1].map(x => 0.01 * x), cells = {positions: corners, tetrahedra: [0, 1, 2, 3], density: 1000};
+  assert.throws(() => elastin.body({...cells, growth: [1, 0, 0]}), /growth must be 9 numbers each/);
+  const body = elastin.body({...cells, growth: [1.1, 0, 0, 0, 1.2, 0, 0, 0, 1]});
+  const tissue = body.simulate('neo_hookean', {youngs_modulus: 1e3});
+  tissue.fix(0), tissue.fix(1, 'x'), tissue.fix(2, ['x', 'y']);
+  tissue.positions = corners.map((x, i) => i === 11 ? 0.009 : x);
+  assert.strictEqual(tissue.positions[11], 0.009);
+  tissue.settle();
+  near(tissue.positions[3], 0.011, 1e-6), near(tissue.positions[7], 0.012, 1e-6), near(tissue.positions[11], 0.01, 1e-6);
+  assert.throws(() => { tissue.positions = [0, 0, 0]; }, /positions/);
+}
+
 function wrong_input(elastin) {
   const body = elastin.lattice([3, 3, 3], 0.1, {density: 1000});
   const says = (action, words) => assert.throws(action, problem => problem instanceof ElastinError && words.test(problem.message) || assert.fail(problem));
@@ -129,7 +143,7 @@ function types() {
   const elastin = await load();
   assert.match(elastin.version, /^\d+\.\d+/);
   assert(elastin.rows('steppers').some(row => row.name === 'newmark'));
-  for (const check of [weight_on_a_spring, modulus_of_a_lattice, a_surface_that_is_drawn, a_cell_law_from_arrays, wrong_input, poissons_ratio, warnings, types]) check(elastin);
+  for (const check of [weight_on_a_spring, modulus_of_a_lattice, a_surface_that_is_drawn, a_cell_law_from_arrays, a_rest_of_its_own, wrong_input, poissons_ratio, warnings, types]) check(elastin);
   const same = await import('file://' + path.join(folder, 'node.mjs'));
   assert.strictEqual(same.load, load);
 })().catch(problem => {

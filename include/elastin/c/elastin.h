@@ -77,6 +77,10 @@ typedef struct elastin_arrays {
   size_t molecule_count, connection_count, triangle_count, tetrahedron_count;
   double density;   /* [kg/m^3] > 0 where masses is null */
   double thickness; /* [m] > 0 of triangles where masses is null */
+  /* Where each cell is unstressed: F_g, nine numbers row by row a tetrahedron (of sheets: a triangle), growth_count
+   * cells; null: as it lies at rest. All of it acts from the start. */
+  const double* growth;
+  size_t growth_count;
 } elastin_arrays;
 ELASTIN_API elastin_status elastin_body_from_arrays(const elastin_arrays* arrays, elastin_body** body);
 
@@ -261,6 +265,9 @@ ELASTIN_API elastin_status elastin_time(const elastin_simulation* simulation, do
 
 /* Views: one address as long as the simulation lives and its topology stays; `count` numbers, may be null. */
 ELASTIN_API elastin_status elastin_positions(const elastin_simulation*, const double** values, size_t* count); /* [m] */
+/* Puts the molecules there [m], 3 * molecules numbers, between steps: a body may begin elsewhere than at rest.
+ * Velocities stay, and supports where they are. */
+ELASTIN_API elastin_status elastin_set_positions(elastin_simulation*, const double* positions, size_t count);
 ELASTIN_API elastin_status elastin_velocities(const elastin_simulation*, const double** values,
                                               size_t* count); /* [m/s] */
 /* All forces on each molecule [N]; of each connection [N], pulling is positive. */

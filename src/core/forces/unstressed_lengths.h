@@ -19,8 +19,10 @@ class UnstressedLengths {
     for (std::size_t c = 0; c < own_.size(); ++c) {
       const auto& [a, b] = body_->connections.ends[c];
       const Vector3 first = body_->rest.col(a), second = body_->rest.col(b), middle = (first + second) / 2;
-      if (first != second)
-        own_[c] *= (body_->unstressed->at(middle, middle, part) * (second - first)).norm() / (second - first).norm();
+      if (first == second) continue;
+      own_[c] *= body_->unstressed->length ? 1 + part * (body_->unstressed->length(first, second) - 1)
+                                           : (body_->unstressed->at(middle, middle, part) * (second - first)).norm() /
+                                                 (second - first).norm();
     }
   }
   const double* data() const { return own_.empty() ? body_->connections.rest_length.data() : own_.data(); }

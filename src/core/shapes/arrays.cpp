@@ -9,6 +9,7 @@
 #include "core/geometry/hull_volume.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/base/text.h"
+#include "elastin/core/model/rest.h"
 #include "elastin/core/model/share.h"
 #include "elastin/core/shapes/shapes.h"
 #include "elastin/core/shapes/surfaces.h"
@@ -100,6 +101,30 @@ void set_connections(const BodyArrays& arrays, Body& body) {
                      ": has no length: its molecules lie at one position");
 }
 
+void set_growth(const BodyArrays& arrays, Body& body) {
+  if (arrays.growth.empty()) return;
+  std::vector<RestPoint> points;
+  const auto add = [&](const auto& members) {
+    Vector3 middle = Vector3::Zero();
+    for (const int molecule : members) middle += body.rest.col(molecule) / static_cast<double>(members.size());
+    if (points.size() < arrays.growth.size()) points.push_back({middle, middle, arrays.growth[points.size()]});
+    return 1;
+  };
+  std::size_t cells = 0;
+  for (const CellBlock& block : body.blocks)
+    for (int cell = 0; cell < block.size(); ++cell) cells += add(block.cell(cell));
+  if (body.blocks.empty())
+    for (const auto& cell : body.tetrahedra) cells += add(cell);
+  if (cells == 0)
+    for (const auto& cell : body.triangles) cells += add(cell);
+  if (cells != arrays.growth.size())
+    throw InputError("growth: has " + std::to_string(arrays.growth.size()) +
+                     " matrices; allowed: " + std::to_string(cells) + ", one a cell");
+  Rest rest = rest_at(std::move(points));
+  rest.part = [](double) { return 1; };
+  body.unstressed = std::make_shared<const Rest>(std::move(rest));
+}
+
 }  // namespace
 
 Body make_body(const BodyArrays& arrays) {
@@ -124,6 +149,7 @@ Body make_body(const BodyArrays& arrays) {
   if (arrays.radii.size()) body.radius = arrays.radii;
   check_array("masses", body.mass, static_cast<std::size_t>(molecules), "molecule",
               "kg (from density, thickness and the cells that the molecule belongs to)");
+  set_growth(arrays, body);
   return body;
 }
 

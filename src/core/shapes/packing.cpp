@@ -109,6 +109,10 @@ void rotate(Body& body, const Matrix3& rotation) {
   turned.metric = [R = rotation, own = body.unstressed](const Vector3& place, const Vector3& middle) -> Matrix3 {
     return R * own->metric(R.transpose() * place, R.transpose() * middle) * R.transpose();
   };
+  if (turned.length)
+    turned.length = [R = rotation, own = body.unstressed](const Vector3& first, const Vector3& second) {
+      return own->length(R.transpose() * first, R.transpose() * second);
+    };
   body.unstressed = std::make_shared<const Rest>(std::move(turned));
 }
 

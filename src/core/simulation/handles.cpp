@@ -130,6 +130,16 @@ SimulationState Simulation::save() const {
   return saved;
 }
 
+void Simulation::set_positions(const Positions& positions) {
+  SimulationState moved = save();
+  if (positions.cols() != moved.state.positions.cols() || !positions.allFinite())
+    throw InputError("positions: " + std::to_string(positions.cols()) + " molecules for " +
+                     std::to_string(moved.state.positions.cols()) + ", or numbers that are not finite");
+  moved.state.positions = positions;
+  moved.seen = {};
+  restore(moved);
+}
+
 void Simulation::Impl::restore(const SimulationState& saved) {
   Impl& in = *this;
   check_state(saved.state, in.body.size(), in.model.history(), "the saved state");

@@ -3,14 +3,16 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "core/solve/mixing.h"
+#include "core/solve/rest_samples.h"
 #include "elastin/core/base/text.h"
 
 namespace elastin {
 namespace {
 
-constexpr int kMostUnloadings = 100, kMixed = 10;
+constexpr int kMostUnloadings = 200, kMixed = 20;
 /// Of the body's size: how far from its given shape the loads may bring it.
 constexpr double kNear = 1e-10;
 /// A step that leads further away than this many times as far, to no equilibrium or to a flat cell is halved.
@@ -26,6 +28,56 @@ Positions first_motion(Model& model, const State& given, const StaticOptions& op
 }
 
 }  // namespace
+
+KeptShape keep_in_place(const Body& given, const std::function<std::shared_ptr<Model>(const Body&)>& make,
+                        const StaticOptions& options, const std::function<void(int, double)>& say) {
+  KeptShape kept{given, {}, {}, 0, 0, 0};
+  const double size = (given.rest.rowwise().maxCoeff() - given.rest.rowwise().minCoeff()).norm();
+  const SampledRest first = sampled_rest(given, given.rest, 1);
+  const auto set_rest = [&](SampledRest rest) {
+    kept.body.unstressed = std::make_shared<const Rest>(rest_of(given, std::move(rest)));
+  };
+  set_rest(first);
+  for (double last = std::numeric_limits<double>::infinity(); kept.steps < kMostUnloadings; ++kept.steps) {
+    const std::shared_ptr<Model> model = make(kept.body);
+    State state = state_at_rest(given);
+    const StaticResult solved = solve_static(*model, state, options);
+    kept.error = (state.positions - given.rest).colwise().norm().maxCoeff();
+    if (solved.outcome != Outcome::converged) {
+      kept.outcome = solved.outcome, kept.cause = solved.cause;
+      return kept;
+    }
+    if (say) say(kept.steps + 1, kept.error);
+    if (kept.error <= kNear * size) break;
+    if (kept.error > kMostGrowth * last) {
+      kept.outcome = Outcome::diverged;
+      kept.cause = "the shape moves further with each change of the rest: it buckles, or the prestrain is too large";
+      return kept;
+    }
+    if (const auto cells = flat_or_inverted_cells(given, state.positions);
+        !cells.empty()) {  // springs do not guard them
+      kept.outcome = Outcome::inverted;
+      kept.cause = flat_or_inverted_text(cells, solid_cells(given)) + " where the prestrain leads";
+      return kept;
+    }
+    last = kept.error;
+    set_rest(sampled_rest(kept.body, state.positions, 1));
+  }
+  if (kept.steps == kMostUnloadings) {
+    kept.outcome = Outcome::limit_reached;
+    kept.cause = "not found within " + std::to_string(kMostUnloadings) + " steps: the shape still moves by " +
+                 number(kept.error, 2) + " m";
+  }
+  const SampledRest found = sampled_rest(kept.body, given.rest, 1);
+  double common = 0, all = 0;
+  for (std::size_t c = 0; c < found.factors.size(); ++c) {
+    const double length = given.connections.rest_length[c], before = 1 / first.factors[c] - 1,
+                 now = 1 / found.factors[c] - 1;
+    common += length * now * before, all += length * before * before;
+  }
+  kept.remaining = all > 0 ? common / all : 1;
+  return kept;
+}
 
 Body with_rest_shape(Body body, const Positions& rest) {
   for (int c = 0; c < body.connections.size(); ++c) {

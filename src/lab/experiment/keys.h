@@ -17,6 +17,14 @@
 
 namespace elastin::lab {
 
+/// {axis: z, through: [0, 0, 0]}; @param what is along radius, circumference and axis, "those of fibres are"
+inline Keys<RoundAxis> around_keys(const std::string& what) {
+  return {key::direction("axis", &RoundAxis::direction,
+                         "axis around which directions turn: " + what + " along radius, circumference and axis")
+              .needed(),
+          key::vector("through", &RoundAxis::point, dimension::length, "a point of the axis")};
+}
+
 /// The row of an experiment whose keys are read into a Setup. `make` is called with a setup that the keys allow; what
 /// it throws gets the place of the map. A member `context` of the setup is set before anything is read.
 template <class Setup, class Make>

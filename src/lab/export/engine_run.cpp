@@ -17,6 +17,7 @@
 #include "lab/export/formats.h"
 #include "lab/export/process.h"
 #include "lab/report/page.h"
+#include "lab/run/load_path.h"
 
 namespace elastin::lab {
 namespace {
@@ -344,7 +345,7 @@ void step_to_rest(const std::shared_ptr<const Stepper>& stepper, const Scene& sc
   }
   const auto integrator = make_integrator({Scheme(stepper), values, scene.statics});
   StaticRig& rig = *held->rig->at_rest();
-  rig.set_load(1);
+  set_load(model, rig, 1);
   State state = state_at_rest(model.body());
   const Start start{state.positions, Positions::Zero(3, static_cast<Eigen::Index>(model.supports.size()))};
   for (const Support& support : model.supports)
@@ -391,6 +392,8 @@ void step_to_rest(const std::shared_ptr<const Stepper>& stepper, const Scene& sc
 
 void solve_in(const Engine& engine, const Scene& scene, const std::function<bool()>& stop, Run& run) {
   if (!scene.experiment->at_rest()) throw InputError("engines run experiments at rest");
+  if (scene.specimen.given != GivenShape::at_rest)
+    throw InputError("the rest is to be found first: `elastin run --out` writes an unloaded shape as a mesh");
   if (!scene.specimen.loads.empty())
     throw InputError("loads in addition to the experiment's are not measured separately");
   if (engine.stepper) {
@@ -498,7 +501,7 @@ void measure_other(const Scene& scene, double load, const OtherSolution& solutio
   const auto rig = scene.experiment->at_rest()->static_rig(model);
   State state = state_at_rest(specimen.body);
   const Start start{state.positions, Positions::Zero(3, static_cast<Eigen::Index>(model.supports.size()))};
-  rig->set_load(load);
+  set_load(model, *rig, load);
   state.positions += solution.displacements;
   StaticResult solved;
   solved.linear = scene.statics.linear;

@@ -72,13 +72,15 @@ Files csv_files(const ExportedBody& body) {
   connections("a,b,rest_length_m,stiffness_N_per_m,compliance_m_per_N\n");
   for (const auto& [a, b, length, stiffness] : body.connections)
     connections("{},{},{},{},{}\n", a, b, length, stiffness, 1 / stiffness);
-  molecules("x_m,y_m,z_m,mass_kg,radius_m,fixed\n");
+  const bool starts = body.start.size() > 0;
+  molecules("x_m,y_m,z_m,mass_kg,radius_m,fixed{}\n", starts ? ",start_x_m,start_y_m,start_z_m" : "");
   const auto held = held_axes(body);
   for (const int i : numbers(body)) {
     molecules("{},{},{},{},{},", body.positions(0, i), body.positions(1, i), body.positions(2, i), body.masses[i],
               body.radii[i]);
     for (int axis = 0; axis < 3; ++axis)
       if (held(axis, i)) molecules("{}", "xyz"[axis]);
+    if (starts) molecules(",{},{},{}", body.start(0, i), body.start(1, i), body.start(2, i));
     molecules("\n");
   }
   return {{"connections.csv", std::move(connections)}, {"molecules.csv", std::move(molecules)}};
@@ -403,6 +405,11 @@ std::string json_of_body(const ExportedBody& body) {
       quoted(body.name), quoted(body.title), quoted(body.strategy));
   text.list(numbers(body), ",\n",
             [&](int i) { text("[{}, {}, {}]", body.positions(0, i), body.positions(1, i), body.positions(2, i)); });
+  if (body.start.size() > 0) {
+    text("],\n\"start\": [\n");
+    text.list(numbers(body), ",\n",
+              [&](int i) { text("[{}, {}, {}]", body.start(0, i), body.start(1, i), body.start(2, i)); });
+  }
   text("],\n\"masses\": [{}],\n\"radii\": [{}],\n\"connections\": [\n", fmt::join(body.masses, ", "),
        fmt::join(body.radii, ", "));
   text.list(body.connections, ",\n", [&](const auto& one) {

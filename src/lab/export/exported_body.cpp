@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "core/forces/unstressed_lengths.h"
 #include "elastin/core/base/text.h"
 #include "elastin/core/shapes/orders.h"
 #include "lab/export/problem.h"
@@ -61,13 +62,15 @@ void set_cells(const Specimen& specimen, ExportedBody& result) {
 }
 
 void set_connections(const Body& body, const VectorX& constants, ExportedBody& result) {
+  UnstressedLengths lengths(body);
+  if (body.unstressed) lengths.set(body.unstressed->part ? body.unstressed->part(1) : 1);
   int without = 0;
   for (int i = 0; i < std::min<int>(body.connections.proper(), static_cast<int>(constants.size())); ++i)
     if (constants[i] == 0)
       ++without;
     else
       result.connections.push_back(
-          {body.connections.ends[i][0], body.connections.ends[i][1], body.connections.rest_length[i], constants[i]});
+          {body.connections.ends[i][0], body.connections.ends[i][1], lengths[i], constants[i]});
   if (without > 0) result.notes.push_back(counted(without, "connection") + " without stiffness left out");
 }
 
@@ -130,7 +133,16 @@ ExportedBody exported_body(const Scene& scene, const StrategyChoice& choice) {
   Run run;
   RunOptions options;
   options.statics = scene.statics;
-  run.cause = is_stressed(specimen) ? "`rest` is not exported" : unsuited(specimen, *scene.experiment, choice);
+  State start = state_at_rest(specimen.body);
+  if (specimen.start) specimen.start(start);
+  run.cause = unsuited(specimen, *scene.experiment, choice);
+  if (run.cause.empty() && specimen.given != GivenShape::at_rest) {
+    const Run own = run_strategy(specimen, *scene.experiment, choice, options);
+    run.cause = own.cause;
+    if (own.found) specimen.body = *own.found, specimen.given = GivenShape::at_rest;
+  }
+  if (run.cause.empty() && specimen.body.unstressed && choice.strategy.kind == StrategyKind::cell_law)
+    run.cause = "`rest` of cells is not exported; that of springs is, as rest lengths: choose a spring rule";
   if (!run.cause.empty() || !make_elasticity(specimen, *scene.experiment, choice, options, run))
     throw InputError(SourceLocation{scene.source.path()}, "'" + choice.label + "': " + run.cause);
   if (choice.strategy.constants_at)
@@ -140,12 +152,13 @@ ExportedBody exported_body(const Scene& scene, const StrategyChoice& choice) {
   result.title = scene.title;
   result.strategy = choice.label;
   result.positions = specimen.body.rest;
+  if (start.positions != specimen.body.rest) result.start = start.positions;
   result.masses = specimen.body.mass;
   result.radii = specimen.body.radius;
   result.thickness = specimen.material.thickness;
   result.notes = run.warnings;
   set_connections(specimen.body, run.constants, result);
-  set_cells(scene.specimen, result);
+  set_cells(specimen, result);
   set_test(scene, result);
   add_notes(scene, choice, run, result);
   return result;

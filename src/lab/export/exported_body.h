@@ -20,6 +20,7 @@ struct ExportedBody {
   };
   std::string name, title, strategy;
   Positions positions;    ///< at rest [m]
+  Positions start;        ///< where the body begins [m]; empty: at rest
   VectorX masses, radii;  ///< [kg], [m]
   /// Those with a constant; none where the strategy is a law of cells.
   std::vector<Connection> connections;

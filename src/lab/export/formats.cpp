@@ -35,12 +35,7 @@ std::string gmsh_text_of(const Scene& scene, std::vector<std::string>& notes) {
 
 std::string vtu_text_of(const Scene& scene, std::vector<std::string>& notes) {
   notes.emplace_back("the body at rest alone; `elastin run --out` writes its states");
-  const Body& body = scene.specimen.body;
-  Snapshot rest;
-  rest.positions = body.rest;
-  rest.force_densities = VectorX::Zero(body.connections.size());
-  rest.block_states.resize(cells_in_blocks(body));
-  return vtu_text(body, rest, {});
+  return shape_vtu_text(scene.specimen.body, scene.specimen.body.rest);
 }
 
 }  // namespace

@@ -122,8 +122,8 @@ Parcel make_parcel(const Scene& scene, const Catalog& catalog) {
     throw InputError(scene.source.path() + ": the body has " + std::to_string(specimen.body.connections.size()) +
                      " connections; a page takes at most " + std::to_string(kMostLiveConnections) +
                      ": make it coarser, with --set for example");
-  if (is_stressed(specimen))
-    throw InputError(scene.source.path() + ": a page cannot take `rest`; `elastin run --out` shows the body");
+  if (specimen.given != GivenShape::at_rest)
+    throw InputError(scene.source.path() + ": a page cannot find a rest; `elastin run --out` shows the body");
   std::vector<Material> materials = specimen.materials;
   materials.push_back(specimen.material);
   for (const Material& material : materials)
@@ -132,6 +132,9 @@ Parcel make_parcel(const Scene& scene, const Catalog& catalog) {
                        ", which a page cannot take; `elastin run --out` shows the body");
   Parcel parcel;
   parcel.body = specimen.body;
+  if (const Rest* rest = specimen.body.unstressed.get())
+    parcel.rest =
+        sampled_rest(specimen.body, specimen.body.rest, rest->part && scene.experiment->at_rest() ? rest->part(1) : 1);
   parcel.material = specimen.material;
   parcel.materials = specimen.materials;
   parcel.linear = scene.statics.linear;

@@ -4,6 +4,7 @@
 
 #include "core/forces/visit_support.h"
 #include "core/model/visit_body.h"
+#include "core/solve/rest_samples.h"
 #include "elastin/core/forces/load_table.h"
 #include "elastin/core/forces/model.h"
 #include "elastin/core/model/material.h"
@@ -29,6 +30,7 @@ struct Parcel {
   std::vector<NamedLoad> loads;   ///< of the scene, rows of the core's table
   std::vector<Support> supports;  ///< of the experiment, with its load taken off
   Positions positions;            ///< where the body begins [m]
+  SampledRest rest;               ///< of the body, under the whole load; without points where it has none
   Positions own_load;             ///< of the experiment [N], 3 × n; empty where it has none
   double own_load_share = 0;      ///< of it that acts as the body begins; the page's own, not among the bytes
   TensionSetup tension;           ///< the test
@@ -46,8 +48,8 @@ inline auto members(TensionSetup& setup) {
                   setup.grip_depth, setup.gauge, setup.fixed, setup.loaded, setup.load_steps);
 }
 inline auto members(Parcel& parcel) {
-  return std::tie(parcel.body, parcel.material, parcel.materials, parcel.strategies, parcel.loads, parcel.supports,
-                  parcel.positions, parcel.own_load, parcel.tension, parcel.linear, parcel.tolerance);
+  return std::tie(parcel.body, parcel.rest, parcel.material, parcel.materials, parcel.strategies, parcel.loads,
+                  parcel.supports, parcel.positions, parcel.own_load, parcel.tension, parcel.linear, parcel.tolerance);
 }
 
 }  // namespace elastin::lab

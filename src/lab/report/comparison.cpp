@@ -214,7 +214,7 @@ std::string directions_text(const Ranking& ranking) {
     if (const std::string of_tied = record->directions ? direction_text(*record->directions) : said; of_tied != said)
       text += "; of " + record->run.strategy + ": " + of_tied;
   const double strain = std::abs(best.run.measures.get(best.measure(MeasureRole::strain)));
-  if (std::isfinite(strain)) text += "; nothing was run beyond a strain of " + percent(strain).substr(1);
+  if (strain > 0) text += "; nothing was run beyond a strain of " + percent(strain).substr(1);
   return text;
 }
 

@@ -15,7 +15,7 @@
 #include "core/base/named.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/model/share.h"
-#include "lab/format/cell_stress.h"
+#include "lab/run/cell_stress.h"
 #include "lab/format/vtu.h"
 
 namespace elastin::lab {
@@ -353,6 +353,14 @@ std::string piece_file(const std::string& name, int number, int process) {
 
 }  // namespace
 
+std::string shape_vtu_text(const Body& body, const Positions& positions) {
+  Snapshot shape;
+  shape.positions = positions;
+  shape.force_densities = VectorX::Zero(body.connections.size());
+  shape.block_states.resize(cells_in_blocks(body));
+  return vtu_text(body, shape, {});
+}
+
 std::string vtu_text(const Body& body, const Snapshot& shot, const VectorX& constants) {
   std::string out;
   put_vtu(body, shot, file_states(body, shot), constants, out, nullptr);
@@ -430,6 +438,8 @@ void write_states(const std::string& folder, const std::string& name, const Body
       write(shot.at, file_of(parts[part], number), obstacles_vtu_text(obstacles, shot.obstacles, low, high));
   }
   write_whole(folder + "/" + name + ".pvd", collection + "</Collection>\n</VTKFile>\n");
+  if (run.found && run.found->rest != body.rest)
+    write_whole(folder + "/" + name + "-unloaded.vtu", shape_vtu_text(body, run.found->rest));
 }
 
 }  // namespace elastin::lab

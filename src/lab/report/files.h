@@ -22,13 +22,16 @@ std::string curve_csv_text(const Record& record);
 /// Green–Lagrange strain, stress [Pa] and its von Mises size; of triangles the membrane stress [N/m]; see cell_states).
 /// What belongs to the others is 0.
 std::string vtu_text(const Body& body, const Snapshot& shot, const VectorX& constants);
+/// The body in a shape alone, at these positions [m].
+std::string shape_vtu_text(const Body& body, const Positions& positions);
 
 /// Of a body of which several processes have shares, called by all: each writes what it computes of each state as
 /// NAME-000.p1.vtu, the first also NAME-000.pvtu, which names these, and the collection NAME.pvd.
 void write_pieces(const std::string& folder, const std::string& name, const Body& share, const Run& run);
 
 /// Writes NAME.pvd and one NAME-STEP.vtu a load step into a folder, for ParaView; of a body with cells
-/// that is at rest or has contact NAME-surface-STEP.vtu next to each, and NAME-obstacles-STEP.vtu where there are any.
+/// that is at rest or has contact NAME-surface-STEP.vtu next to each, and NAME-obstacles-STEP.vtu where there are any;
+/// NAME-unloaded.vtu of a run that found one.
 void write_states(const std::string& folder, const std::string& name, const Body& body, const Run& run,
                   const std::vector<contact::Obstacle>& obstacles = {});
 

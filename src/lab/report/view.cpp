@@ -9,7 +9,7 @@
 
 #include "contact/search.h"
 #include "elastin/core/geometry/cell_kind.h"
-#include "lab/format/cell_stress.h"
+#include "lab/run/cell_stress.h"
 #include "lab/format/vtu.h"
 #include "lab/report/comparison.h"
 

@@ -32,6 +32,10 @@ const MeasureList& measures_at_rest() {
       {"unloading_error", length,
        "how far from the given shape the loads bring a molecule of the unloaded one at most"},
       {"unloading_steps", none, "linear solves in which the unloaded shape was found"},
+      {"prestrain_error", length, "how far the shape that is kept in place still moves at most"},
+      {"prestrain_remaining", none,
+       "part of the given prestrain that remains, in the mean over the connections: what nothing bears is lost"},
+      {"prestrain_steps", none, "equilibria in which the rest that keeps the shape in place was found"},
       {"solution_norm", length, "root of the sum of squares of all free displacements"},
       {"reaction_balance", none, "| loads + reactions | / | F |: 0 for a body in balance", Role::detail}};
   return list;

@@ -58,13 +58,20 @@ struct SpecimenLoad {
   std::optional<std::pair<std::string, LoadValues>> row = {};
 };
 
+/// What the shape is in which a body is described.
+enum class GivenShape {
+  at_rest,
+  loaded,   ///< under its loads: each run finds the unloaded one first
+  in_place  ///< in equilibrium by its prestrain, Body::unstressed: each run finds the rest that keeps it there first
+};
+
 /// What does not change from strategy to strategy.
 struct Specimen {
   Body body;
   Material material;  ///< what experiments compare with
   std::vector<SpecimenLoad> loads;
   std::function<void(State&)> start = {};  ///< changes the state in which a run begins; may be empty
-  bool loaded = false;  ///< the body's shape is the one that it has under loads: each run finds its unloaded one first
+  GivenShape given = GivenShape::at_rest;
   std::vector<Material> materials = {};                 ///< of the body's parts, by Part::material; empty without parts
   std::optional<contact::ContactOptions> contact = {};  ///< none: no contact object is built
   std::shared_ptr<const StrategyChoice> law = {};  ///< that the material states by constants or a curve; null: none
@@ -128,6 +135,7 @@ struct Run {
   bool suited = true;                  ///< false: the strategy cannot run on this body; cause says why
   std::optional<TimeReport> time;      ///< of a run in time
   std::optional<EngineReport> engine;  ///< of a run by another program, which `strategy` names too
+  std::shared_ptr<const Body> found;   ///< with the rest that was found; null where none was to be found
   Measures law;                        ///< what the law itself shows in this test, see measure_law; may be empty
   double law_strain = 0;               ///< at which it does
   std::optional<contact::ContactReport> contact;  ///< of the last state, where there is contact

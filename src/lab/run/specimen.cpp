@@ -234,6 +234,11 @@ std::unique_ptr<Rig> add_surroundings(Model& model, const Specimen& specimen, co
 
 std::optional<HeldModel> make_model(const Specimen& specimen, const Experiment& experiment,
                                     const StrategyChoice& choice, const RunOptions& options, Run& run) {
+  if (specimen.given != GivenShape::at_rest) {
+    run.cause = "its `rest` is to be found first, which `run` and `compare` do";
+    run.suited = false;
+    return std::nullopt;
+  }
   auto elasticity = make_elasticity(specimen, experiment, choice, options, run);
   if (!elasticity) return std::nullopt;
   HeldModel held{std::make_unique<Model>(specimen.body), nullptr};
@@ -253,6 +258,8 @@ namespace {
 
 /// Of the body's size: how far from its given shape the loads may bring the unloaded one.
 constexpr double kUnloadingError = 1e-6;
+/// Of the prestrain: a run that keeps less warns.
+constexpr double kMostLost = 0.5;
 
 /// A model of a specimen with another rest shape.
 struct Reshaped {
@@ -260,33 +267,52 @@ struct Reshaped {
   std::optional<HeldModel> held;
 };
 
-/// The run of a specimen whose shape is the one under loads, on its unloaded shape.
-Run run_unloaded(const Specimen& specimen, const StaticExperiment& experiment, const StrategyChoice& choice,
-                 const RunOptions& options) {
+/// The run of a specimen whose rest is found first: the shape without loads, or the rest that keeps it in its shape.
+Run run_found(const Specimen& specimen, const StaticExperiment& experiment, const StrategyChoice& choice,
+              const RunOptions& options) {
   Run run;
   run.strategy = choice.label;
+  const bool in_place = specimen.given == GivenShape::in_place;
+  const std::string what = in_place ? "prestrain in place: " : "unloading: ";
   const Positions& wanted = specimen.body.rest;
   double factor = 0;  // of the experiment's load
   std::shared_ptr<Reshaped> last;
   const auto make = [&](const Body& body) -> std::shared_ptr<Model> {
     last = std::make_shared<Reshaped>(Reshaped{specimen, {}});
-    last->specimen.body = body, last->specimen.loaded = false;
+    last->specimen.body = body, last->specimen.given = GivenShape::at_rest;
     last->held = make_model(last->specimen, experiment, choice, options, run);
     if (!last->held) throw InputError(run.cause);
     set_load(*last->held->model, *last->held->rig->at_rest(), factor);
     return {last, last->held->model.get()};
   };
   const auto fail = [&](Outcome outcome, const std::string& cause) {
-    run.outcome = outcome, run.cause = "unloading: " + cause;
+    run.outcome = outcome, run.cause = what + cause;
     return run;
   };
-  if (make(specimen.body)->load_forces(state_at_rest(specimen.body)).isZero(0)) factor = 1;
-  if (factor == 1 && make(specimen.body)->load_forces(state_at_rest(specimen.body)).isZero(0))
-    return fail(Outcome::diverged, "no load acts on the given shape");
-  const UnloadedShape found = find_unloaded(specimen.body, make, options.statics, [&](int step, double error) {
-    if (options.progress)
-      options.progress("unloading: step " + std::to_string(step) + ", " + number(error, 2) + " m off");
-  });
+  const auto say = [&](int step, double error) {
+    if (options.progress) options.progress(what + "step " + std::to_string(step) + ", " + number(error, 2) + " m off");
+  };
+  const auto loaded = [&] { return !make(specimen.body)->load_forces(state_at_rest(specimen.body)).isZero(0); };
+  if (!loaded()) {
+    factor = 1;
+    if (!loaded()) factor = 0;
+    if (factor == 0 && !in_place) return fail(Outcome::diverged, "no load acts on the given shape");
+  }
+  if (in_place) {
+    const KeptShape kept = keep_in_place(specimen.body, make, options.statics, say);
+    if (kept.outcome != Outcome::converged) return fail(kept.outcome, kept.cause);
+    make(kept.body);
+    run = run_strategy(last->specimen, experiment, choice, options);
+    run.found = std::make_shared<const Body>(kept.body);
+    run.measures.set("prestrain_error", kept.error);
+    run.measures.set("prestrain_remaining", kept.remaining);
+    run.measures.set("prestrain_steps", kept.steps + 1);
+    if (kept.remaining < kMostLost)
+      run.warnings.push_back("in the given shape " + number(100 * kept.remaining, 2) +
+                             " % of the prestrain remain: no support and no load bears the rest of it");
+    return run;
+  }
+  const UnloadedShape found = find_unloaded(specimen.body, make, options.statics, say);
   if (found.outcome != Outcome::converged) return fail(found.outcome, found.cause);
   Model& model = *make(with_rest_shape(specimen.body, found.rest));
   State state = state_at_rest(model.body());
@@ -312,6 +338,7 @@ Run run_unloaded(const Specimen& specimen, const StaticExperiment& experiment, c
       if (start) start(own);
     };
   run = run_strategy(unloaded, experiment, choice, options);
+  run.found = std::make_shared<const Body>(unloaded.body);
   run.measures.set("unloaded_displacement", (wanted - found.rest).colwise().norm().maxCoeff());
   run.measures.set("unloading_error", error);
   run.measures.set("unloading_steps", found.steps);
@@ -335,8 +362,8 @@ Run run_strategy(const Specimen& specimen, const Experiment& experiment, const S
     run.build_seconds += seconds;
     return run;
   }
-  if (specimen.loaded && experiment.at_rest() && unsuited(specimen, experiment, choice).empty())
-    return run_unloaded(specimen, *experiment.at_rest(), any, options);
+  if (specimen.given != GivenShape::at_rest && experiment.at_rest() && unsuited(specimen, experiment, choice).empty())
+    return run_found(specimen, *experiment.at_rest(), any, options);
   Run run;
   run.strategy = choice.label;
   run.order = choice.order;

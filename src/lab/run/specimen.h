@@ -50,7 +50,9 @@ StrategyChoice without_locking(const Catalog& catalog, StrategyChoice choice, co
 bool needs_cells(const Strategy& strategy, const Body& body);
 
 /// Whether the body is stressed in the shape that it is described in.
-inline bool is_stressed(const Specimen& specimen) { return specimen.body.unstressed || specimen.loaded; }
+inline bool is_stressed(const Specimen& specimen) {
+  return specimen.body.unstressed || specimen.given != GivenShape::at_rest;
+}
 
 /// Of the whole body, or of its parts.
 std::vector<Material> materials_of(const Specimen& specimen);

@@ -218,17 +218,6 @@ Keys<ActiveFibre> active_keys() {
                  })};
 }
 
-}  // namespace
-
-Keys<RoundAxis> around_keys(const std::string& what) {
-  return {key::direction("axis", &RoundAxis::direction,
-                         "axis around which directions turn: " + what + " along radius, circumference and axis")
-              .needed(),
-          key::vector("through", &RoundAxis::point, dimension::length, "a point of the axis")};
-}
-
-namespace {
-
 /// A law's term: a number, or a list of them.
 std::vector<double> read_term(const Reader& item, const std::vector<ParameterInfo>& columns) {
   if (columns.size() == 1) return {read_parameter(item, columns.front())};

@@ -213,8 +213,6 @@ void change_stiffness(Body& body, const Change& change) {
 /// connections, and at its molecules, and gives the material what differs beside that. The body is at rest where the
 /// scene's places mean it.
 void set_fields(const Reader& fields, const elastin::Table<MaterialLaw>& laws, Material& material, Body& body);
-/// {axis: z, through: [0, 0, 0]}; @param what is along radius, circumference and axis, "those of fibres are"
-Keys<RoundAxis> around_keys(const std::string& what);
 /// `rest`: makes the body unstressed as it says, whose places and fibres are those of the body before it is turned.
 void set_rest(const Reader& rest, Specimen& specimen);
 /// Throws InputError on what means nothing in this experiment.

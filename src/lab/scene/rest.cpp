@@ -18,7 +18,7 @@ struct RestSetup {
   bool along_fibres = false, unloaded = false;
   std::optional<Vector3> along;
   std::optional<RoundAxis> around;
-  std::optional<Reader> place, factor, regions, along_place;
+  std::optional<Reader> place, factor, regions, along_place, in_place;
 };
 
 /// A number, a formula of the place, or a map that names a file.
@@ -80,6 +80,17 @@ Keys<RestSetup> keys_of_rest_region() {
                              .needed()});
 }
 
+Key<RestSetup> rest_regions_key() {
+  return Key<RestSetup>(
+      "regions",
+      key::rows_below("regions", "list of maps",
+                      "picked cells with factors of their own in place of the body's; of several the last counts",
+                      keys_of_rest_region()),
+      [](const Reader& value, RestSetup& setup, const Frame&) { setup.regions = value; });
+}
+
+Keys<RestSetup> keys_of_prestrain() { return rest_keys_with({rest_regions_key()}); }
+
 Keys<RestSetup> keys_of_rest() {
   return rest_keys_with(
       {Key<RestSetup>(
@@ -89,18 +100,18 @@ Keys<RestSetup> keys_of_rest() {
            [](const Reader& value, RestSetup& setup, const Frame&) {
              setup.unloaded = value.choice<bool>({{"loads", true}});
            }),
+       Key<RestSetup>({"prestrain_in_place", "number, [formula](#formulas), or map of the keys above and `regions`", "",
+                       "> 0", "none",
+                       "in place of all other keys: the prestretch, along all directions or as the map says, that the "
+                       "body as described has. Each run first changes it so that the body keeps its shape, under loads "
+                       "as of `unloaded_from` or without any"},
+                      [](const Reader& value, RestSetup& setup, const Frame&) { setup.in_place = value; }),
        key::later({"factor", "number, list of pairs, or [time function](#functions-of-time)", "", "",
                    "the part of the load, and 1 in time",
                    "the part of it that acts: in time a function of it; at rest `[[0, 0], [0.5, 1]]`, straight between "
                    "parts of the load, or a number, which acts before the experiment's load"},
                   &RestSetup::factor),
-       Key<RestSetup>(
-           "regions",
-           key::rows_below("regions", "list of maps",
-                           "picked cells with factors of their own in place of the body's; of several the last "
-                           "counts",
-                           keys_of_rest_region()),
-           [](const Reader& value, RestSetup& setup, const Frame&) { setup.regions = value; })});
+       rest_regions_key()});
 }
 
 Matrix3 stretch_of(const RestSetup& setup, double factor, const Material& material, const Vector3& middle) {
@@ -130,7 +141,8 @@ Matrix3 rest_metric(const RestSetup& setup, const Material& material, const Vect
 void check_rest_setup(const RestSetup& setup, const Material& material) {
   if (!setup.swelling && !setup.growth && setup.growths.empty() && !setup.prestretch && !setup.expansion &&
       !setup.regions)
-    setup.place->fail("states nothing; give swelling, growth, prestretch, thermal, regions or unloaded_from");
+    setup.place->fail(
+        "states nothing; give swelling, growth, prestretch, thermal, regions, unloaded_from or prestrain_in_place");
   if (setup.along_fibres && !material.fibre) setup.along_place->fail("the material has no `fibre`");
   if (setup.along_place && !setup.growth && !setup.prestretch)
     setup.along_place->fail("is the direction of `growth` or `prestretch`; give one of them");
@@ -156,11 +168,16 @@ void set_rest(const Reader& reader, Specimen& specimen) {
   const Material& material = specimen.material;
   Body& body = specimen.body;
   const Frame frame{Matrix3::Identity(), &body};
-  const RestSetup setup = keys_of_rest().read(reader, frame);
-  specimen.loaded = setup.unloaded;
-  if (setup.unloaded && reader.keys().size() > 1)
-    reader.fail("`unloaded_from` stands alone: without its loads the body is free of stress");
+  RestSetup setup = keys_of_rest().read(reader, frame);
+  if ((setup.unloaded || setup.in_place) && reader.keys().size() > 1)
+    reader.fail(setup.unloaded ? "`unloaded_from` stands alone: without its loads the body is free of stress"
+                               : "`prestrain_in_place` stands alone: factors of lengths go below it");
+  specimen.given = setup.unloaded ? GivenShape::loaded : setup.in_place ? GivenShape::in_place : GivenShape::at_rest;
   if (setup.unloaded) return;
+  if (const std::optional<Reader> place = setup.in_place) {
+    setup = place->is_text() ? RestSetup() : keys_of_prestrain().read(*place, frame);
+    if (place->is_text()) setup.prestretch = rest_value(*place, kPositive), setup.place = *place;
+  }
   check_rest_setup(setup, material);
   std::shared_ptr<const Regions<RestSetup>> regions;
   if (setup.regions) {
@@ -191,8 +208,8 @@ void set_rest(const Reader& reader, Specimen& specimen) {
 
 void check_rest(const Reader& rest, bool timed) {
   Reader map = rest;
-  if (const auto unloaded = map.find("unloaded_from"); unloaded && timed)
-    unloaded->fail("goes with experiments at rest");
+  for (const char* key : {"unloaded_from", "prestrain_in_place"})
+    if (const auto found = map.find(key); found && timed) found->fail("goes with experiments at rest");
   const auto factor = map.find("factor");
   if (!factor || factor->is_text()) return;
   if (factor->is_map() && !timed)

@@ -7,6 +7,7 @@
 #include "lab/export/formats.h"
 #include "lab/report/records.h"
 #include "lab/run/contact_measures.h"
+#include "lab/run/load_path.h"
 #include "lab/scene/parts.h"
 #include "lab/study/reference.h"
 #include "lab/study/study.h"
@@ -81,8 +82,7 @@ void load_in_full(const Scene& scene, const std::shared_ptr<Rig>& rig, Model& mo
     const StaticResult started = timed->start(state, scene.statics);
     if (started.outcome != Outcome::converged) throw InputError(started.cause + " (before time 0)");
   } else {
-    if (contact::Contact* contact = contact_of(model)) contact->set_moment(1);
-    rig->at_rest()->set_load(1);
+    set_load(model, *rig->at_rest(), 1);
   }
   if (scene.specimen.start) scene.specimen.start(state);
   if (model.drive)
@@ -195,7 +195,8 @@ Simulation Laboratory::simulation(const std::string& strategy, SimulationOptions
   RunOptions of_run;
   of_run.statics = scene->statics;
   const Experiment& experiment = *scene->experiment;
-  const std::string why = unsuited(scene->specimen, experiment, choice);
+  const std::string why = scene->specimen.given == GivenShape::at_rest ? unsuited(scene->specimen, experiment, choice)
+                                                                       : "its `rest` is to be found first, by run()";
   if (!why.empty()) throw InputError("strategy '" + choice.label + "' cannot run here: " + why);
   const auto specimen = std::make_shared<Specimen>(scene->specimen);
   if (const auto wanted = identification_of(experiment);

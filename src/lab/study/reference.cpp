@@ -22,6 +22,7 @@
 #include "elastin/hull/delaunay.h"
 #include "lab/report/comparison.h"
 #include "lab/report/files.h"
+#include "lab/run/load_path.h"
 #include "lab/run/specimen.h"
 #include "lab/study/journal.h"
 
@@ -49,7 +50,7 @@ std::string unsuited(const Scene& scene) {
   if (identification_of(*scene.experiment)) return "the experiment is there to find the material";
   if (!body.parts.empty()) return "several bodies cannot be refined";
   if (!body.cables.empty()) return "a body with cables cannot be refined";
-  if (scene.specimen.loaded) return "each strategy finds an unloaded shape of its own";
+  if (scene.specimen.given != GivenShape::at_rest) return "each strategy finds a rest of its own";
   if (scene.bare_graph)
     return "a list of molecules and connections does not say what it fills (`cells: delaunay` in the body does)";
   if (body.tetrahedra.empty() && body.triangles.empty() && body.connection_stiffness.size())
@@ -164,10 +165,10 @@ bool solve_from(const Positions& guess, const Scene& scene, const StrategyChoice
   Model& model = *held->model;
   StaticRig& rig = *held->rig->at_rest();
   State state = state_at_rest(specimen.body);
-  rig.set_load(0);
+  set_load(model, rig, 0);
   if (!model.load_forces(state).isZero(0)) return false;
   const Start start{state.positions, Positions::Zero(3, static_cast<Eigen::Index>(model.supports.size()))};
-  rig.set_load(1);
+  set_load(model, rig, 1);
   state.positions = guess;
   apply_supports(model, state.positions);
   StaticOptions statics = options.statics;

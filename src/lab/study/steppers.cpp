@@ -1,3 +1,4 @@
+#include "lab/run/load_path.h"
 #include "lab/study/study.h"
 
 #include <fmt/format.h>
@@ -60,7 +61,7 @@ Held held_model(const Scene& scene, const StaticExperiment& fixture, const RunOp
   Model& model = *held.model.model;
   State state = state_at_rest(model.body());
   held.start = {state.positions, Positions::Zero(3, static_cast<Eigen::Index>(model.supports.size()))};
-  held.rig->set_load(0);
+  set_load(model, *held.rig, 0);
   if (model.load_forces(state).isZero(0)) return held;
   const StaticResult result = solve_static(model, state, options.statics);
   if (result.outcome != Outcome::converged) throw InputError("no equilibrium before the load: " + result.cause);
@@ -163,7 +164,7 @@ class StepperRuns {
   /// The loaded equilibrium, the period of its shape, and the damping that is critical for it.
   void find_equilibrium() {
     Model& model = this->model(*loaded_);
-    loaded_->rig->set_load(1);
+    set_load(model, *loaded_->rig, 1);
     equilibrium_ = state_at_rest(model.body());
     loaded_->rig->shape_start(equilibrium_.positions);
     const StaticResult solved = solve_static(model, equilibrium_, scene_.statics);

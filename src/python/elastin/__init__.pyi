@@ -29,12 +29,13 @@ class Body:
                  triangles: ArrayLike | None = None, tetrahedra: ArrayLike | None = None,
                  cells: Mapping[str, ArrayLike] = ..., rest_lengths: ArrayLike | None = None,
                  masses: ArrayLike | None = None, radii: ArrayLike | None = None, density: float = 1000.0,
-                 thickness: float = 0.0) -> None:
+                 thickness: float = 0.0, growth: ArrayLike | None = None) -> None:
         """positions (n, 3) [m]; connections (m, 2), numbers of molecules, by default the sides of the cells; triangles
         (k, 3); tetrahedra (k, 4); cells of other shapes by name, {'hexahedron8': (k, 8), …}, nodes as in VTK;
         rest_lengths (m,) [m], by default the distances; masses (n,) [kg], by default from density [kg/m^3], by
         default that of the material with which the body is used, and the cells (triangles: thickness [m]) or the
-        convex hull; radii (n,) [m], by default half the shortest connection. Arrays are copied."""
+        convex hull; radii (n,) [m], by default half the shortest connection; growth (n, 3, 3), where each cell is
+        unstressed, F_g, by default as it lies at rest: all of it acts from the start. Arrays are copied."""
     @property
     def positions(self) -> Floats:
         """Positions at rest [m], (n, 3)."""
@@ -271,7 +272,10 @@ class Simulation:
         """[s]"""
     @property
     def positions(self) -> Floats:
-        """[m], (n, 3): a view that changes with each step."""
+        """[m], (n, 3): a view that changes with each step. To be set between steps where the body is to be elsewhere:
+        velocities stay, and supports where they are."""
+    @positions.setter
+    def positions(self, positions: ArrayLike) -> None: ...
     @property
     def velocities(self) -> Floats:
         """[m/s], (n, 3): a view that changes with each step."""
@@ -944,10 +948,14 @@ class Sliding(Experiment):
 class Loads(Experiment):
     """The scene's own `loads` and `supports` grow together: displacements, reactions of named sets.
     read: sets that are measured: for the name `top`, `top_displacement` (the largest), `top_x` (the mean) and
-    `top_reaction_x` (the sum), and so along y and z (list of maps; default: none).
+    `top_reaction_x` (the sum), and so along y and z; with `around` `top_turn` [rad] and the stresses
+    `top_radius_stress`, `top_circumference_stress`, `top_axis_stress` (list of maps; default: none).
     read.name: letters, digits and _: the measures begin with it (text; default: needed).
     read.molecules: whose displacements and supports' forces are measured (list of molecules, or
     [pick](#picked-molecules); default: needed).
+    read.around.axis: axis around which directions turn: the mean stresses of the set's cells are along radius,
+    circumference and axis (direction; default: needed).
+    read.around.through [m]: a point of the axis (vector; default: 0).
     moved: molecules that are moved, in addition to `supports` (list of maps; default: none).
     moved.molecules: which molecules are moved (list of molecules, or [pick](#picked-molecules); default: needed).
     moved.displacement [m]: their displacement (vector; default: needed).

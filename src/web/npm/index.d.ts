@@ -28,6 +28,8 @@ export interface Arrays {
   density?: number;
   /** [m] > 0 of triangles where there are no masses. */
   thickness?: number;
+  /** F_g of each tetrahedron (of sheets: triangle), nine numbers row by row: where it is unstressed; without it as it lies at rest. */
+  growth?: Numbers;
 }
 
 export interface Material {
@@ -98,8 +100,9 @@ export class Simulation {
   readonly time: number;
   /** What makes its results doubtful, a sentence each: pieces, cells given twice, mechanisms. Looks at the whole body. */
   readonly warnings: string[];
-  /** [m] */
-  readonly positions: Float64Array;
+  /** [m]; to be set between steps where the body is to be elsewhere: velocities stay, and supports where they are. */
+  get positions(): Float64Array;
+  set positions(values: Numbers);
   /** [m/s] */
   readonly velocities: Float64Array;
   /** All forces on each molecule [N]. */

@@ -90,8 +90,8 @@ class Elastin {
 
   body(arrays) {
     checked(arrays, ['positions', 'masses', 'radii', 'connections', 'rest_lengths', 'triangles', 'tetrahedra', 'density',
-      'thickness'], 'a body');
-    const {positions, masses, radii, connections, rest_lengths, triangles, tetrahedra, density = 0, thickness = 0} = arrays;
+      'thickness', 'growth'], 'a body');
+    const {positions, masses, radii, connections, rest_lengths, triangles, tetrahedra, density = 0, thickness = 0, growth} = arrays;
     const count = (values, each, what) => {
       const length = values ? values.length : 0;
       if (length % each) throw new ElastinError(`${what} must be ${each} numbers each; there are ${length}`);
@@ -107,7 +107,7 @@ class Elastin {
       ['word', array(memory, connections, 'connections', true)], ['word', array(memory, rest_lengths, 'rest_lengths')],
       ['word', array(memory, triangles, 'triangles', true)], ['word', array(memory, tetrahedra, 'tetrahedra', true)],
       ['word', molecules], ['word', joined], ['word', count(triangles, 3, 'triangles')], ['word', count(tetrahedra, 4, 'tetrahedra')],
-      ['number', density], ['number', thickness]])]));
+      ['number', density], ['number', thickness], ['word', array(memory, growth, 'growth')], ['word', count(growth, 9, 'growth')]])]));
   }
 }
 
@@ -213,6 +213,7 @@ class Simulation extends ElastinSimulation {
   }
 
   get positions() { return this.view('positions'); }
+  set positions(values) { call(this.module, 'elastin_set_positions', memory => [this.handle, array(memory, values, 'positions'), values.length]); }
   get velocities() { return this.view('velocities'); }
   get forces() { return this.view('forces'); }
   get tensions() { return this.view('tensions'); }

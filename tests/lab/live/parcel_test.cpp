@@ -47,6 +47,22 @@ TEST_CASE("a page takes the load of a scene's experiment where it is the same wh
   CHECK(parcel_of("{kind: tension, axis: z, force: 1 mN}").own_load.cols() == 0);
 }
 
+TEST_CASE("a page gets the rest of a body as numbers, and finds none itself") {
+  const auto with = [](const std::string& rest) {
+    return "{kind: tension, axis: z, displacement: 0 mm}\nrest: " + rest;
+  };
+  const Parcel parcel = parcel_of(with("{swelling: 1.1, factor: 0.5}"));
+  REQUIRE(parcel.rest.points.size() == parcel.body.tetrahedra.size());
+  CHECK(parcel.rest.points.back().growth.isApprox(1.05 * Matrix3::Identity(), 1e-12));
+  CHECK(parcel.rest.factors.front() == Approx(1.05));
+  Body sent = parcel.body;
+  sent.unstressed = std::make_shared<const Rest>(rest_of(sent, parcel.rest));
+  Model model(sent);
+  model.add(built_in_catalog().find("neo_hookean").make(sent, parcel.material, {}));
+  CHECK(model.elastic_forces(1.05 * sent.rest).norm() < 1e-9 * model.elastic_forces(sent.rest).norm());
+  CHECK_THROWS_WITH(parcel_of(with("{prestrain_in_place: 1.1}")), Catch::Contains("cannot find a rest"));
+}
+
 TEST_CASE("a strategy with a label of its own goes into the page by its name") {
   const TemporaryFolder folder;
   const auto scene = load_scene(

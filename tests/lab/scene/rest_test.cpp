@@ -5,6 +5,8 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "lab/export/exported_body.h"
+#include "lab/report/files.h"
 #include "lab/run/specimen.h"
 #include "lab/scene/scene.h"
 #include "support/refusal.h"
@@ -121,8 +123,86 @@ TEST_CASE("the unloaded shape hangs to the given one", "[scene][rest]") {
   CHECK(springs.measures.get("elongation") == Approx(2e-2 * 1e-3 / (1e4 * 1e-4)).epsilon(0.05));
 }
 
+TEST_CASE("an unloaded shape that a run writes hangs to the given one, and a run begins in a state of another",
+          "[scene][rest]") {
+  TemporaryFolder folder;
+  const std::string pulled = "force: 10 mN";  // which takes no mass: that of the unloaded body is another
+  const auto solve = [&](const std::string& text) {
+    auto scene = load_scene(folder.write("scene.yaml", text), kCatalog);
+    prepare(scene->specimen, scene->stiffness.strategy);
+    const Run run = run_strategy(scene->specimen, *scene->experiment, scene->stiffness,
+                                 {.statics = scene->statics, .keep_snapshots = true, .time = scene->time});
+    INFO(text << run.cause);
+    REQUIRE(run.outcome == Outcome::converged);
+    return std::pair(std::move(scene), run);
+  };
+  const auto [given, first] = solve(bar("unloaded_from: loads", pulled));
+  write_states(folder.path(""), "block", given->specimen.body, first);
+  const std::string unloaded = "mesh: {file: block-unloaded.vtu, length_unit: m}";
+  const auto [other, second] = solve(bar("", pulled, unloaded));
+  const Positions &wanted = given->specimen.body.rest, &hung = second.snapshots.back().positions;
+  CHECK((wanted - other->specimen.body.rest).norm() > 1e-4);
+  CHECK((wanted - hung).norm() < 1e-7);  // the force is shared by the areas of each body's own end
+  write_states(folder.path(""), "hung", other->specimen.body, second);
+  const auto [again, third] =
+      solve("body: {" + unloaded +
+            "}\nmaterial: {youngs_modulus: 10 kPa, poissons_ratio: 0.25}\nstiffness: neo_hookean\n"
+            "initial: {positions: {file: hung-001.vtu, length_unit: m}}\nexperiment: {kind: motion}\n"
+            "time: {duration: 1 ms, frames: 1}\n");
+  CHECK((third.snapshots.front().positions - hung).norm() < 1e-15);
+}
+
+TEST_CASE("engines get the lengths of springs without stress, and where the body begins", "[scene][rest][export]") {
+  TemporaryFolder folder;
+  const auto exported = [&](const std::string& text) {
+    const auto scene = load_scene(folder.write("scene.yaml", text), kCatalog);
+    return exported_body(*scene, scene->stiffness);
+  };
+  for (const ExportedBody::Connection& one :
+       exported(bar("swelling: 1.1", "displacement: 0 mm", kLattice, "lattice")).connections) {
+    const double rest = one.rest_length / 2.5e-3;
+    CHECK((rest == Approx(1.1) || rest == Approx(1.1 * std::sqrt(2))));
+  }
+  const std::string weight = "loads: [{gravity: [0, 0, 9.81 m/s2]}]\n";
+  const ExportedBody hanging = exported(bar("unloaded_from: loads", "force: 1 mN", kLattice, "lattice") + weight);
+  CHECK(hanging.start.row(2).maxCoeff() == Approx(0.02));
+  CHECK(hanging.positions.row(2).maxCoeff() < 0.02 - 1e-5);
+  CHECK_THAT(refusal([&] { exported(bar("swelling: 1.1")); }), Contains("`rest` of cells is not exported"));
+}
+
+TEST_CASE("a shape is kept in place by what its supports bear of a prestrain", "[scene][rest]") {
+  // Along the bar a force is the same everywhere: of strains e(z) its mean remains. Across it is free.
+  for (const auto& [body, stiffness] : {std::pair(kTetrahedra, "neo_hookean"), std::pair(kHexahedra, "neo_hookean_log"),
+                                        std::pair(kLattice, "lattice")}) {
+    const Run run = run_of(
+        bar("prestrain_in_place: {prestretch: 1 + 1e-4 * z / 1 cm, along: z}", "displacement: 0 mm", body, stiffness));
+    INFO(stiffness << ": " << run.cause);
+    REQUIRE(run.outcome == Outcome::converged);
+    CHECK(run.measures.get("total_force") == Approx(1e-4).epsilon(2e-3));  // before the test, a preload
+    CHECK(run.measures.get("prestrain_error") < 1e-10 * 0.03);
+    CHECK(run.measures.get("prestrain_remaining") < 0.95);
+  }
+  // Of any size: without a lateral strain the bar pulls as one that was drawn out.
+  const std::string none = "poissons_ratio: 0", quarter = "poissons_ratio: 0.25";
+  const auto with = [&](std::string text) { return text.replace(text.find(quarter), quarter.size(), none); };
+  CHECK(run_of(with(bar("prestrain_in_place: {prestretch: 1.2, along: z}"))).measures.get("total_force") ==
+        Approx(force_of(with(bar("", "strain: 20 %")))).epsilon(1e-7));
+  const Run free = run_of(bar("prestrain_in_place: 1.1"));
+  CHECK(free.measures.get("prestrain_remaining") > 0.1);  // along the bar alone
+  REQUIRE(free.warnings.size() == 1);
+  CHECK_THAT(free.warnings.front(), Contains("% of the prestrain remain"));
+  CHECK_THAT(refused(bar("prestrain_in_place: 1.1, swelling: 2")), Contains("stands alone"));
+  CHECK_THAT(refused(bar("prestrain_in_place: -1")), Contains("prestrain_in_place") && Contains("above 0"));
+  CHECK_THAT(refused(bar("prestrain_in_place: {along: z}")), Contains("states nothing"));
+  CHECK_THAT(refused(bar("prestrain_in_place: {}")), Contains("states nothing"));
+  const Run torn = run_of(bar("prestrain_in_place: {growth: [1, 1 + 0.9 * sin(3000 * x / 1 m), 1]}"));
+  CHECK(torn.outcome != Outcome::converged);
+  CHECK_THAT(torn.cause, Contains("prestrain in place: "));
+}
+
 TEST_CASE("what is wrong with a rest is said where it stands", "[scene][rest]") {
   CHECK_THAT(refused(bar("swelling: -1")), Contains("rest.swelling") && Contains("above 0") && Contains(":5:"));
+  CHECK_THAT(refused(bar("swelling: -1.02")), Contains("'-1.02' is out of range: must be above 0"));
   CHECK_THAT(refused(bar("swelling: 0")), Contains("rest.swelling"));
   CHECK_THAT(refused(bar("swelling: 1 - z / 1 cm")), Contains("rest.swelling"));
   CHECK_THAT(refused(bar("growth: [1, 2]")), Contains("rest.growth"));

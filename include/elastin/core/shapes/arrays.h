@@ -18,6 +18,8 @@ struct BodyArrays {
   VectorX radii;                  ///< [m] > 0, one a molecule; empty: as masses
   std::optional<double> density;  ///< [kg/m³] > 0; none: that of the material that the body gets
   double thickness = 0;
+  /// F_g of each cell (`blocks`, or tetrahedra, or triangles): where it is unstressed, see Rest; empty: as it is.
+  std::vector<Matrix3> growth = {};
 };
 
 /// Sides of cells that are not among the connections are added as such (Connections::cell_sides). Throws InputError:

@@ -148,7 +148,10 @@ class Simulation {
   /// std::bad_alloc leaves the state as it was.
   StaticResult settle(const StaticOptions& options = {});
 
-  const Positions& positions() const noexcept;   ///< [m], 3 × n
+  const Positions& positions() const noexcept;  ///< [m], 3 × n
+  /// Puts the molecules there [m], 3 × n, between steps: a body may begin elsewhere than at rest. Velocities stay, and
+  /// supports where they are. Throws InputError on another number of molecules, or positions that are not finite.
+  void set_positions(const Positions& positions);
   const Positions& velocities() const noexcept;  ///< [m/s], 3 × n
   /// All that moves, as what reads a state wants it: energies, contact reports.
   const State& state() const noexcept;

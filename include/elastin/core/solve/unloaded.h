@@ -27,6 +27,25 @@ UnloadedShape find_unloaded(const Body& given, const std::function<std::shared_p
                             const StaticOptions& options = {},
                             const std::function<void(int step, double error)>& say = {});
 
+/// A body that keeps its shape under its loads by the stress that it has.
+struct KeptShape {
+  Body body;  ///< the given one with the rest found, all of which acts at any time
+  Outcome outcome = Outcome::converged;
+  std::string cause;  ///< why none was found; empty if one was
+  int steps = 0;
+  double error = 0;  ///< [m], how far the given shape still moves at most
+  /// How much of the prestrain remains: Σ l ε ε₀ / Σ l ε₀² over the connections of length l, ε₀ given and ε found.
+  double remaining = 0;
+};
+
+/// Keeps a body in its given shape: its rest, F_g of cells and lengths of connections, changes to F_g F⁻¹, F to the
+/// equilibrium that this rest leads to, until nothing moves.                      [Maas, Erdemir, Halloran & Weiss
+/// 2016]
+/// @param given with Body::unstressed, the prestrain; what no support and no load can bear of it is lost
+/// @param make, say as of find_unloaded
+KeptShape keep_in_place(const Body& given, const std::function<std::shared_ptr<Model>(const Body&)>& make,
+                        const StaticOptions& options = {}, const std::function<void(int step, double error)>& say = {});
+
 /// The body with another rest shape: connections get its lengths, times the part that they had of the present ones.
 Body with_rest_shape(Body body, const Positions& rest);
 

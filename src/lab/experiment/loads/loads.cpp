@@ -1,12 +1,15 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "core/model/block_geometry.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/model/share.h"
 #include "lab/experiment/keys.h"
+#include "lab/run/cell_stress.h"
 #include "lab/run/common_measures.h"
 #include "lab/run/contact_measures.h"
 
@@ -16,7 +19,8 @@ namespace {
 /// Molecules whose displacements and supports' forces are measured under a name.
 struct ReadSet {
   std::string name;
-  std::vector<int> molecules;  ///< ascending
+  std::vector<int> molecules;       ///< ascending
+  std::optional<RoundAxis> around;  ///< of its stresses and its turn
 };
 
 /// Molecules that are moved by a displacement [m] along some directions, free along the others.
@@ -32,7 +36,7 @@ struct LoadsSetup {
   int load_steps = 1;
 };
 
-constexpr std::array<const char*, 3> kAxes{"x", "y", "z"};
+constexpr std::array<const char*, 3> kAxes{"x", "y", "z"}, kRound{"radius", "circumference", "axis"};
 
 MeasureList loads_measures(const std::vector<ReadSet>& sets) {
   using namespace dimension;
@@ -50,6 +54,12 @@ MeasureList loads_measures(const std::vector<ReadSet>& sets) {
     for (const auto* axis : kAxes)
       rows.push_back({set.name + "_reaction_" + axis, force,
                       "sum of the forces of the supports of `" + set.name + "` along " + axis, MeasureRole::detail});
+    if (!set.around) continue;
+    rows.push_back({set.name + "_turn", none, "mean rotation of `" + set.name + "` about its axis [rad]"});
+    for (const char* direction : kRound)
+      rows.push_back({set.name + "_" + direction + "_stress", pressure,
+                      std::string("mean Cauchy stress along ") + direction + " of the cells within `" + set.name + "`",
+                      MeasureRole::detail});
   }
   for (MeasureInfo& row : rows) list.add(MeasureList{{std::move(row)}});
   return list;
@@ -164,6 +174,7 @@ class LoadsRig final : public StaticRig {
       for (int axis = 0; axis < 3; ++axis) measures.set(set.name + "_" + kAxes[axis], mean[axis]);
       for (int axis = 0; axis < 3; ++axis) measures.set(set.name + "_reaction_" + kAxes[axis], own[axis]);
       size = std::max(size, own.norm());
+      if (set.around) measure_around(set, state, measures);
     }
     add_state(model_, state, solved, size, measures);
     return measures;
@@ -184,6 +195,49 @@ class LoadsRig final : public StaticRig {
     Vector3 sum = Vector3::Zero();
     for (const int molecule : molecules) sum += motion.col(molecule) / static_cast<double>(molecules.size());
     return sum;
+  }
+  /// The turn of the set about its axis, and the stresses of the cells all of whose molecules are in it, in the
+  /// directions at their present middles.
+  void measure_around(const ReadSet& set, const State& state, Measures& measures) const {
+    const Vector3 axis = set.around->direction, before = mean_of(body_.rest, set.molecules),
+                  now = mean_of(state.positions, set.molecules);
+    double sine = 0, cosine = 0;
+    for (const int molecule : set.molecules) {
+      const Vector3 from = body_.rest.col(molecule) - before, to = state.positions.col(molecule) - now;
+      sine += axis.dot(from.cross(to)), cosine += from.dot(to) - axis.dot(from) * axis.dot(to);
+    }
+    measures.set(set.name + "_turn", std::atan2(sine, cosine));
+    const Snapshot shot = snapshot_of(model_, state, 0, 0);
+    std::vector<CellState> states = shot.block_states;
+    if (body_.blocks.empty()) states = cell_states(body_, state.positions, shot.force_densities);
+    Vector3 sum = Vector3::Zero();
+    double all = 0;
+    std::size_t number = 0;
+    const auto add = [&](const auto& cell, double volume) {
+      const CellState* own = number < states.size() ? &states[number++] : nullptr;
+      if (!own || !std::all_of(cell.begin(), cell.end(), [&](int molecule) {
+            return std::binary_search(set.molecules.begin(), set.molecules.end(), molecule);
+          }))
+        return;
+      const Vector3 middle = positions_of(state.positions, cell).rowwise().mean();
+      const Matrix3 directions = frame_at(*set.around, middle);
+      sum += volume * (directions.transpose() * own->stress * directions).diagonal(), all += volume;
+    };
+    if (body_.blocks.empty()) {
+      for (const auto& cell : body_.triangles) add(cell, 0);
+      for (const auto& cell : body_.tetrahedra) add(cell, signed_volume(state.positions, cell));
+    }
+    for (const CellBlock& block : body_.blocks)
+      for (int cell = 0; cell < block.size(); ++cell) {
+        const Eigen::MatrixXd nodes = positions_of(state.positions, block.cell(cell));
+        double volume = 0;  // of sheets, whose stress is a force over a width, none counts
+        for (std::size_t g = 0; block.kind->dimensions == 3 && g < block.kind->slopes.size(); ++g)
+          volume +=
+              block.kind->weights[static_cast<Eigen::Index>(g)] * measure_of(nodes * block.kind->slopes[g].transpose());
+        add(block.cell(cell), volume);
+      }
+    for (int direction = 0; all > 0 && direction < 3; ++direction)
+      measures.set(set.name + "_" + kRound[static_cast<std::size_t>(direction)] + "_stress", sum[direction] / all);
   }
   /// Of the supports of these molecules; null: of all.
   Vector3 reaction_of(const Positions& reactions, const std::vector<int>* molecules) const {
@@ -215,7 +269,8 @@ Keys<ReadSet> read_keys() {
                        [](const Reader& value, ReadSet& set, const Frame& frame) {
                          set.molecules = ascending(read_molecules(value, *frame.body, frame.rotation));
                        })
-              .needed()};
+              .needed(),
+          key::map("around", &ReadSet::around, around_keys("the mean stresses of the set's cells are"))};
 }
 
 Keys<MovedSet> moved_keys() {
@@ -281,7 +336,8 @@ ExperimentInfo loads_row() {
        .measures = loads_measures({})},
       Keys<S>{list_key("read", read_keys(), &S::read,
                        "sets that are measured: for the name `top`, `top_displacement` (the largest), `top_x` (the "
-                       "mean) and `top_reaction_x` (the sum), and so along y and z",
+                       "mean) and `top_reaction_x` (the sum), and so along y and z; with `around` `top_turn` [rad] and "
+                       "the stresses `top_radius_stress`, `top_circumference_stress`, `top_axis_stress`",
                        check_name),
               list_key("moved", moved_keys(), &S::moved, "molecules that are moved, in addition to `supports`"),
               load_steps_key(&S::load_steps)},

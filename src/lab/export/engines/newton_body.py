@@ -12,8 +12,8 @@ def add_to(builder, data, damping=0.0):
         particle = builder.add_particle(pos=tuple(place), vel=(0.0, 0.0, 0.0), mass=0.0 if number in held else mass)
         first = particle if first is None else first
     for one in data["connections"]:
-        # Newton measures the rest length itself; the body is at rest where it stands.
         builder.add_spring(first + one["a"], first + one["b"], ke=one["stiffness"], kd=damping, control=0.0)
+        builder.spring_rest_length[-1] = one["rest_length"]  # in place of the distance
     if not data["connections"]:
         for cell in data["tetrahedra"]:
             young, poisson = cell["youngs_modulus"], cell["poissons_ratio"]

@@ -1,4 +1,4 @@
-#include "lab/format/cell_stress.h"
+#include "lab/run/cell_stress.h"
 
 #include <algorithm>
 #include <array>
