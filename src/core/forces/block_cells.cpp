@@ -1,6 +1,7 @@
 #include "elastin/core/forces/block_cells.h"
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
@@ -75,7 +76,7 @@ class BlockCells final : public NodalForces, public LocalElasticity, public LawH
   }
   void set_rest(double part) override {
     if (!rest_.empty() && !body_.unstressed) return;
-    rest_.clear(), offsets_.clear(), frames_.clear(), inverse_mass_.clear();
+    rest_.clear(), offsets_.clear(), frames_.clear(), inverse_mass_.clear(), shape_.clear(), first_of_shape_.clear();
     for (int cell = 0; cell < block_.size(); ++cell) set_rest(cell, part);
     if (!volume_.empty()) set_pressure_functions();
   }
@@ -329,7 +330,7 @@ class BlockCells final : public NodalForces, public LocalElasticity, public LawH
       if (!volume_.empty()) add_pressures(G, stiffness_of_pressures(cell, now), G, block.hessian);
   }
 
-  const Rest& rest(int cell, int g) const { return rest_[cell * points_ + g]; }
+  const Rest& rest(int cell, int g) const { return rest_[shape_[cell] * points_ + g]; }
   /// Of a cell where laws and volumes have theirs.
   int number(int cell) const { return numbers_.empty() ? cell : numbers_[cell]; }
   const Volumetric& volume_of(int cell) const {
@@ -341,11 +342,33 @@ class BlockCells final : public NodalForces, public LocalElasticity, public LawH
     if constexpr (d == 3)
       return Matrix3::Identity();
     else
-      return frames_[cell * points_ + g];
+      return frames_[shape_[cell] * points_ + g];
   }
 
+  /// Cells of one shape share what is known of them at rest: those of a grid are like one of the last few new ones.
+  bool is_like_another(const NodeVectors& nodes) {
+    constexpr std::size_t last = 8;
+    constexpr double rounding = 1e-11;
+    if (body_.unstressed) return false;
+    const double size = (nodes.col(1) - nodes.col(0)).norm();
+    for (std::size_t shape = first_of_shape_.size(), end = shape - std::min(shape, last); shape-- > end;) {
+      const int* other = block_.cell(first_of_shape_[shape]).data();
+      bool same = true;
+      for (int a = 1; a < kind_.nodes && same; ++a)
+        same =
+            (nodes.col(a) - nodes.col(0) - body_.rest.col(other[a]) + body_.rest.col(other[0])).cwiseAbs().maxCoeff() <=
+            rounding * size;
+      if (!same) continue;
+      shape_.push_back(static_cast<int>(shape));
+      return true;
+    }
+    return false;
+  }
   void set_rest(int cell, double part) {
     const NodeVectors nodes = gathered(body_.rest, cell);
+    if (is_like_another(nodes)) return;
+    shape_.push_back(static_cast<int>(first_of_shape_.size()));
+    first_of_shape_.push_back(cell);
     PointGradients<d> all;
     slopes_.gradients(nodes, all);
     for (int g = 0; g < points_; ++g) {
@@ -409,7 +432,7 @@ class BlockCells final : public NodalForces, public LocalElasticity, public LawH
     for (int g = 0; g < points_; ++g) {
       const Gradient E = frame(cell, g);
       Gradient H = now.F[g];
-      if (!offsets_.empty()) H += offsets_[cell * points_ + g];
+      if (!offsets_.empty()) H += offsets_[shape_[cell] * points_ + g];
       now.F[g] = E + H;
       const Square linear = E.transpose() * H;
       now.A[g] = linear + linear.transpose() + H.transpose() * H;
@@ -556,7 +579,7 @@ class BlockCells final : public NodalForces, public LocalElasticity, public LawH
       for (int k = 1; k < kind_.pressures; ++k) own[k] = kind_.points(k - 1, g);
     }
     const int m = kind_.pressures;
-    for (int cell = 0; cell < block_.size(); ++cell) {
+    for (const int cell : first_of_shape_) {
       PressureMatrix M = PressureMatrix::Zero();
       for (int g = 0; g < points_; ++g) {
         const Pressures& own = functions_[g];
@@ -573,7 +596,7 @@ class BlockCells final : public NodalForces, public LocalElasticity, public LawH
   Pressures projected(int cell, Value value) const {
     Pressures sum = Pressures::Zero();
     for (int g = 0; g < points_; ++g) sum += rest(cell, g).weight * value(g) * functions_[g];
-    return inverse_mass_[cell] * sum;
+    return inverse_mass_[shape_[cell]] * sum;
   }
   /// θ − 1.
   Pressures projected_swelling(int cell, const Strains& now) const {
@@ -608,7 +631,7 @@ class BlockCells final : public NodalForces, public LocalElasticity, public LawH
       const Pressures& own = functions_[g];
       sum += rest(cell, g).weight * volume_of(cell).curvature(at_point(theta, g)) * own * own.transpose();
     }
-    const PressureMatrix& M = inverse_mass_[cell];
+    const PressureMatrix& M = inverse_mass_[shape_[cell]];
     return part * (relaxing_ ? relaxing_.factor() : 1) * M * sum * M;
   }
   // ------------------------------------------------------------------------------------------------------------------
@@ -651,11 +674,13 @@ class BlockCells final : public NodalForces, public LocalElasticity, public LawH
   int points_;
   ReferenceSlopes<d> slopes_;
   std::shared_ptr<const PointLaws<d>> laws_;
-  std::vector<Volumetric> volume_;  ///< empty: the laws' own
-  std::vector<int> numbers_;        ///< on a subdomain of the whole's cells; empty: the same
-  SoftenedElements softened_;       ///< a point each
-  Relaxing relaxing_;               ///< the stress at each point
-  Rows slots_;                      ///< of each molecule among the nodes of all cells
+  std::vector<Volumetric> volume_;   ///< empty: the laws' own
+  std::vector<int> numbers_;         ///< on a subdomain of the whole's cells; empty: the same
+  SoftenedElements softened_;        ///< a point each
+  Relaxing relaxing_;                ///< the stress at each point
+  Rows slots_;                       ///< of each molecule among the nodes of all cells
+  std::vector<int> shape_;           ///< of each cell; what follows is of each shape, at each point
+  std::vector<int> first_of_shape_;  ///< the cell that has it first
   std::vector<Rest> rest_;
   std::vector<Gradient> frames_;   ///< of membranes
   std::vector<Gradient> offsets_;  ///< F without displacement, beyond the frame, of a body that is stressed then
@@ -686,31 +711,23 @@ class BlockStiffness final : public NodalStiffness, public StiffPoints, public C
   explicit BlockStiffness(const Cells& cells) : cells_(cells) {}
 
   void linearise_at(const Positions& positions) override {
-    now_.resize(cells_.block_.size() * cells_.points_);
-    if (!cells_.volume_.empty()) stiffness_of_pressures_.resize(cells_.block_.size());
+    if (share(positions)) return;
+    shared_.clear(), of_cell_.clear();
+    set_count(cells_.block_.size());
     parallel_for(
-        cells_.block_.size(),
-        [&](int cell) {
-          Stresses now;
-          cells_.set_stresses(positions, cell, now);
-          std::array<Moduli, kMostPoints> D;
-          cells_.laws_->tangents(cells_.number(cell), cells_.span(now.A),
-                                 {D.data(), static_cast<std::size_t>(cells_.points_)});
-          if (cells_.softened_) cells_.soften_tangents(cell, now, D);
-          for (int g = 0; g < cells_.points_; ++g) {
-            if (cells_.relaxing_) D[g] *= cells_.relaxing_.factor();
-            if constexpr (d == 3)
-              if (!cells_.volume_.empty()) Cells::add_pressure(now.p[g], now.A[g], now.S[g], D[g]);
-            const double weight = cells_.rest(cell, g).weight;
-            now_[cell * cells_.points_ + g] = {now.F[g], weight * now.S[g], weight * D[g]};
-          }
-          if constexpr (d == 3)
-            if (!cells_.volume_.empty()) set_stiffness_of_pressures(cell, now);
-        },
-        kCellThreshold);
+        cells_.block_.size(), [&](int cell) { set_now(positions, cell, cell); }, kCellThreshold);
   }
 
   void add_stiffness(const Positions& motion, Positions& result, Workspace& workspace) const override {
+    if (!shared_.empty())
+      return cells_.add_cells(result, workspace, [&](int cell, NodeVectors& own) {
+        const int* nodes = cells_.block_.cell(cell).data();
+        Eigen::Matrix<double, 3, kCorners> change;
+        for (int a = 0; a < kCorners; ++a) change.col(a) = motion.col(nodes[a]) - motion.col(nodes[0]);
+        const auto& [number, factor] = of_cell_[cell];
+        Eigen::Map<Corners>(own.data()).noalias() =
+            factor * (shared_[number].matrix.lazyProduct(Eigen::Map<const Corners>(change.data())));
+      });
     cells_.add_cells(result, workspace, [&](int cell, NodeVectors& own) {
       PointGradients<d> change, P;
       cells_.set_gradients(cell, cells_.gathered(motion, cell), change);
@@ -750,22 +767,10 @@ class BlockStiffness final : public NodalStiffness, public StiffPoints, public C
     const int n = cells_.kind_.nodes;
     std::vector<Matrix3> K(n * n);
     for (int cell = 0; cell < cells_.block_.size(); ++cell) {
-      std::fill(K.begin(), K.end(), Matrix3::Zero());
-      for (int g = 0; g < cells_.points_; ++g) {
-        std::array<Acting, kMostNodes> at;
-        for (int a = 0; a < n; ++a) at[a] = Cells::acting(this->now(cell, g), cells_.slope(cell, g, a));
-        for (int a = 0; a < n; ++a)
-          for (int b = 0; b < n; ++b) Cells::add_pair(at[a], at[b], K[a * n + b]);
-      }
-      if constexpr (d == 3)
-        if (!cells_.volume_.empty()) {
-          const std::vector<PressureGradient> G = pressure_gradients(cell);
-          for (int a = 0; a < n; ++a)
-            for (int b = 0; b < n; ++b) Cells::add_pressures(G[a], stiffness_of_pressures_[cell], G[b], K[a * n + b]);
-        }
+      set_blocks(cell, K);
       const auto nodes = cells_.block_.cell(cell);
       for (int a = 0; a < n; ++a)
-        for (int b = 0; b < n; ++b) visit(nodes[a], nodes[b], K[a * n + b]);
+        for (int b = 0; b < n; ++b) visit(nodes[a], nodes[b], factor(cell) * K[a * n + b]);
     }
   }
 
@@ -794,7 +799,7 @@ class BlockStiffness final : public NodalStiffness, public StiffPoints, public C
       for (int cell = 0; cell < (cells_.volume_.empty() ? 0 : cells_.block_.size()); ++cell) {
         const int m = cells_.kind_.pressures;
         const std::vector<PressureGradient> G = pressure_gradients(cell);
-        const SymmetricEigen eigen = symmetric_eigen(stiffness_of_pressures_[cell].topLeftCorner(m, m));
+        const SymmetricEigen eigen = symmetric_eigen(stiffness_of_pressures(cell).topLeftCorner(m, m));
         for (int k = 0; k < m; ++k) {
           if (!(eigen.values[k] > 0)) continue;
           Pressures along = Pressures::Zero();
@@ -802,7 +807,7 @@ class BlockStiffness final : public NodalStiffness, public StiffPoints, public C
           gradient.clear();
           const auto nodes = cells_.block_.cell(cell);
           for (int a = 0; a < cells_.kind_.nodes; ++a) gradient.emplace_back(nodes[a], G[a] * along);
-          visit(gradient, eigen.values[k]);
+          visit(gradient, factor(cell) * eigen.values[k]);
         }
       }
     }
@@ -820,7 +825,7 @@ class BlockStiffness final : public NodalStiffness, public StiffPoints, public C
     if constexpr (d == 3)
       for (int cell = 0; cell < (cells_.volume_.empty() ? 0 : cells_.block_.size()); ++cell) {
         constexpr int shear = Cells::component(0, 1);
-        const double modulus = 2 * now(cell, 0).D(shear, shear) / cells_.rest(cell, 0).weight;
+        const double modulus = 2 * factor(cell) * now(cell, 0).D(shear, shear) / cells_.rest(cell, 0).weight;
         if (modulus > 0) most = std::max(most, cells_.volume_of(cell).curvature(0) / modulus);
       }
     return most;
@@ -861,38 +866,156 @@ class BlockStiffness final : public NodalStiffness, public StiffPoints, public C
         [&](int cell) {
           const auto at = static_cast<Eigen::Index>(cell) * m;
           pressures.segment(at, m).noalias() =
-              stiffness_of_pressures_[cell].topLeftCorner(m, m) * swelling.segment(at, m);
+              factor(cell) * stiffness_of_pressures(cell).topLeftCorner(m, m) * swelling.segment(at, m);
         },
         kCellThreshold);
   }
   void take_part(double part) override { pressure_part_ = part; }
-  int stiff_points() const override { return static_cast<int>(now_.size()); }
-  std::span<const int> nodes_of(int point) const override { return cells_.block_.cell(point / cells_.points_); }
+  int stiff_points() const override { return cells_.block_.size() * places(); }
+  std::span<const int> nodes_of(int point) const override { return cells_.block_.cell(point / places()); }
   Vector3 place_of(int point) const override {
-    const int cell = point / cells_.points_, g = point % cells_.points_;
-    return cells_.place_of(cells_.gathered(cells_.body_.rest, cell), g);
+    const NodeVectors nodes = cells_.gathered(cells_.body_.rest, point / places());
+    return places() == 1 ? Vector3(nodes.rowwise().mean()) : cells_.place_of(nodes, point % places());
   }
   Stiffness stiffness_at(int point) const override {
-    const int cell = point / cells_.points_, g = point % cells_.points_;
-    std::array<Acting, d> at;
-    for (int p = 0; p < d; ++p) at[p] = Cells::acting(now(cell, g), Direction::Unit(p));
-    Stiffness found{cells_.frame(cell, g), {}};
-    found.stiffness.resize(3 * d, 3 * d);
-    for (int p = 0; p < d; ++p)
-      for (int q = 0; q < d; ++q) {
-        Matrix3 block = Matrix3::Zero();
-        Cells::add_pair(at[p], at[q], block);
-        found.stiffness.template block<3, 3>(3 * p, 3 * q) = block;
-      }
-    return found;
+    const int cell = point / places(), g = point % places();
+    const auto frame = cells_.frame(cell, g);
+    if (!shared_.empty()) return {frame, factor(cell) * shared_[known(cell)].of_gradient};
+    return {frame, stiffness_at(cell, g, places() == 1 ? cells_.points_ : g + 1)};
   }
 
  private:
-  const Now& now(int cell, int g) const { return now_[cell * cells_.points_ + g]; }
+  static constexpr int kCorners = 8;
+  static constexpr int kManyCells = 4096;  ///< of fewer the rows are assembled, AssembledStiffness
+  using Corners = Eigen::Matrix<double, 3 * kCorners, 1>;
+  /// The stiffness of hexahedra at rest that have one shape and one material up to a factor.
+  struct Shared {
+    int cell;  ///< the first of them
+    Moduli D;
+    double curvature;  ///< U″ at rest
+    Eigen::Matrix<double, 3 * kCorners, 3 * kCorners> matrix = {};
+    Eigen::Matrix<double, 3 * d, 3 * d> of_gradient = {};  ///< StiffPoints::stiffness_at
+  };
+  struct SharedBy {
+    int number;
+    double factor;
+  };
+
+  /// Where a cell's stiffness stands for boxes that are larger than it is: of a solid one of first order in its middle.
+  int places() const { return d == 3 && cells_.kind_.order == 1 ? 1 : cells_.points_; }
+
+  /// What is known at each point: by the cell, or by what it shares; then times the cell's factor.
+  const Now& now(int cell, int g) const { return now_[known(cell) * cells_.points_ + g]; }
+  const PressureMatrix& stiffness_of_pressures(int cell) const { return stiffness_of_pressures_[known(cell)]; }
+  int known(int cell) const { return of_cell_.empty() ? cell : of_cell_[cell].number; }
+  double factor(int cell) const { return of_cell_.empty() ? 1 : of_cell_[cell].factor; }
+
+  void set_count(int count) {
+    now_.resize(count * cells_.points_);
+    now_.shrink_to_fit();
+    if (!cells_.volume_.empty()) stiffness_of_pressures_.resize(count);
+  }
+  void set_now(const Positions& positions, int cell, int number) {
+    Stresses now;
+    cells_.set_stresses(positions, cell, now);
+    std::array<Moduli, kMostPoints> D;
+    cells_.laws_->tangents(cells_.number(cell), cells_.span(now.A),
+                           {D.data(), static_cast<std::size_t>(cells_.points_)});
+    if (cells_.softened_) cells_.soften_tangents(cell, now, D);
+    for (int g = 0; g < cells_.points_; ++g) {
+      if (cells_.relaxing_) D[g] *= cells_.relaxing_.factor();
+      if constexpr (d == 3)
+        if (!cells_.volume_.empty()) Cells::add_pressure(now.p[g], now.A[g], now.S[g], D[g]);
+      const double weight = cells_.rest(cell, g).weight;
+      now_[number * cells_.points_ + g] = {now.F[g], weight * now.S[g], weight * D[g]};
+    }
+    if constexpr (d == 3)
+      if (!cells_.volume_.empty())
+        stiffness_of_pressures_[number] = cells_.stiffness_of_pressures(cell, now, pressure_part_);
+  }
+
+  /// Of a body at rest, without stress, whose hexahedra are few kinds of one: a segmented image has a million of one.
+  bool share(const Positions& positions) {
+    constexpr std::size_t few = 64;
+    constexpr double rounding = 1e-12;
+    shared_.clear(), of_cell_.clear();
+    if (d != 3 || cells_.kind_.nodes != kCorners || cells_.block_.size() < kManyCells || cells_.dissipates() ||
+        cells_.body_.unstressed || cells_.first_of_shape_.size() > few || positions != cells_.body_.rest)
+      return false;
+    for (int cell = 0; cell < cells_.block_.size(); ++cell) {
+      const Square none = Square::Zero();
+      Square S;
+      Moduli D;
+      cells_.laws_->stresses(cells_.number(cell), {&none, 1}, {&S, 1});
+      cells_.laws_->tangents(cells_.number(cell), {&none, 1}, {&D, 1});
+      const double curvature = cells_.volume_.empty() ? 0 : cells_.volume_of(cell).curvature(0);
+      const double pressure = cells_.volume_.empty() ? 0 : cells_.volume_of(cell).slope(0);
+      const auto found = std::find_if(shared_.begin(), shared_.end(), [&](const Shared& other) {
+        const double factor = D(0, 0) / other.D(0, 0);
+        return cells_.shape_[cell] == cells_.shape_[other.cell] && factor > 0 &&
+               (D - factor * other.D).cwiseAbs().maxCoeff() <= rounding * D(0, 0) &&
+               std::abs(curvature - factor * other.curvature) <= rounding * curvature;
+      });
+      const auto kind = static_cast<int>(found - shared_.begin());
+      if (!S.isZero(0) || pressure != 0 || (found == shared_.end() && shared_.size() == few)) return false;
+      if (found == shared_.end()) shared_.push_back({cell, D, curvature});
+      of_cell_.push_back({kind, D(0, 0) / shared_[kind].D(0, 0)});
+    }
+    set_count(static_cast<int>(shared_.size()));
+    std::vector<Matrix3> K(kCorners * kCorners);
+    int number = 0;
+    for (Shared& own : shared_) {
+      set_now(positions, own.cell, number++);
+      set_blocks(own.cell, K);
+      own.of_gradient = stiffness_at(own.cell, 0, cells_.points_);
+      for (int a = 0; a < kCorners; ++a)
+        for (int b = 0; b < kCorners; ++b) own.matrix.template block<3, 3>(3 * a, 3 * b) = K[a * kCorners + b];
+    }
+    return true;
+  }
+
+  /// The sum over points of a cell of what a gradient in the frame's axes meets, StiffPoints::Stiffness.
+  Eigen::Matrix<double, 3 * d, 3 * d> stiffness_at(int cell, int first, int end) const {
+    Eigen::Matrix<double, 3 * d, 3 * d> sum = Eigen::Matrix<double, 3 * d, 3 * d>::Zero();
+    for (int g = first; g < end; ++g) {
+      std::array<Acting, d> at;
+      for (int p = 0; p < d; ++p) at[p] = Cells::acting(now(cell, g), Direction::Unit(p));
+      for (int p = 0; p < d; ++p)
+        for (int q = 0; q < d; ++q) {
+          Matrix3 block = Matrix3::Zero();
+          Cells::add_pair(at[p], at[q], block);
+          sum.template block<3, 3>(3 * p, 3 * q) += block;
+        }
+    }
+    return sum;
+  }
+  /// Between the nodes of a cell, a · nodes + b, without its factor.
+  void set_blocks(int cell, std::vector<Matrix3>& K) const {
+    const int n = cells_.kind_.nodes;
+    std::fill(K.begin(), K.end(), Matrix3::Zero());
+    for (int g = 0; g < cells_.points_; ++g) {
+      std::array<Acting, kMostNodes> at;
+      for (int a = 0; a < n; ++a) at[a] = Cells::acting(now(cell, g), cells_.slope(cell, g, a));
+      for (int a = 0; a < n; ++a)
+        for (int b = 0; b < n; ++b) Cells::add_pair(at[a], at[b], K[a * n + b]);
+    }
+    if constexpr (d == 3)
+      if (!cells_.volume_.empty()) {
+        const std::vector<PressureGradient> G = pressure_gradients(cell);
+        for (int a = 0; a < n; ++a)
+          for (int b = 0; b < n; ++b) Cells::add_pressures(G[a], stiffness_of_pressures(cell), G[b], K[a * n + b]);
+      }
+  }
   /// The upper triangles of the diagonal blocks of a cell's nodes, a column each. Those of one point are
   /// Σ_pq B_p B_q A_pq, A_pq = 2 Σ_rs F_r D_pr,qs F_sᵀ + S_pq: A_pq + A_qp is found once for all nodes.
   void set_diagonal(int cell, Eigen::Ref<UpperTriangles> blocks) const {
     blocks.setZero();
+    if (!shared_.empty()) {
+      for (int a = 0; a < kCorners; ++a)
+        blocks.col(a) =
+            factor(cell) * Cells::upper_triangle(shared_[known(cell)].matrix.template block<3, 3>(3 * a, 3 * a));
+      return;
+    }
     constexpr auto order = components<d>();
     for (int g = 0; g < cells_.points_; ++g) {
       const Now& now = this->now(cell, g);
@@ -919,14 +1042,10 @@ class BlockStiffness final : public NodalStiffness, public StiffPoints, public C
         const std::vector<PressureGradient> G = pressure_gradients(cell);
         for (int a = 0; a < cells_.kind_.nodes; ++a) {
           Matrix3 block = Matrix3::Zero();
-          Cells::add_pressures(G[a], stiffness_of_pressures_[cell], G[a], block);
+          Cells::add_pressures(G[a], stiffness_of_pressures(cell), G[a], block);
           blocks.col(a) += Cells::upper_triangle(block);
         }
       }
-  }
-  /// Q in δp = Q ∫ φ δJ: M⁻¹ ∫ U″ φ φᵀ M⁻¹.
-  void set_stiffness_of_pressures(int cell, const Strains& now) {
-    stiffness_of_pressures_[cell] = cells_.stiffness_of_pressures(cell, now, pressure_part_);
   }
   /// Of each node.
   std::vector<PressureGradient> pressure_gradients(int cell) const {
@@ -942,6 +1061,8 @@ class BlockStiffness final : public NodalStiffness, public StiffPoints, public C
 
   const Cells& cells_;
   // At the positions of linearise_at().
+  std::vector<Shared, Eigen::aligned_allocator<Shared>> shared_;
+  std::vector<SharedBy> of_cell_;
   std::vector<Now> now_;
   std::vector<PressureMatrix> stiffness_of_pressures_;
   double pressure_part_ = 1;  ///< of them that counts, see CellPressures

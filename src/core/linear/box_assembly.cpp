@@ -211,6 +211,25 @@ void split_boxes(const Body& body, BoxGrid& grid, Homes& homes) {
   grid.number_points(std::move(joined));
 }
 
+/// Of a body whose connections resist nothing: a molecule without an element in its box belongs to one of its elements'
+/// boxes. The box would have no stiffness, and the grid no positive one.
+void move_to_elements(const Tangent& tangent, Homes& homes) {
+  std::vector<int> found(homes.molecules.size(), -1);
+  auto boxes = homes.elements.begin();
+  visit_elements(tangent, [&](int count, const auto&, const auto& nodes_of) {
+    for (int i = 0; i < count; ++i)
+      for (const int node : nodes_of(i))
+        if (found[node] < 0 || (*boxes)[i] == homes.molecules[node]) found[node] = (*boxes)[i];
+    ++boxes;
+  });
+  for (std::size_t a = 0; a < found.size(); ++a)
+    if (found[a] >= 0) homes.molecules[a] = found[a];
+  for (std::size_t c = 0; c < homes.links.size(); ++c) {
+    const auto& [a, b] = tangent.model().body().connections.ends[c];
+    if (homes.links[c] != homes.molecules[b]) homes.links[c] = homes.molecules[a];
+  }
+}
+
 Homes find_homes(const Tangent& tangent, BoxGrid& grid, bool whole_boxes) {
   const Body& body = tangent.model().body();
   Homes homes;
@@ -220,11 +239,12 @@ Homes find_homes(const Tangent& tangent, BoxGrid& grid, bool whole_boxes) {
     const auto& [a, b] = body.connections.ends[c];
     homes.links[c] = grid.outline_box((body.rest.col(a) + body.rest.col(b)) / 2);
   });
-  homes.outline = homes.molecules;
   visit_elements(tangent, [&](int count, const auto& place_of, const auto&) {
     auto& boxes = homes.elements.emplace_back(count);
     parallel_for(count, [&](int i) { boxes[i] = grid.outline_box(place_of(i)); });
   });
+  if (!whole_boxes && !tangent.linked()) move_to_elements(tangent, homes);
+  homes.outline = homes.molecules;
   if (whole_boxes) {
     const auto for_all = [&](const auto& change) {
       for (int& box : homes.molecules) change(box);

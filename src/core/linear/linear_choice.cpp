@@ -4,6 +4,8 @@
 #include <cmath>
 
 #include "core/linear/mixed.h"
+#include "core/linear/multigrid.h"
+#include "core/linear/sparse_factor.h"
 #include "elastin/core/base/text.h"
 #include "elastin/core/model/share.h"
 
@@ -22,7 +24,55 @@ double connections_across(const Body& body) {
 
 double digits_of(double tolerance) { return std::max(1., -std::log10(tolerance)); }
 
+/// What an iteration with a coarse picture takes of a molecule, in products of a factorisation. Measured: springs,
+/// hexahedra of one size.
+constexpr double kProductsOfIteration = 100;
+/// Numbers of the largest factor that is tried: 1.2 GB.
+constexpr double kMostNumbers = 1e8;
+
+bool factor_is_quicker(const Body& body, double iterations) {
+  std::vector<std::array<int, 2>> pairs = body.connections.ends;
+  for (const CellBlock& block : body.blocks)
+    for (int cell = 0; cell < block.size(); ++cell)
+      for (const int a : block.cell(cell))
+        for (const int b : block.cell(cell))
+          if (a < b) pairs.push_back({a, b});
+  const FactorCost cost = factor_cost(body.size(), pairs);
+  return cost.numbers < kMostNumbers && cost.products < kProductsOfIteration * iterations * body.size();
+}
+
+class MultigridOrDirect final : public LinearSolver, public KeepsCoarsePicture {
+ public:
+  const char* name() const override { return direct_ ? direct_->name() : multigrid_->name(); }
+  void forget() override { dynamic_cast<KeepsCoarsePicture&>(*multigrid_).forget(), direct_.reset(); }
+
+  LinearResult solve(const Tangent& tangent, const std::vector<Support>& supports, const Positions& rhs,
+                     double tolerance, Positions& x) override {
+    int before = 0;
+    if (!direct_) {
+      body_ = &tangent.model().body();
+      const LinearResult result = multigrid_->solve(tangent, supports, rhs, tolerance, x);
+      if (!direct_) return result;
+      dynamic_cast<KeepsCoarsePicture&>(*multigrid_).forget();
+      before = result.iterations;
+    }
+    LinearResult result = direct_->solve(tangent, supports, rhs, tolerance, x);
+    result.iterations += before;
+    return result;
+  }
+
+ private:
+  const Body* body_ = nullptr;
+  std::unique_ptr<LinearSolver> direct_;  ///< once it is known to be quicker
+  std::unique_ptr<LinearSolver> multigrid_ = make_multigrid([this](double to_come) {
+    if (factor_is_quicker(*body_, to_come)) direct_ = make_direct();
+    return direct_ != nullptr;
+  });
+};
+
 }  // namespace
+
+std::unique_ptr<LinearSolver> make_multigrid_or_direct() { return std::make_unique<MultigridOrDirect>(); }
 
 double expected_iterations(const Body& body, double tolerance) {
   return 1.25 * connections_across(body) * digits_of(tolerance);

@@ -1,4 +1,5 @@
 #pragma once
+#include <memory>
 #include <string>
 #include <utility>
 
@@ -23,5 +24,9 @@ std::pair<bool, std::string> multigrid_is_worth_it(const Model& model, double to
 /// each connection from end to end of the body at 1e-8, in proportion to the digits required (measured: cubes, rods
 /// 100 times as long as thick); with the picture some 30 of two to three times the cost, and building it costs 20.
 LinearChoice choose_linear_solver(const Tangent& tangent, LinearMethod requested, double tolerance);
+
+/// Multigrid that gives way to a factorisation where that is quicker than the iterations that are still to come: of
+/// thin and porous bodies, near ν = ½. Their numbers decide, not clocks, so that results are the same everywhere.
+std::unique_ptr<LinearSolver> make_multigrid_or_direct();
 
 }  // namespace elastin

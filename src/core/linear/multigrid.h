@@ -1,8 +1,10 @@
 #pragma once
+#include <functional>
 #include <memory>
 #include <vector>
 
 #include "core/linear/box_assembly.h"
+#include "elastin/core/linear/linear_solver.h"
 
 namespace elastin {
 
@@ -41,5 +43,11 @@ class KeepsCoarsePicture {
   /// Where another problem begins: its answer must not hang on what was solved before.
   virtual void forget() = 0;
 };
+
+/// Whether a search with so many iterations to come, at its pace, is given up for another solver.
+using GivesUp = std::function<bool(double to_come)>;
+
+/// As make_multigrid, but asks once a good picture would have served; of what is given up the result is limit_reached.
+std::unique_ptr<LinearSolver> make_multigrid(GivesUp gives_up);
 
 }  // namespace elastin

@@ -23,6 +23,7 @@ int most_coarse_iterations(const Body& body, double tolerance) {
   return static_cast<int>(std::clamp(expected_iterations(body, tolerance) / 2, 100., 400.));
 }
 constexpr int kForADigit = 100;
+constexpr int kServedIterations = 60;
 
 /// A coarse picture of another stiffness serves until it takes as many times the iterations that it took when new.
 constexpr double kServes = 1.5;
@@ -33,7 +34,7 @@ constexpr double kApart = 1e-8;
 
 class Pcg final : public LinearSolver, public KeepsCoarsePicture {
  public:
-  explicit Pcg(bool multigrid) : multigrid_(multigrid) {}
+  explicit Pcg(bool multigrid, GivesUp gives_up = {}) : multigrid_(multigrid), gives_up_(std::move(gives_up)) {}
   void forget() override { coarse_.reset(); }
   const char* name() const override { return multigrid_ ? "multigrid" : "pcg"; }
 
@@ -125,6 +126,13 @@ class Pcg final : public LinearSolver, public KeepsCoarsePicture {
         result.status = best < 0.25 * first ? LinearStatus::solved : LinearStatus::limit_reached;
         break;
       }
+      if (gives_up_ && result.iterations == kServedIterations) {
+        const double found = std::max(1e-3, std::log(first / now[1])), wanted = -2 * std::log(tolerance);
+        if (gives_up_(kServedIterations * (wanted / found - 1))) {
+          result.status = LinearStatus::limit_reached;
+          break;
+        }
+      }
       if (result.iterations >= limit || !std::isfinite(now[1])) {
         result.status = LinearStatus::limit_reached;
         break;
@@ -159,6 +167,7 @@ class Pcg final : public LinearSolver, public KeepsCoarsePicture {
 
  private:
   bool multigrid_;
+  GivesUp gives_up_;
   std::unique_ptr<Multigrid> coarse_;
   double pace_ = 0;  ///< iterations a digit with it when new
   // Kept from one solve to the next, so that steps in time ask for no memory.
@@ -198,5 +207,8 @@ double ordered_norm(const Positions& vectors) {
 std::unique_ptr<LinearSolver> make_pcg() { return std::make_unique<Pcg>(false); }
 
 std::unique_ptr<LinearSolver> make_multigrid() { return std::make_unique<Pcg>(true); }
+std::unique_ptr<LinearSolver> make_multigrid(GivesUp gives_up) {
+  return std::make_unique<Pcg>(true, std::move(gives_up));
+}
 
 }  // namespace elastin

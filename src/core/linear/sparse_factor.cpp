@@ -1,12 +1,33 @@
 #include "core/linear/sparse_factor.h"
 
 #include <Eigen/SparseCholesky>
+#include <algorithm>
 
 namespace elastin {
 
 struct SparseFactor::Ldlt : Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> {
   using SimplicialLDLT::SimplicialLDLT;
 };
+
+namespace {
+
+/// Counts the entries of L's columns, and makes none.
+struct Counts : Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> {
+  explicit Counts(const Eigen::SparseMatrix<double>& matrix) { analyzePattern(matrix); }
+  auto of_columns() const { return m_nonZerosPerCol.cast<double>().array(); }
+};
+
+}  // namespace
+
+FactorCost factor_cost(int blocks, const std::vector<std::array<int, 2>>& pairs) {
+  std::vector<Eigen::Triplet<double>> entries;
+  for (int block = 0; block < blocks; ++block) entries.emplace_back(block, block, 1);
+  for (const auto& [a, b] : pairs) entries.emplace_back(std::max(a, b), std::min(a, b), 1);
+  Eigen::SparseMatrix<double> matrix(blocks, blocks);
+  matrix.setFromTriplets(entries.begin(), entries.end());
+  const Counts counts(matrix);
+  return {9 * counts.of_columns().sum(), 27. / 2 * counts.of_columns().square().sum()};
+}
 
 SparseFactor::SparseFactor() : ldlt_(std::make_unique<Ldlt>()) {}
 SparseFactor::SparseFactor(const Eigen::SparseMatrix<double>& matrix) : SparseFactor() { compute(matrix); }

@@ -1,10 +1,20 @@
 #pragma once
 #include <Eigen/SparseCore>
+#include <array>
 #include <memory>
+#include <vector>
 
 #include "elastin/core/base/types.h"
 
 namespace elastin {
+
+/// What a factorisation would take, from the matrix's places alone.
+struct FactorCost {
+  double numbers = 0;   ///< in L
+  double products = 0;  ///< that make them
+};
+/// Of a symmetric matrix of 3 × 3 blocks, of which these are the pairs that are not zero.
+FactorCost factor_cost(int blocks, const std::vector<std::array<int, 2>>& pairs);
 
 /// L D Lᵀ of a symmetric sparse matrix, compiled once.
 class SparseFactor {

@@ -32,11 +32,11 @@ constexpr int kSaddles = 3;
 const std::string kAdrift = "the loads work on a zero-energy mode that does not stiffen";
 
 /// The solver of the last time, if it was of this kind.
-LinearSolver& solver_of(const LinearMethod& method, bool symmetric, CachedSolver& cached) {
+LinearSolver& solver_of(const LinearMethod& method, bool chosen, bool symmetric, CachedSolver& cached) {
   static const LinearMethod unsymmetric = "bicgstab";
   const LinearMethod& used = symmetric || !method->needs_symmetry ? method : unsymmetric;
   if (cached.solver && cached.method == used) return *cached.solver;
-  cached.solver = used->make();
+  cached.solver = chosen && used->name == "multigrid" ? make_multigrid_or_direct() : used->make();
   cached.method = used;
   return *cached.solver;
 }
@@ -50,7 +50,8 @@ void take_out_rigid(const Tangent& tangent, const std::vector<Support>& supports
 /// A way out of an equilibrium that is no minimum, which no force leads out of: a direction of negative stiffness, met
 /// on the way to the answer for a load that has a part in all of them. Null columns where there is none. By conjugate
 /// gradients, which meet it with any preconditioner; a factorisation would only count. The solver of the last time is
-/// taken where it is of that kind, for two would need twice the memory; its grid hierarchy is made again.
+/// taken where it is of that kind, for two would need twice the memory; its grid hierarchy is made again. One that may
+/// factorise is none.
 Positions way_down(const Tangent& tangent, const std::vector<Support>& supports, const StaticOptions& options,
                    int& iterations, Positions& ignored, CachedSolver& cached) {
   constexpr double tolerance = 1e-5;
@@ -59,6 +60,7 @@ Positions way_down(const Tangent& tangent, const std::vector<Support>& supports,
   take_out_rigid(tangent, supports, ignored, load);
   const LinearMethod method = choose_linear_solver(tangent, options.method, tolerance).method;
   cached.forget();
+  if (!options.method->make) cached.solver.reset();
   const bool mixed = method->name == "mixed";
   if (mixed && SoftVolume::ratio(tangent) > 2 * kSoftRatio) {
     // Less stiffness than the body's: where that leads nowhere down, the body's does not.
@@ -142,7 +144,7 @@ LinearResult solve_linear(const Tangent& tangent, const std::vector<Support>& su
   const LinearChoice choice = choose_linear_solver(tangent, options.method, tolerance);
   used.reason = choice.reason;
   const bool symmetric = tangent.model().symmetric();
-  LinearSolver* solver = &solver_of(choice.method, symmetric, cached);
+  LinearSolver* solver = &solver_of(choice.method, !options.method->make, symmetric, cached);
   LinearResult result = solver->solve(tangent, supports, rhs, tolerance, solution);
   std::unique_ptr<LinearSolver> other_solver;
   if (result.negative_modes > 0 && !through_saddles) {  // a factorisation leads to the saddle, iterations downhill
@@ -153,7 +155,7 @@ LinearResult solve_linear(const Tangent& tangent, const std::vector<Support>& su
     result.iterations += before;
   }
   // A factor of half of an unsymmetric stiffness is refined by the whole: of use where iterations got nowhere.
-  const bool iterated = !choice.method->factorises && (symmetric || result.residual > 0.1);
+  const bool iterated = std::string(solver->name()) != "direct" && (symmetric || result.residual > 0.1);
   const bool downhill = result.status == LinearStatus::negative_mode && !through_saddles;
   if (result.status != LinearStatus::solved && !downhill && iterated && !options.method->make &&
       molecules <= kDirectLimit) {
@@ -169,6 +171,8 @@ LinearResult solve_linear(const Tangent& tangent, const std::vector<Support>& su
     }
   }
   used.name = solver->name();
+  if (!other_solver && used.name == "direct" && choice.method->name == "multigrid")
+    used.reason = "iterations would take longer than a factorisation";
   return result;
 }
 

@@ -268,6 +268,35 @@ TEST_CASE("near nu = 1/2 cells whose volume is kept by pressures of their own do
   check_order("tetrahedron10", "neo_hookean+volume", 0.499, {2, 4}, 1.7);  // P2/P0: the pressure's order is one less
 }
 
+TEST_CASE("hexahedra of one size share their stiffness, which is the slope of their forces", "[cells][conformance]") {
+  // As many as a segmented image has: two sizes, and three materials that differ by a factor.
+  Body body = cell_box(cell_kind("hexahedron8"), {20, 16, 16}, {0.20, 0.16, 0.16}, 0);
+  for (int a = 0; a < body.size(); ++a)
+    if (body.rest(0, a) > 0.105) body.rest(0, a) += 0.5 * (body.rest(0, a) - 0.1);
+  CellBlock& block = body.blocks.front();
+  block.stiffness = VectorX::Ones(block.size());
+  for (int cell = 0; cell < block.size(); ++cell) block.stiffness[cell] = 1 + 0.5 * (cell % 3);
+  const Positions motion = 1e-6 * random_motion(body, 7);
+  for (const double nu : {0.3, 0.499}) {
+    INFO("nu " << nu);
+    Material material = kSoft;
+    material.poissons_ratio = nu;
+    Model model(body);
+    model.add(built_in_catalog().find("neo_hookean+volume").make(body, material, {}));
+    State state = state_at_rest(body);
+    const Tangent tangent(model, state);
+    Positions slope(3, body.size()), ahead, behind, by_blocks = Positions::Zero(3, body.size());
+    tangent.apply(motion, slope);
+    state.positions = body.rest + motion;
+    model.set_forces(state, ahead);
+    state.positions = body.rest - motion;
+    model.set_forces(state, behind);
+    CHECK((slope - (behind - ahead) / 2).norm() < 1e-6 * slope.norm());
+    tangent.visit_blocks([&](int a, int b, const Matrix3& K) { by_blocks.col(a) += K * motion.col(b); });
+    CHECK((slope - by_blocks).norm() < 1e-12 * slope.norm());
+  }
+}
+
 TEST_CASE("cells of any shape give the same bits on any number of threads", "[cells][threads]") {
   const Body body = cell_box(cell_kind("hexahedron20"), {7, 7, 7}, {0.01, 0.01, 0.01}, 0.05);
   const Positions positions = deformed(body, 2e-6), motion = random_motion(body, 3);

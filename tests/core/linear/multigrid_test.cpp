@@ -222,6 +222,25 @@ TEST_CASE("multigrid keeps the sides of narrow gaps apart", "[multigrid][slow]")
   CHECK(fixed.iterations() <= 250);
 }
 
+TEST_CASE("multigrid keeps the sides of gaps apart in bodies of hexahedra", "[multigrid][slow]") {
+  // Walls of two cells with gaps of one between them, joined in turn at either end: walls lie across the boxes' faces
+  // anyhow, and some molecules are in boxes in which no cell has its middle.
+  constexpr int side = 24, walls = 8;
+  Body corners = cubic_lattice({side + 1, side + 1, 3 * walls}, kSpacing, {true, false, false});
+  std::erase_if(corners.cubes, [&](const auto& cube) {
+    const Vector3 at = corners.rest.col(cube[0]) / kSpacing;
+    const int wall = static_cast<int>(std::lround(at.z())) / 3, along = static_cast<int>(std::lround(at.x()));
+    return std::lround(at.z()) % 3 == 2 && (wall % 2 ? along > 1 : along < side - 2);
+  });
+  Fixed fixed(with_cells(corners, cell_kind("hexahedron8")));
+  fixed.model.add(
+      built_in_catalog().find("neo_hookean").make(fixed.body, {.youngs_modulus = 1e4, .poissons_ratio = 0.3}, {}));
+  Positions motion;
+  const int alone = fixed.solve(make_pcg(), motion, 1e-8).iterations;
+  INFO(alone << " without boxes");
+  CHECK(fixed.iterations() <= std::min(300, alone / 10));
+}
+
 TEST_CASE("multigrid gives bitwise identical results on any number of threads", "[multigrid][slow]") {
   for (const bool ordered : {true, false}) {
     Fixed fixed(ordered ? lattice({20, 20, 20}) : scattered(lattice({20, 20, 20}), 0.2 * kSpacing));
@@ -279,6 +298,29 @@ TEST_CASE("multigrid says of what has no answer what conjugate gradients alone s
     CHECK(motion.rowwise().mean().norm() < 1e-6 * std::sqrt(motion.squaredNorm() / fixed.body.size()));
     CHECK(turn.norm() < 1e-6 * size);
   }
+}
+
+TEST_CASE("the automatic choice factorises where iterations would take longer", "[multigrid]") {
+  // A slender rod near nu = 1/2, bent: hundreds of iterations, and next to no fill in the factor.
+  Fixed fixed(with_cells(cubic_lattice({3, 3, 101}, kSpacing, {true, false, false}), cell_kind("hexahedron8")));
+  fixed.model.add(built_in_catalog()
+                      .find("neo_hookean+volume")
+                      .make(fixed.body, {.youngs_modulus = 1e4, .poissons_ratio = 0.499}, {}));
+  std::vector<int> all;
+  for (int a = 0; a < fixed.body.size(); ++a) all.push_back(a);
+  fixed.model.add(std::make_unique<PointLoads>(fixed.body, all, 1e-5 * fixed.loads));
+  const auto solved = [&](LinearMethod method) {
+    State state = state_at_rest(fixed.body);
+    const StaticResult result = solve_static(fixed.model, state, {.method = method, .probe = false});
+    REQUIRE(result.outcome == Outcome::converged);
+    return std::pair(result, state.positions);
+  };
+  const auto [chosen, positions] = solved("automatic");
+  const auto [by_boxes, same] = solved("multigrid");
+  CHECK(chosen.solver == "newton direct");
+  CHECK(chosen.reason == "iterations would take longer than a factorisation");
+  CHECK(2 * chosen.linear_iterations < by_boxes.linear_iterations);
+  CHECK((positions - same).norm() < 1e-5 * (same - fixed.body.rest).norm());
 }
 
 TEST_CASE("large displacements by multigrid end where conjugate gradients alone do", "[multigrid][slow]") {
