@@ -199,8 +199,13 @@ void add_views(Class& simulation) {
           },
           "[m], (n, 3): a view that changes with each step. To be set between steps where the body is to "
           "be elsewhere: velocities stay, and supports where they are.")
-      .def_property_readonly("velocities", shown([](Simulation & s) -> auto& { return s.velocities(); }),
-                             "[m/s], (n, 3): a view that changes with each step.")
+      .def_property(
+          "velocities", shown([](Simulation & s) -> auto& { return s.velocities(); }),
+          [](Moving& self, const py::object& velocities) {
+            const Positions values = positions_from(velocities, "velocities");
+            self.in_turn([&](Simulation& s) { s.set_velocities(values); });
+          },
+          "[m/s], (n, 3): a view that changes with each step. May be set between steps.")
       .def_property_readonly("forces", shown([](Simulation & s) -> auto& { return s.forces(); }),
                              "All forces of the state reached [N], (n, 3): a view. Asking for it fills it: a view that "
                              "was requested before a step shows that earlier state until it is requested again.")

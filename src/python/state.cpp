@@ -6,7 +6,7 @@
 
 #include "elastin/core/forces/tangent.h"
 #include "elastin/core/simulation/simulation.h"
-#include "lab/format/cell_stress.h"
+#include "lab/run/cell_stress.h"
 #include "lab/run/contact_measures.h"
 #include "python/bind.h"
 
@@ -51,25 +51,6 @@ py::dict cell_states(Moving& self) {
     result["triangle3"] = arrays_of(found.simplices.data(), triangles);
   }
   return result;
-}
-
-/// A finite array (n, 3), or what there was.
-void take(const py::object& given, const char* name, Positions& values) {
-  if (given.is_none()) return;
-  Positions read = positions_from(given, name);
-  if (read.cols() != values.cols())
-    throw InputError(std::string(name) + ": has " + std::to_string(read.cols()) + " rows; the body has " +
-                     std::to_string(values.cols()) + " molecules");
-  if (!read.allFinite()) throw InputError(std::string(name) + ": has numbers that are not finite");
-  values = std::move(read);
-}
-
-void place(Moving& self, const py::object& positions, const py::object& velocities) {
-  SimulationState state = self.in_turn([](Simulation& s) { return s.save(); });
-  take(positions, "positions", state.state.positions);
-  take(velocities, "velocities", state.state.velocities);
-  state.state.accelerations = {};  // of the state before
-  self.in_turn([&](Simulation& s) { s.restore(state); });
 }
 
 /// Blocks of 3 x 3 by rows, as scipy.sparse.bsr_matrix takes them.
@@ -119,10 +100,6 @@ StaticResult settled(Moving& self) {
 
 void add_state(MovingClass& simulation) {
   simulation
-      .def("place", &place, py::arg("positions") = py::none(), py::arg("velocities") = py::none(),
-           "Puts all molecules there, (n, 3) [m], and gives them these velocities, (n, 3) [m/s]; None leaves them. A "
-           "fixed "
-           "molecule goes back to where it is held in the next step. What laws and contact remember stays.")
       .def("cell_states", &cell_states,
            "Means over each cell now, by shape as in Body.cells: {'tetrahedron4': {'strain': (k, 3, 3), 'stress': (k, "
            "3, "

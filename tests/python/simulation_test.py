@@ -44,7 +44,7 @@ class States(unittest.TestCase):
         stress = F @ (lame * numpy.trace(E) * numpy.eye(3) + 2 * shear * E) @ F.T / numpy.linalg.det(F)
         for shape, body in BODIES.items():
             tissue = elastin.Simulation(body, "st_venant_kirchhoff", elastin.Material(1e4, 0.3))
-            tissue.place(body.positions @ F.T)
+            tissue.positions = body.positions @ F.T
             state = tissue.cell_states()
             self.assertEqual(list(state), [shape])
             numpy.testing.assert_allclose(state[shape]["strain"][0], E, atol=1e-12)
@@ -59,7 +59,7 @@ class States(unittest.TestCase):
             random, step = numpy.random.default_rng(4), 1e-8
             at = body.positions + random.uniform(-5e-4, 5e-4, body.positions.shape)
             by = random.uniform(-1, 1, at.shape)
-            tissue.place(at)
+            tissue.positions = at
             data, columns, starts = tissue.stiffness()
             K = numpy.zeros((len(body), 3, len(body), 3))
             for row in range(len(body)):
@@ -67,7 +67,7 @@ class States(unittest.TestCase):
                     K[row, :, columns[i], :] = data[i]
             forces = []
             for sign in (1, -1):
-                tissue.place(at + sign * step * by)
+                tissue.positions = at + sign * step * by
                 forces.append(numpy.array(tissue.forces))
             differences = (forces[1] - forces[0]) / (2 * step)
             numpy.testing.assert_allclose(numpy.tensordot(K, by, 2), differences, rtol=1e-6, atol=1e-6 * abs(differences).max())
@@ -76,12 +76,12 @@ class States(unittest.TestCase):
         body = elastin.Body([[0, 0, 0], [0, 0, 1]], [[0, 1]], masses=[1, 1])
         tissue = elastin.Simulation(body, "uniform", SOFT, parameters={"constant": 0})
         tissue.step(0.5)
-        tissue.place(velocities=[[1, 0, 0], [0, 2, 0]])
+        tissue.velocities = [[1, 0, 0], [0, 2, 0]]
         tissue.step(0.25)
         numpy.testing.assert_allclose(tissue.positions, [[0.25, 0, 0], [0, 0.5, 1]], atol=1e-12)
-        for wrong, said in (([[0, 0, 0]], "1 rows; the body has 2"), ([[0, 0, numpy.nan], [0, 0, 1]], "not finite")):
+        for wrong, said in (([[0, 0, 0]], "1 molecules for 2"), ([[0, 0, numpy.nan], [0, 0, 1]], "not finite")):
             with self.assertRaisesRegex(elastin.InputError, said):
-                tissue.place(wrong)
+                tissue.positions = wrong
         with self.assertRaisesRegex(elastin.InputError, "no molecule 2: the body has molecules 0 to 1"):
             tissue.fix([0, 2])
         self.assertEqual(tissue.reaction([0, 1]).tolist(), [[0, 0, 0], [0, 0, 0]])
@@ -126,7 +126,7 @@ class States(unittest.TestCase):
         with tempfile.TemporaryDirectory() as folder:
             for shape, body in BODIES.items():
                 tissue = elastin.Simulation(body, "neo_hookean", SOFT)
-                tissue.place(body.positions * 1.1)
+                tissue.positions = body.positions * 1.1
                 tissue.to_vtu(f"{folder}/{shape}.vtu")
                 again = elastin.read_mesh(f"{folder}/{shape}.vtu", "m")
                 numpy.testing.assert_allclose(again.positions, body.positions * 1.1, rtol=1e-12)

@@ -1,9 +1,15 @@
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
 #include <numeric>
 #include <utility>
 
+#include "core/geometry/boundary.h"
 #include "core/model/faces.h"
 #include "core/simulation/volume_fit.h"
+#include "core/solve/responses.h"
+#include "elastin/core/base/dense.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/forces/volume.h"
 #include "elastin/core/simulation/catalog.h"
@@ -11,12 +17,6 @@
 
 namespace elastin {
 namespace {
-
-/// Spring constants [N/m], and κ [Pa] of a volume term where the rule has one.
-struct SpringsAndVolume {
-  VectorX constants;
-  double volume_modulus = 0;
-};
 
 std::string calibrated_unsuited(const Strategy& rule, const Body& body) {
   std::string why = rule.unsuited(body);
@@ -39,12 +39,12 @@ Surface outer_surface(const Body& body) {
 }
 
 /// Fits springs and volume term to the material by the moduli that the body's surface shows.
-SpringsAndVolume fitted(const Strategy& rule, const Body& body, const Material& material,
-                        const ParameterValues& values) {
+FittedSprings scaled(const std::string& word, const Strategy& rule, const Body& body, const Material& material,
+                     const ParameterValues& values) {
   const auto fail = [&](const std::string& cause) {
-    throw InputError("'calibrated:" + rule.name + "' on this body: " + cause);
+    throw InputError("'" + word + ":" + rule.name + "' on this body: " + cause);
   };
-  SpringsAndVolume found{rule.constants(body, material, values), 0};
+  FittedSprings found{rule.constants(body, material, values), 0};
   if (!found.constants.allFinite()) fail("a spring constant is not finite");
   Surface surface;
   try {
@@ -81,32 +81,313 @@ SpringsAndVolume fitted(const Strategy& rule, const Body& body, const Material& 
   return found;
 }
 
-}  // namespace
+constexpr int kMostSteps = 40;
+constexpr double kMet = 1e-3;     ///< relative, of every modulus: fitted
+constexpr double kSaid = 0.01;    ///< what is further off is said
+constexpr double kNear = 1e-6;    ///< weight of |ln k/k₀|², over that of the moduli
+constexpr double kBounds = 0.03;  ///< weight of the moduli under uniform stress, where tension is measured as well
 
-Strategy calibrated(const Strategy& rule) {
+/// Small loads on a body, each of displacements on the same supports and forces.
+struct LoadCases {
+  std::vector<Support> supports;
+  std::vector<Positions> displacements, forces;  ///< [m], [N], 3 × n; one of either a load
+};
+
+/// A body whose moduli are energies under small loads: their changes with the spring constants are known with them.
+class ModuliOfBody {
+ public:
+  ModuliOfBody(const Body& body, const Strategy& rule, const Material& target);
+  /// Moduli over those of the target, less 1, those that are to be met first; and their derivatives by ln k, one row
+  /// each.
+  struct Misses {
+    VectorX values;
+    MatrixX slopes;
+  };
+  Misses misses(const VectorX& constants, double volume_modulus) const;
+  /// The number of moduli that are to be met.
+  int wanted() const { return 21 + 3 * static_cast<int>(tension_.size()); }
+  /// Those that are off, in words, or "".
+  std::string remains(const VectorX& constants, double volume_modulus) const;
+
+ private:
+  /// Works [Pa] of the loads of each case on the motions of each, over the volume; elongations [m], a column a case.
+  struct Solved {
+    MatrixX works, elongations;
+  };
+  Solved solve(const LoadCases& cases, const VectorX& constants, double volume_modulus) const;
+
+  const Body& body_;
+  bool with_volume_;
+  Surface surface_;
+  MatrixX stiffness_root_, compliance_root_;  ///< C½ and C⁻½ of the target
+  double youngs_modulus_, poissons_ratio_;
+  LoadCases strain_, stress_;
+  std::vector<LoadCases> tension_;  ///< along x, y, z, of a box
+};
+
+/// Outward area vectors [m²] of the surface, 3 × n.
+Positions area_vectors(const Body& body, const std::optional<BoxSides>& box) {
+  Positions areas = Positions::Zero(3, body.size());
+  if (body.tetrahedra.empty()) {
+    for (int side = 0; box && side < 6; ++side)
+      for (std::size_t i = 0; i < box->sides[side].molecules.size(); ++i)
+        areas(side / 2, box->sides[side].molecules[i]) +=
+            (side % 2 ? 1 : -1) * box->sides[side].area * box->sides[side].share[static_cast<Eigen::Index>(i)];
+  }
+  for (const auto& [a, b, c] : boundary_of(body.tetrahedra)) {
+    const Vector3 corner = body.rest.col(a), area = (body.rest.col(b) - corner).cross(body.rest.col(c) - corner) / 6;
+    for (const int molecule : {a, b, c}) areas.col(molecule) += area;
+  }
+  return areas;
+}
+
+ModuliOfBody::ModuliOfBody(const Body& body, const Strategy& rule, const Material& target)
+    : body_(body),
+      with_volume_(rule.volume_modulus),
+      surface_(outer_surface(body)),
+      youngs_modulus_(target.youngs_modulus),
+      poissons_ratio_(with_volume_ ? target.poissons_ratio : 0.25) {
+  const double shear = youngs_modulus_ / (2 * (1 + poissons_ratio_));
+  MatrixX stiffness = 2 * shear * MatrixX::Identity(6, 6);
+  stiffness.topLeftCorner(3, 3).array() += 2 * shear * poissons_ratio_ / (1 - 2 * poissons_ratio_);
+  stiffness.bottomRightCorner(3, 3) /= 2;
+  const SymmetricEigen eigen = symmetric_eigen(stiffness);
+  const auto power = [&](double exponent) {
+    return product(product(eigen.vectors, eigen.values.array().pow(exponent).matrix().asDiagonal()),
+                   eigen.vectors.transpose());
+  };
+  stiffness_root_ = power(0.5), compliance_root_ = power(-0.5);
+
+  std::optional<BoxSides> box;
+  try {
+    box = find_box(body, Matrix3::Identity(), 0);
+  } catch (const InputError&) {
+  }
+  const Positions areas = area_vectors(body, box), none = Positions::Zero(3, body.size());
+  const Matrix3 closed = areas * body.rest.transpose() / surface_.volume - Matrix3::Identity();
+  if (!(closed.norm() < 1e-6))
+    throw InputError("its surface is not known; write cells: delaunay, for the cells between its molecules");
+  for (const int molecule : surface_.molecules) strain_.supports.push_back({molecule});
+  for (int load_case = 0; load_case < 6; ++load_case) {
+    Positions strained = uniformly_strained(body, load_case);
+    stress_.displacements.push_back(none);
+    stress_.forces.push_back(none);
+    for (int molecule = 0; molecule < body.size(); ++molecule) {
+      const Vector3 area = areas.col(molecule);
+      const int i = load_case < 3 ? load_case : (load_case - 2) % 3,
+                j = load_case < 3 ? load_case : (load_case - 1) % 3;
+      stress_.forces.back()(i, molecule) = area[j];
+      stress_.forces.back()(j, molecule) = area[i];
+    }
+    strain_.displacements.push_back(std::move(strained));
+    strain_.forces.push_back(none);
+  }
+  for (int axis = 0; box && axis < 3; ++axis) {
+    LoadCases tension{{}, {none, none, none}, {none, none, none}};
+    for (const int end : {0, 1})
+      for (const int molecule : box->sides[2 * axis + end].molecules) {
+        Support support{molecule, Matrix3::Identity()};
+        support.free(axis, axis) = 0;
+        tension.supports.push_back(support);
+        tension.displacements[0](axis, molecule) = end * box->size[axis];
+      }
+    for (const int other : {1, 2}) tension.forces[other].row((axis + other) % 3) = areas.row((axis + other) % 3);
+    tension_.push_back(std::move(tension));
+  }
+}
+
+ModuliOfBody::Solved ModuliOfBody::solve(const LoadCases& cases, const VectorX& constants,
+                                         double volume_modulus) const {
+  Model model(body_);
+  model.add(make_springs(body_, constants));
+  if (with_volume_) model.add(make_volume(body_, volume_modulus));
+  model.set_rest(0);
+  model.supports = cases.supports;
+  const StaticOptions linear{.linear = true};
+  const State rest = state_at_rest(body_);
+  Responses responses(model, rest, linear);
+  const auto count = static_cast<Eigen::Index>(cases.forces.size());
+  Solved solved{MatrixX::Zero(count, count), MatrixX(body_.connections.size(), count)};
+  for (Eigen::Index one = 0; one < count; ++one) {
+    const StaticResponse response = responses.to(cases.forces[one], cases.displacements[one], 1e-9);
+    if (response.result.outcome != Outcome::converged) throw InputError(response.result.cause);
+    for (Eigen::Index other = 0; other < count; ++other) {
+      double work = cases.forces[other].cwiseProduct(response.motion).sum();
+      for (std::size_t i = 0; i < cases.supports.size(); ++i)
+        work += response.result.reactions.col(static_cast<Eigen::Index>(i))
+                    .dot(cases.displacements[other].col(cases.supports[i].molecule));
+      solved.works(other, one) = work / surface_.volume;
+    }
+    for (int connection = 0; connection < body_.connections.size(); ++connection) {
+      const auto& [a, b] = body_.connections.ends[connection];
+      solved.elongations(connection, one) =
+          (body_.rest.col(b) - body_.rest.col(a)).normalized().dot(response.motion.col(b) - response.motion.col(a));
+    }
+  }
+  return solved;
+}
+
+ModuliOfBody::Misses ModuliOfBody::misses(const VectorX& constants, double volume_modulus) const {
+  Misses found{VectorX(wanted() + 21), MatrixX(wanted() + 21, constants.size())};
+  int row = 0;
+  const VectorX over_volume = constants / surface_.volume;
+  const auto add = [&](double value, double weight, const auto& one, const auto& other) {
+    found.values[row] = weight * value;
+    found.slopes.row(row++) = weight * over_volume.cwiseProduct(one).cwiseProduct(other).transpose();
+  };
+  /// ± (R M R − 1), M the stiffness or compliance and R the root of the target's other one.
+  const auto add_matrix = [&](const LoadCases& cases, const MatrixX& root, double sign, double weight) {
+    const Solved solved = solve(cases, constants, volume_modulus);
+    const MatrixX over_target = product(product(root, solved.works), root),
+                  elongations = product(solved.elongations, root);
+    for (int i = 0; i < 6; ++i)
+      for (int j = i; j < 6; ++j)
+        add(sign * ((over_target(i, j) + over_target(j, i)) / 2 - (i == j)), weight, elongations.col(i),
+            elongations.col(j));
+  };
+  add_matrix(strain_, compliance_root_, 1, 1);
+  for (const LoadCases& tension : tension_) {
+    const Solved solved = solve(tension, constants, volume_modulus);
+    const VectorX along = solved.elongations.col(0);
+    add(solved.works(0, 0) / youngs_modulus_ - 1, 1, along, along / youngs_modulus_);
+    for (const int other : {1, 2})
+      add(-solved.works(other, 0) - poissons_ratio_, 1, along, solved.elongations.col(other));
+  }
+  add_matrix(stress_, stiffness_root_, -1, tension_.empty() ? 1 : kBounds);
+  return found;
+}
+
+std::string ModuliOfBody::remains(const VectorX& constants, double volume_modulus) const {
+  const Solved strained = solve(strain_, constants, volume_modulus);
+  const auto compliance = compliance_of(Stiffness6(strained.works));
+  if (!compliance) return "the springs show no positive stiffness";
+  const double shear = youngs_modulus_ / (2 * (1 + poissons_ratio_));
+  std::array<double, 9> off{};  // E along x, y, z; G of yz, xz, xy; ν in tension along x, y, z
+  for (int axis = 0; axis < 3; ++axis) {
+    const double youngs = 1 / (*compliance)(axis, axis);
+    off[axis] = youngs / youngs_modulus_ - 1;
+    off[3 + axis] = 1 / (*compliance)(3 + axis, 3 + axis) / shear - 1;
+    off[6 + axis] = -youngs * ((*compliance).block<3, 1>(0, axis).sum() - 1 / youngs) / 2 - poissons_ratio_;
+    if (tension_.empty()) continue;
+    const Solved solved = solve(tension_[axis], constants, volume_modulus);
+    const double in_tension = solved.works(0, 0) / youngs_modulus_ - 1;
+    if (std::abs(in_tension) > std::abs(off[axis])) off[axis] = in_tension;
+    off[6 + axis] = -(solved.works(1, 0) + solved.works(2, 0)) / 2 - poissons_ratio_;
+  }
+  if (std::all_of(off.begin(), off.end(), [](double one) { return std::abs(one) <= kSaid; })) return "";
+  char text[240];
+  std::snprintf(
+      text, sizeof text,
+      "fitted as far as these connections allow: E along x, y, z is off by %+.2g, %+.2g, %+.2g %%, G of yz, xz, "
+      "xy by %+.2g, %+.2g, %+.2g %%, nu in tension along them by %+.2g, %+.2g, %+.2g",
+      100 * off[0], 100 * off[1], 100 * off[2], 100 * off[3], 100 * off[4], 100 * off[5], off[6], off[7], off[8]);
+  return text;
+}
+
+/// What springs alone cannot show, in words, or "".
+std::string cauchy_remains(const Strategy& rule, const Material& material) {
+  if (rule.volume_modulus || std::abs(material.poissons_ratio - 0.25) < 1e-9) return "";
+  char text[240];
+  std::snprintf(text, sizeof text,
+                "springs alone have Poisson's ratio 0.25 (Cauchy), not %.4g: fitted to E, with G %+.1f %% off; "
+                "fitted:%s+volume has E, G and nu",
+                material.poissons_ratio, 100 * ((1 + material.poissons_ratio) / 1.25 - 1),
+                StrategyName(rule.name).rule.c_str());
+  return text;
+}
+
+FittedSprings fitted_to_moduli(const Strategy& rule, const Body& body, const Material& material,
+                               const ParameterValues& values) {
+  const auto fail = [&](const std::string& cause) {
+    throw InputError("'fitted:" + rule.name + "' on this body: " + cause);
+  };
+  if (material.field) fail("the material changes from place to place: there are no moduli to fit to");
+  FittedSprings found = scaled("fitted", rule, body, material, values);
+  const int proper = body.connections.proper();
+  VectorX& k = found.constants;
+  const double least = 0.01 * k.head(proper).cwiseMax(0).mean();
+  k.head(proper) = k.head(proper).cwiseMax(least);
+  try {
+    const ModuliOfBody moduli(body, rule, material);
+    const VectorX start = k;
+    VectorX change = VectorX::Zero(k.size());  // ln k/k₀
+    ModuliOfBody::Misses now = moduli.misses(k, found.volume_modulus);
+    double damping = 1;
+    for (int step = 0; step < kMostSteps && now.values.head(moduli.wanted()).cwiseAbs().maxCoeff() > kMet; ++step) {
+      // Least |g + J d|² + near |y + d|² + damping |d|²: as many equations as moduli.
+      const MatrixX squares = product(now.slopes, now.slopes.transpose());
+      const double size = squares.trace() / static_cast<double>(squares.rows()), near = kNear * size,
+                   weight = near + damping * size;
+      const VectorX slope = now.slopes.transpose() * now.values + near * change;
+      const MatrixX solved = inverse(squares + weight * MatrixX::Identity(squares.rows(), squares.rows()));
+      const VectorX tried =
+          change -
+          ((slope - now.slopes.transpose() * (solved * (now.slopes * slope))) / weight).cwiseMax(-1).cwiseMin(1);
+      const VectorX trial = start.cwiseProduct(tried.array().exp().matrix());
+      ModuliOfBody::Misses next = moduli.misses(trial, found.volume_modulus);
+      const auto cost = [&](const ModuliOfBody::Misses& misses, const VectorX& y) {
+        return misses.values.squaredNorm() + near * y.squaredNorm();
+      };
+      if (cost(next, tried) < cost(now, change)) {
+        change = tried, k = trial, now = std::move(next), damping = std::max(damping / 5, 1e-9);
+      } else {
+        damping *= 4;
+      }
+    }
+    found.remains = moduli.remains(k, found.volume_modulus);
+  } catch (const InputError& error) {
+    fail(error.what());
+  }
+  const std::string cauchy = cauchy_remains(rule, material);
+  if (!cauchy.empty()) found.remains = cauchy + (found.remains.empty() ? "" : "; " + found.remains);
+  return found;
+}
+
+/// The strategy NAME:rule whose springs `fit` makes.
+Strategy fitted_by(const Strategy& rule, bool StrategyName::*property, const std::string& summary,
+                   decltype(Strategy::fit) fit) {
   StrategyName parsed(rule.name);
-  parsed.calibrated = true;
-  const std::string name = parsed.text();
+  parsed.*property = true;
+  const std::string name = parsed.text(), word = property == &StrategyName::fitted ? "fitted" : "calibrated";
   if (rule.calibrates) throw InputError("'" + name + "': the rule is calibrated already");
-  if (rule.has_history) throw InputError("'" + name + "': write prony:calibrated:RULE or mullins:calibrated:RULE");
+  if (rule.has_history) throw InputError("'" + name + "': write prony:" + word + ":RULE or mullins:" + word + ":RULE");
   if (rule.kind != StrategyKind::spring_rule)
-    throw InputError("'" + name + "': only a spring rule can be calibrated, and " + rule.name + " is a " +
+    throw InputError("'" + name + "': only a spring rule can be " + word + ", and " + rule.name + " is a " +
                      name_of(rule.kind));
   Strategy result = rule;
   result.name = name;
-  result.summary += "; calibrated";
+  result.summary += "; " + summary;
   result.calibrates = std::make_shared<const Strategy>(rule);
+  result.fit = fit;
+  result.joins_molecules = true;
   result.unsuited = [rule](const Body& body) { return calibrated_unsuited(rule, body); };
-  result.constants = [rule](const Body& body, const Material& material, const ParameterValues& values) {
-    return fitted(rule, body, material, values).constants;
+  result.constants = [fit](const Body& body, const Material& material, const ParameterValues& values) {
+    return fit(body, material, values).constants;
   };
-  result.make = [rule](const Body& body, const Material& material, const ParameterValues& values) {
-    SpringsAndVolume found = fitted(rule, body, material, values);
+  result.make = [fit, with_volume = static_cast<bool>(rule.volume_modulus)](const Body& body, const Material& material,
+                                                                            const ParameterValues& values) {
+    FittedSprings found = fit(body, material, values);
     ElasticTerms terms = make_springs(body, std::move(found.constants), material);
-    if (rule.volume_modulus) terms.add(make_volume(body, found.volume_modulus));
+    if (with_volume) terms.add(make_volume(body, found.volume_modulus));
     return terms;
   };
   return result;
+}
+
+}  // namespace
+
+Strategy calibrated(const Strategy& rule) {
+  return fitted_by(rule, &StrategyName::calibrated, "calibrated",
+                   [rule](const Body& body, const Material& material, const ParameterValues& values) {
+                     return scaled("calibrated", rule, body, material, values);
+                   });
+}
+
+Strategy fitted(const Strategy& rule) {
+  return fitted_by(rule, &StrategyName::fitted, "every constant fitted",
+                   [rule](const Body& body, const Material& material, const ParameterValues& values) {
+                     return fitted_to_moduli(rule, body, material, values);
+                   });
 }
 
 }  // namespace elastin

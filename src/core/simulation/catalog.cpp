@@ -77,6 +77,8 @@ Catalog built_in_catalog() {
   };
   add_wrapper("calibrated", "any spring rule, times E / E measured by one linear solve of the scene: calibrated:RULE",
               "[M03]'s divisor found by hand, made automatic");
+  add_wrapper("fitted", "any spring rule, every constant fitted by itself: E, G and nu in all directions: fitted:RULE",
+              "Gauss-Newton on energies under uniform strains, stresses [Huet 1990] and tension");
   add_wrapper("prony", "any strategy on springs or cells of any shape, with the material's relaxation: prony:NAME",
               "quasi-linear viscoelasticity [Fung 1981], recursion of [Taylor, Pister & Goudreau 1970]");
   add_wrapper("mullins", "any strategy with an energy, softer where it has been strained before: mullins:NAME",
@@ -167,6 +169,7 @@ Strategy wrapped(bool StrategyName::*property, const Strategy& strategy) {
   Strategy result = strategy;
   result.name = renamed(strategy, property);
   result.constants = nullptr, result.constants_at = nullptr, result.calibrates = nullptr;
+  result.fit = nullptr;
   result.make_without_volume = nullptr, result.make_without_compression = nullptr, result.make_mixed = nullptr;
   result.has_history = true;
   return result;
@@ -280,6 +283,7 @@ Strategy Catalog::find(const StrategyName& name) const {
   Strategy strategy = *rule;
   if (name.volume) strategy = with_volume(strategy);
   if (name.wrinkling) strategy = with_wrinkling(strategy);
+  if (name.fitted) strategy = fitted(strategy);
   if (name.calibrated) strategy = calibrated(strategy);
   if (name.softened) strategy = with_softening(strategy);
   return name.relaxed ? with_relaxation(strategy) : strategy;

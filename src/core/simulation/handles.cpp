@@ -130,14 +130,27 @@ SimulationState Simulation::save() const {
   return saved;
 }
 
+namespace {
+
+/// The state with other values in one of its arrays.
+SimulationState changed(SimulationState state, Positions State::*array, const Positions& values, const char* name) {
+  if (values.cols() != state.state.positions.cols() || !values.allFinite())
+    throw InputError(std::string(name) + ": " + std::to_string(values.cols()) + " molecules for " +
+                     std::to_string(state.state.positions.cols()) + ", or numbers that are not finite");
+  state.state.*array = values;
+  state.state.accelerations = {};  // of the state before
+  state.seen = {};
+  return state;
+}
+
+}  // namespace
+
 void Simulation::set_positions(const Positions& positions) {
-  SimulationState moved = save();
-  if (positions.cols() != moved.state.positions.cols() || !positions.allFinite())
-    throw InputError("positions: " + std::to_string(positions.cols()) + " molecules for " +
-                     std::to_string(moved.state.positions.cols()) + ", or numbers that are not finite");
-  moved.state.positions = positions;
-  moved.seen = {};
-  restore(moved);
+  restore(changed(save(), &State::positions, positions, "positions"));
+}
+
+void Simulation::set_velocities(const Positions& velocities) {
+  restore(changed(save(), &State::velocities, velocities, "velocities"));
 }
 
 void Simulation::Impl::restore(const SimulationState& saved) {

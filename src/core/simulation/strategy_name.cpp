@@ -17,12 +17,12 @@ struct Property {
 };
 
 /// In the order in which they stand in a name.
-constexpr std::array kBeginnings{Property{"prony:", &StrategyName::relaxed},
-                                 Property{"mullins:", &StrategyName::softened},
-                                 Property{"calibrated:", &StrategyName::calibrated}};
+constexpr std::array kBeginnings{
+    Property{"prony:", &StrategyName::relaxed}, Property{"mullins:", &StrategyName::softened},
+    Property{"calibrated:", &StrategyName::calibrated}, Property{"fitted:", &StrategyName::fitted}};
 constexpr std::array kEndings{Property{"+volume", &StrategyName::volume},
                               Property{"+wrinkling", &StrategyName::wrinkling}};
-constexpr std::string_view kMembrane = "_membrane", kCalibratedAlone = "calibrated";
+constexpr std::string_view kMembrane = "_membrane";
 
 template <class Properties>
 void check_word(const std::string& rule, const std::string& word, const char* kind, const Properties& properties) {
@@ -41,7 +41,9 @@ StrategyName::StrategyName(std::string text) : rule(std::move(text)) {
     if (rule.starts_with(word)) rule.erase(0, word.size()), this->*has = true;
   for (auto ending = kEndings.rbegin(); ending != kEndings.rend(); ++ending)
     if (rule.ends_with(ending->word)) rule.erase(rule.size() - ending->word.size()), this->*(ending->has) = true;
-  if (!calibrated && rule == kCalibratedAlone) calibrated = true, rule = "standard";
+  for (const auto has : {&StrategyName::calibrated, &StrategyName::fitted})
+    if (!calibrated && !fitted && rule == (has == &StrategyName::fitted ? "fitted" : "calibrated"))
+      this->*has = true, rule = "standard";
 }
 
 StrategyName StrategyName::of_law(const std::string& law, int dimensions) {

@@ -31,7 +31,7 @@ PlotSeries front_of(const std::vector<PlotSeries>& series) {
 std::pair<std::string, int> family_of(const std::string& strategy) {
   const StrategyName name(strategy);
   if (name.of_membrane()) return {name.law(), kPlotShades - 1};
-  return {name.rule, (name.calibrated ? 1 : 0) + (name.volume || name.wrinkling ? 2 : 0)};
+  return {name.rule, (name.calibrated || name.fitted ? 1 : 0) + (name.volume || name.wrinkling ? 2 : 0)};
 }
 
 bool measured(const std::vector<Record>& records, const std::string& name) {

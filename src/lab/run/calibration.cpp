@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "core/simulation/volume_fit.h"
+#include "elastin/core/base/error.h"
 #include "elastin/core/forces/volume.h"
 #include "elastin/core/model/share.h"
 #include "lab/run/common_measures.h"
@@ -248,8 +249,21 @@ std::optional<ElasticTerms> make_rule(const Specimen& specimen, const Experiment
                                       const StrategyChoice& choice, const RunOptions& options, Run& run) {
   const bool with_volume = static_cast<bool>(choice.strategy.volume_modulus);
   const StaticExperiment* calibration = calibration_of(experiment, specimen);
-  run.constants = choice.strategy.constants(specimen.body, specimen.material, choice.values);
-  if (with_volume) run.volume_modulus = choice.strategy.volume_modulus(specimen.material);
+  if (choice.strategy.fit) {
+    try {
+      FittedSprings found = choice.strategy.fit(specimen.body, specimen.material, choice.values);
+      run.constants = std::move(found.constants);
+      run.volume_modulus = found.volume_modulus;
+      if (!found.remains.empty()) run.warnings.push_back(std::move(found.remains));
+    } catch (const InputError& error) {
+      run.suited = false;
+      run.cause = error.what();
+      return std::nullopt;
+    }
+  } else {
+    run.constants = choice.strategy.constants(specimen.body, specimen.material, choice.values);
+    if (with_volume) run.volume_modulus = choice.strategy.volume_modulus(specimen.material);
+  }
   if (choice.name.calibrated) {
     const StaticExperiment& at_rest = *calibration;
     const bool both = with_volume && measures_both(at_rest, specimen.material);

@@ -198,7 +198,8 @@ void Derivatives::check(const Specimen& specimen, const Experiment& experiment, 
       : choice.name.softened && !grows ? "'" + choice.label + "' has a history once the load falls"
       : choice.name.calibrated && experiment.apparent() && !specimen.calibration
           ? "'" + choice.label + "' is calibrated to a computed reference"
-          : "";
+      : choice.name.fitted ? "'" + choice.label + "' is fitted by steps that end within a tolerance; write calibrated:"
+                           : "";
   if (!why.empty()) throw InputError("no derivatives of these measures: " + why);
 }
 

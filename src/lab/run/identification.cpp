@@ -137,7 +137,7 @@ double Identified::modulus(double strain) const {
 }
 
 std::string identification_unsuited(const StrategyChoice& choice) {
-  if (choice.name.calibrated || !choice.strategy.follows_curve)
+  if (choice.name.calibrated || choice.name.fitted || !choice.strategy.follows_curve)
     return "does not follow a material's curve (or is calibrated to one): none can be identified with it";
   return "";
 }

@@ -33,8 +33,9 @@ constexpr int kWithEnding = 1000, kCalibrated = 2000;
 StrategyChoice chosen(const Catalog& catalog, const std::string& label, StrategyName name, Strategy found) {
   const std::vector<std::string> names = catalog.names();
   const int position = static_cast<int>(std::find(names.begin(), names.end(), name.rule) - names.begin()),
-            order = position + (name.calibrated ? kCalibrated : 0) + (name.volume || name.wrinkling ? kWithEnding : 0);
-  if (found.calibrates) found = Strategy(*found.calibrates);
+            order = position + (name.calibrated || name.fitted ? kCalibrated : 0) +
+                    (name.volume || name.wrinkling ? kWithEnding : 0);
+  if (name.calibrated) found = Strategy(*found.calibrates);
   return {label, std::move(name), std::move(found), {}, order};
 }
 

@@ -279,6 +279,8 @@ class Simulation:
     @property
     def velocities(self) -> Floats:
         """[m/s], (n, 3): a view that changes with each step."""
+    @velocities.setter
+    def velocities(self, velocities: ArrayLike) -> None: ...
     @property
     def forces(self) -> Floats:
         """All forces of the state reached [N], (n, 3): a view. Asking for it fills it: a view that was requested before
@@ -382,9 +384,6 @@ class Simulation:
         """x"""
     def plot(self, ax: Any = None, **options: Any) -> Any:
         """The body as it is now, its connections coloured by their tension. Options go to Line3DCollection."""
-    def place(self, positions: ArrayLike | None = None, velocities: ArrayLike | None = None) -> None:
-        """Puts all molecules there, (n, 3) [m], and gives them these velocities, (n, 3) [m/s]; None leaves them. A
-        fixed molecule goes back to where it is held in the next step. What laws and contact remember stays."""
     def cell_states(self) -> dict[str, dict[str, Floats]]:
         """Means over each cell now, by shape as in Body.cells: {'tetrahedron4': {'strain': (k, 3, 3), 'stress': (k, 3,
         3)}, …}: Green and Lagrange's strain and Cauchy's stress [Pa], of triangles force over width [N/m]. Of

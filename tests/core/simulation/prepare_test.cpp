@@ -69,6 +69,9 @@ TEST_CASE("the catalog finds a strategy by its whole name", "[strategy]") {
   CHECK_THROWS_WITH(kCatalog.find("calbrated:lattice"), Contains("did you mean 'calibrated:'"));
   CHECK_THROWS_WITH(kCatalog.find("volume"), Contains("goes with a rule: lattice+volume"));
   CHECK_THROWS_WITH(kCatalog.find("calibrated:neo_hookean"), Contains("only a spring rule can be calibrated"));
+  CHECK(kCatalog.find("prony:fitted+volume").name == "prony:fitted:standard+volume");
+  CHECK_THROWS_WITH(kCatalog.find("fitted:neo_hookean"), Contains("only a spring rule can be fitted"));
+  CHECK_THROWS_WITH(kCatalog.find("calibrated:fitted:patch"), Contains("the rule is calibrated already"));
   CHECK_THROWS_WITH(kCatalog.find("calibrated:calibrated:patch"), Contains("'calibrated:' is repeated"));
 }
 
@@ -170,6 +173,13 @@ TEST_CASE("calibrated tells what it cannot do") {
   set_region(regions, Vector3::Zero(), Vector3::Constant(0.01), 10, 1);
   CHECK_THAT(refusal([&] { Simulation(regions, rule, kSoft); }), Contains("a body with regions"));
   CHECK_THAT(refusal([&] { Simulation(sheet(), rule, kSoft); }), Contains("a membrane of triangles is no solid"));
+  const Strategy fitted = kCatalog.find("fitted:standard");
+  CHECK_THAT(refusal([&] { Simulation(regions, fitted, kSoft); }), Contains("a body with regions"));
+  CHECK_THAT(refusal([&] { Simulation(sheet(), fitted, kSoft); }), Contains("'fitted:standard' on this body"));
+  CHECK_THAT(refusal([&] {
+               Simulation(random_packing({0.05, 0.05, 0.05}, 0.01, 0.016, 1), fitted, kSoft);
+             }),
+             Contains("write cells: delaunay"));
 }
 
 TEST_CASE("a body whose lists name what it does not have is refused by name", "[prepare][simulation]") {

@@ -1,6 +1,7 @@
 #include "lab/experiment/homogenisation/homogenisation.h"
 
 #include "elastin/core/base/error.h"
+#include "lab/experiment/tension/tension.h"
 #include "lab/run/section.h"
 #include "support/experiments.h"
 
@@ -83,6 +84,52 @@ TEST_CASE("the lattice rule is isotropic with nu = 1/4", "[material]") {
     const Specimen specimen = lattice({4, 5, 6}, pattern);
     CHECK(relative_difference(homogenise(specimen, "lattice"), isotropic(specimen.material)) < 1e-10);
   }
+}
+
+TEST_CASE("fitted springs are the isotropic stiffness on a jittered mesh, where one factor is not",
+          "[material][fitted]") {
+  struct Case {
+    const char* rule;
+    double poissons_ratio;
+  };
+  for (const auto& [rule, nu] : {Case{"uniform", 0.25}, {"van_gelder", 0.25}, {"standard+volume", 0.35}}) {
+    const Specimen specimen = jittered_specimen(BlockKind::body_centred, nu, 1e4, 4);
+    CAPTURE(rule);
+    constexpr double met = 2e-3;  // each modulus is fitted to 1e-3, and differs by more between two kinds of tests
+    const Run fitted = homogenise(specimen, std::string("fitted:") + rule);
+    CHECK(relative_difference(fitted, isotropic(specimen.material)) < met);
+    CHECK(relative_difference(homogenise(specimen, std::string("calibrated:") + rule), isotropic(specimen.material)) >
+          20 * met);
+    CHECK(fitted.constants.minCoeff() >= 0);
+    CHECK(fitted.warnings.empty());
+    for (const int axis : {0, 1, 2}) {
+      TensionSetup setup;
+      setup.axis = Vector3::Unit(axis);
+      setup.displacement = 1e-9;
+      const Run pulled =
+          solve(specimen, *make_tension(specimen.body, setup), std::string("fitted:") + rule, {.linear = true});
+      CHECK(pulled.measures.get("effective_modulus") == Approx(1e4).epsilon(met));
+      CHECK(pulled.measures.get("poissons_ratio") == Approx(nu).margin(0.01));  // at mid height, not of the whole
+    }
+  }
+}
+
+TEST_CASE("springs alone that are fitted to any other Poisson's ratio say what Cauchy's leaves", "[material][fitted]") {
+  // E is met with nu = 1/4, G is E / 2.5 in place of E / (2 (1 + nu)): (1 + 0.4) / 1.25 - 1 = 12 % too stiff.
+  Specimen specimen = lattice({4, 5, 6}, {true, true, false});
+  specimen.material.poissons_ratio = 0.4;
+  const Run run = homogenise(specimen, "fitted:uniform");
+  REQUIRE(run.warnings.size() == 1);
+  CHECK_THAT(run.warnings[0], Catch::Contains("Poisson's ratio 0.25 (Cauchy), not 0.4") &&
+                                  Catch::Contains("G +12.0 %") && Catch::Contains("fitted:uniform+volume"));
+  specimen.material.poissons_ratio = 0.25;
+  CHECK(relative_difference(run, isotropic(specimen.material)) < 2e-3);
+  const Specimen loose = lattice({3, 3, 3}, {true, false, false});
+  const Catalog catalog = built_in_catalog();
+  const Run mechanism = run_strategy(loose, *make_homogenisation(loose.body, {0}, Matrix3::Identity()),
+                                     choose_strategy(catalog, "fitted:standard"), {});
+  CHECK_FALSE(mechanism.suited);
+  CHECK_THAT(mechanism.cause, Catch::Contains("'fitted:standard' on this body") && Catch::Contains("no modulus"));
 }
 
 TEST_CASE("a cubic lattice of equal rules has the closed form of its sums", "[material]") {

@@ -152,6 +152,8 @@ class Simulation {
   /// Puts the molecules there [m], 3 × n, between steps: a body may begin elsewhere than at rest. Velocities stay, and
   /// supports where they are. Throws InputError on another number of molecules, or positions that are not finite.
   void set_positions(const Positions& positions);
+  /// Gives the molecules these velocities [m/s], 3 × n, between steps. Throws InputError as set_positions.
+  void set_velocities(const Positions& velocities);
   const Positions& velocities() const noexcept;  ///< [m/s], 3 × n
   /// All that moves, as what reads a state wants it: energies, contact reports.
   const State& state() const noexcept;

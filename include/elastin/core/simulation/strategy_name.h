@@ -4,12 +4,14 @@
 namespace elastin {
 
 /// The name of a strategy, read: `prony:mullins:calibrated:patch+volume` is the rule `patch` with four properties.
-/// Beginnings and endings count once each and in this order: prony:mullins:calibrated:RULE+volume+wrinkling.
+/// Beginnings and endings count once each and in this order: prony:mullins:calibrated:RULE+volume+wrinkling; `fitted:`
+/// stands in place of `calibrated:`.
 struct StrategyName {
   std::string rule;         ///< its row in the catalog; whatever is left of a text that is no name of this form
   bool relaxed = false;     ///< "prony:", see with_relaxation
   bool softened = false;    ///< "mullins:", see with_softening
   bool calibrated = false;  ///< "calibrated:", see calibrated; the word alone is calibrated:standard
+  bool fitted = false;      ///< "fitted:", see fitted; the word alone is fitted:standard
   bool volume = false;      ///< "+volume", see with_volume
   bool wrinkling = false;   ///< "+wrinkling", see with_wrinkling
 
