@@ -60,7 +60,9 @@ class Stubs(unittest.TestCase):
 
     def test_classes(self):
         for name, node in self.classes.items():
-            in_stub = {item.name: item for item in node.body if isinstance(item, ast.FunctionDef)}
+            functions = [item for item in node.body if isinstance(item, ast.FunctionDef)]
+            setters = {item.name for item in functions if any(getattr(mark, "attr", "") == "setter" for mark in item.decorator_list)}
+            in_stub = {item.name: item for item in reversed(functions)}  # a property's own before its setter
             in_module = getattr(elastin, name)
             self.assertTrue(in_module.__doc__ or name == "InputError", name)
             own = [base for base in in_module.__mro__ if base.__module__.startswith("elastin")
@@ -78,6 +80,8 @@ class Stubs(unittest.TestCase):
                     found = inspect.getattr_static(in_module, method)
                     is_property = any(getattr(mark, "id", "") == "property" for mark in item.decorator_list)
                     self.assertEqual(isinstance(found, property), is_property)
+                    if is_property:
+                        self.assertEqual(found.fset is not None, method in setters)
                     if not is_property and method in (*hinted, "__init__"):
                         described = in_module if "__signature__" in vars(in_module) else getattr(in_module, method)
                         self.assertEqual(arguments_in_stub(item), arguments_in_module(described))

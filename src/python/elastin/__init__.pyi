@@ -84,14 +84,17 @@ class Body:
         """A pyvista.UnstructuredGrid of the body at rest."""
 
 class Surface:
-    """x"""
+    """A surface that is drawn with a body and takes no part in its mechanics, as fine as a picture wants it: each point
+    moves with the solid cell, or the lattice's cube, that holds it at rest or is nearest."""
     def __init__(self, body: Body, points: ArrayLike, triangles: ArrayLike) -> None:
-        """x"""
+        """points (n, 3) [m] in the body's shape at rest; triangles (k, 3) of their numbers, counter-clockwise seen from
+        outside."""
     def draw(self, positions: ArrayLike) -> tuple[Floats, Floats]:
-        """x"""
+        """Where the points are when the molecules are at `positions` (m, 3) [m], and the unit normals there: two arrays
+        (n, 3) in single precision, as graphics take them."""
     @property
     def farthest(self) -> float:
-        """x"""
+        """How far the point that is furthest from all cells lies outside of them [m], about."""
     def __len__(self) -> int: ...
 
 class Material:
@@ -278,7 +281,7 @@ class Simulation:
     def positions(self, positions: ArrayLike) -> None: ...
     @property
     def velocities(self) -> Floats:
-        """[m/s], (n, 3): a view that changes with each step."""
+        """[m/s], (n, 3): a view that changes with each step. May be set between steps."""
     @velocities.setter
     def velocities(self, velocities: ArrayLike) -> None: ...
     @property
@@ -377,11 +380,11 @@ class Simulation:
     def decouple(self, coupling: int) -> None: ...
     def add_load(self, load: str, **kwargs: float | ArrayLike) -> int:
         """Adds a load or damping, one of loads(), at any time between steps: add_load('gravity', acceleration=(0, 0,
-        -9.81))."""
+        -9.81)). Gives its number for set_load and remove_load."""
     def set_load(self, load: int, **kwargs: float | ArrayLike) -> None:
-        """x"""
+        """Gives a load other values from the next step on, by its number: all of them, as add_load."""
     def remove_load(self, load: int) -> None:
-        """x"""
+        """Takes a load away, by its number."""
     def plot(self, ax: Any = None, **options: Any) -> Any:
         """The body as it is now, its connections coloured by their tension. Options go to Line3DCollection."""
     def cell_states(self) -> dict[str, dict[str, Floats]]:
