@@ -130,7 +130,7 @@ function types() {
   const text = fs.readFileSync(path.join(folder, 'index.d.ts'), 'utf8');
   for (const type of [Elastin, Body, Surface, Simulation]) {
     const part = text.match(new RegExp(`export class ${type.name} \\{([^]*?)\\n\\}`))[1];
-    const named = [...part.matchAll(/^ {2}(?:readonly )?(\w+)[(:]/gm)].map(found => found[1]);
+    const named = [...part.matchAll(/^ {2}(?:readonly |[gs]et )?(\w+)[(:]/gm)].map(found => found[1]);
     const there = new Set();
     for (let one = type.prototype; one !== Object.prototype; one = Object.getPrototypeOf(one)) Object.getOwnPropertyNames(one).forEach(name => there.add(name));
     for (const name of named) assert(there.has(name), `${type.name} has no ${name}`);

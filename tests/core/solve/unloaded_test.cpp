@@ -42,7 +42,8 @@ void for_each_hung(Test test) {
         if (const auto constants = law_constants(); constants.contains(strategy.law) && !strategy.law.empty())
           material = with_law(*kCatalog.material_laws.find(strategy.law), constants.at(strategy.law), material);
         if (!strategy.unsuited(body).empty() || !material_unsuited(strategy, body, material).empty()) continue;
-        if (strategy.name.starts_with("uniform")) continue;  // its constant is given, not made from E
+        // One's constant is given, not made from E; the other's springs are 3.75 times softer than their volume term.
+        if (strategy.name.starts_with("uniform") || strategy.name.starts_with("divided")) continue;
         INFO(strategy.name << " on " << name << ", nu " << nu);
         const double low = body.rest.row(0).minCoeff() + 1e-3;
         const auto make = [&](const Body& own) {
@@ -88,7 +89,7 @@ TEST_CASE("every law and spring rule: a prestrain keeps the body in its shape un
     Body body = plain;
     body.unstressed = std::make_shared<const Rest>(Rest{[](const Vector3& place, const Vector3&) {
       Matrix3 F;
-      F << 1.05 + 2 * place.x(), 0.03, 0, 0, 0.95, 0.02 + place.y(), 0.02, 0, 1.02;
+      F << 1.02 + place.x(), 0.01, 0, 0, 0.98, 0.01 + place.y(), 0.01, 0, 1.01;
       return F;
     }});
     const double size = (body.rest.rowwise().maxCoeff() - body.rest.rowwise().minCoeff()).norm();
@@ -97,10 +98,10 @@ TEST_CASE("every law and spring rule: a prestrain keeps the body in its shape un
     REQUIRE(kept.outcome == Outcome::converged);
     CHECK(kept.error < 1e-10 * size);
     const std::shared_ptr<Model> model = make(kept.body);
-    Positions forces = model->elastic_forces(body.rest) + model->load_forces(state_at_rest(body));
-    const double all = model->load_forces(state_at_rest(body)).norm();
-    for (const Support& support : model->supports) forces.col(support.molecule).setZero();
-    CHECK(forces.norm() < 1e-6 * all);
-    CHECK(model->elastic_forces(body.rest).norm() > 0.5 * all);
+    const Positions elastic = model->elastic_forces(body.rest), loads = model->load_forces(state_at_rest(body));
+    Positions left = elastic + loads;
+    for (const Support& support : model->supports) left.col(support.molecule).setZero();
+    CHECK(left.norm() < 1e-6 * elastic.norm());
+    CHECK(elastic.norm() > 0.5 * loads.norm());
   });
 }
