@@ -35,6 +35,7 @@ struct NewCommand {
     options.argument("SPECIMEN", into(scene.specimen), names, false, false);
     options.add("--size", "LENGTHS", into(scene.size), "Lengths of a block along x, y, z: '40 x 10 x 4 mm'");
     options.add("--mesh", "FILE", into(scene.mesh), "File of the mesh (dogbone) or of the closed surface (organ)");
+    options.add("--image", "FILE", into(scene.mesh), "File of the voxels (scan)");
     options.add("--length-unit", "UNIT", into(scene.length_unit),
                 "Unit of the file's coordinates; default: " + scene.length_unit);
     options.add("--modulus", "E", into(modulus), "Young's modulus; default: " + scene.modulus);

@@ -78,8 +78,7 @@ class Stubs(unittest.TestCase):
             for method, item in in_stub.items():
                 with self.subTest(cls=name, method=method):
                     found = inspect.getattr_static(in_module, method)
-                    marks = [getattr(mark, "id", getattr(mark, "attr", "")) for mark in item.decorator_list]
-                    is_property = "property" in marks or "setter" in marks
+                    is_property = any(getattr(mark, "id", "") == "property" for mark in item.decorator_list)
                     self.assertEqual(isinstance(found, property), is_property)
                     if is_property:
                         self.assertEqual(found.fset is not None, method in setters)

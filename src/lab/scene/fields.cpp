@@ -397,7 +397,8 @@ void set_fields(const Reader& fields, const elastin::Table<MaterialLaw>& laws, M
                        body);
   if (setup.regions) add_regions(*setup.regions, row.get(), material, setters, body);
   if (!setters.empty()) {
-    material.field = MaterialField{[setters](Material& own, const Vector3& place) {
+    material.field = MaterialField{[setters, before = material.field](Material& own, const Vector3& place) {
+      if (before) before->set(own, place);
       for (const Setter& set : setters) set(own, place);
     }};
     check_at_all_places(fields, row.get(), material, body);

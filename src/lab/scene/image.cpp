@@ -21,7 +21,8 @@ enum class ImageCells { hexahedra, lattice, tetrahedra, packing };
 struct Label {
   double number = 0;
   std::string name;
-  std::optional<double> youngs_modulus, density;
+  std::optional<double> youngs_modulus = {}, poissons_ratio = {}, density = {};
+  std::optional<Reader> ratio_place = {};
 };
 
 struct ImageSetup : MeshFile {
@@ -50,14 +51,15 @@ void read_labels(const Reader& value, ImageSetup& setup) {
     return number;
   };
   if (!value.is_map()) {
-    for (const Reader& item : value.items())
-      setup.labels.push_back({number_of(item.text(), item), item.text(), {}, {}});
+    for (const Reader& item : value.items()) setup.labels.push_back({number_of(item.text(), item), item.text()});
   } else {
     const Keys<LabelSetup> keys{
         key::text("name", &LabelSetup::name, "name of its set").otherwise("its number"),
-        key::later({"material", "map", "", "", "the scene's", "its E and density"}, &LabelSetup::material)};
+        key::later({"material", "map", "", "", "the scene's", "its E, ν and density"}, &LabelSetup::material)};
     const Keys<Label> numbers{
         key::quantity("youngs_modulus", &Label::youngs_modulus, dimension::pressure, "E there", kPositive),
+        key::quantity("poissons_ratio", &Label::poissons_ratio, dimension::none, "ν there", {-0.99, 0.4999})
+            .place(&Label::ratio_place),
         key::quantity("density", &Label::density, dimension::density, "density there", kPositive)};
     for (const auto& [key, item] : value.entries()) {
       const LabelSetup own = keys.read(item);
@@ -77,6 +79,8 @@ class Boxes {
   Body body() const;
   /// Makes the body as stiff, and its molecules as heavy, as labels, fractions and grey values say.
   void set_matter(Body& body) const;
+  /// Gives the material the Poisson's ratios of the labels.
+  void set_ratios() const;
   MoleculeSets sets() const;
 
  private:
@@ -135,7 +139,7 @@ Boxes::Boxes(const mesh::Image& image, const ImageSetup& setup, ShapeContext& co
                                   : 1;
     counts_[axis] = (image.size[axis] + voxels_[axis] - 1) / voxels_[axis];
   }
-  if (labels_.empty()) labels_.push_back({0, setup.threshold ? "body" : "not 0", {}, {}});
+  if (labels_.empty()) labels_.push_back({0, setup.threshold ? "body" : "not 0"});
   if (setup.youngs_modulus) modulus_of_ = setup.youngs_modulus->of_value(dimension::pressure, kPositive);
   if (setup.density) density_of_ = setup.density->of_value(dimension::density, kPositive);
   fill();
@@ -309,10 +313,17 @@ double Boxes::stiffness(const Box& box) const {
 void Boxes::report() const {
   std::vector<std::size_t> counts(labels_.size(), 0);
   std::vector<double> volumes(labels_.size(), 0);
+  double whole = 0, filled = 0;
   for_body([&](const Box& box, const std::array<int, 3>& at) {
     ++counts[box.label];
     volumes[box.label] += double{box.fraction} * volume(at);
+    whole += volume(at), filled += double{box.fraction} * volume(at);
   });
+  if (filled < 0.99 * whole)
+    context_.remarks.warnings.push_back(fmt::format(
+        "{}: sections count whole boxes, {:.3g} times what is filled: give `cross_section` where a modulus is "
+        "read",
+        setup_.file->path(), whole / filled));
   std::vector<std::string> texts;
   for (std::size_t i = 0; i < labels_.size(); ++i) {
     texts.push_back(fmt::format("{} ({} boxes, {:.4g} cm3)", labels_[i].name, counts[i], 1e6 * volumes[i]));
@@ -468,6 +479,30 @@ void Boxes::set_matter(Body& body) const {
   });
 }
 
+void Boxes::set_ratios() const {
+  const auto own = std::find_if(labels_.begin(), labels_.end(), [](const Label& one) { return one.ratio_place; });
+  if (own == labels_.end()) return;
+  if (context_.material->law) own->ratio_place->fail("needs a material without a law");
+  if (!context_.remarks.field) own->ratio_place->fail("needs a scene of one body");
+  std::vector<double> ratios;
+  for (const Label& one : labels_) ratios.push_back(one.poissons_ratio.value_or(context_.material->poissons_ratio));
+  std::vector<int> label_of;
+  for (const Box& box : boxes_) label_of.push_back(box.label);
+  const auto at = [unit = setup_.length_unit, origin = image_.origin, steps = image_.steps.inverse().eval(),
+                   voxels = voxels_, counts = counts_](const Vector3& place) {
+    const Vector3 voxel = steps * (place / unit - origin);
+    std::size_t box = 0;
+    for (int axis = 2; axis >= 0; --axis)
+      box = box * static_cast<std::size_t>(counts[axis]) +
+            static_cast<std::size_t>(
+                std::clamp(static_cast<int>((voxel[axis] + 0.5) / voxels[axis]), 0, counts[axis] - 1));
+    return box;
+  };
+  *context_.remarks.field = MaterialField{[=](Material& material, const Vector3& place) {
+    if (const int label = label_of[at(place)]; label >= 0) material.poissons_ratio = ratios[label];
+  }};
+}
+
 Body make_body(const ImageSetup& setup, ShapeContext& context) {
   mesh::Image image = [&] {
     try {
@@ -489,6 +524,7 @@ Body make_body(const ImageSetup& setup, ShapeContext& context) {
   if (context.remarks.sets) *context.remarks.sets = boxes.sets();
   context.map.set_mesh_sets(boxes.sets());
   boxes.set_matter(body);
+  boxes.set_ratios();
   return body;
 }
 
@@ -501,8 +537,8 @@ Shape image_shape() {
       Keys<S>{
           Key<S>(mesh_file_key(std::string("an image: ") + mesh::image_endings())), length_unit_key(),
           Key<S>({"labels", "list of numbers, or map of number to `{name, material}`", "", "", "every value but 0",
-                  "the labels that are body; each is a set of that name, and has the `youngs_modulus` and `density` of "
-                  "its `material`"},
+                  "the labels that are body; each is a set of that name, and has the `youngs_modulus`, "
+                  "`poissons_ratio` and `density` of its `material`"},
                  [](const Reader& value, S& setup, const Frame&) { read_labels(value, setup); }),
           Key<S>(key::quantity("threshold", &S::threshold, dimension::none, "grey value from which on a voxel is body"))
               .otherwise("none")

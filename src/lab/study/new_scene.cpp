@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
+#include <map>
 
 #include "core/base/named.h"
 #include "core/simulation/warnings.h"
@@ -16,6 +17,7 @@
 #include "elastin/mesh/mesh_file.h"
 #include "lab/run/ends.h"
 #include "lab/run/specimen.h"
+#include "mesh/image_file.h"
 
 namespace elastin::lab {
 namespace {
@@ -106,6 +108,31 @@ experiment:
 contact: {{friction: 0.3}}    # Coulomb's coefficient
 )";
 
+constexpr const char* kScan =
+    R"(# A body out of an image of voxels: its ends along {axis} are clamped, and one is pulled.
+# Check it with `elastin check`, run it with `elastin compare --out out`, look at out/report.html.
+title: A body out of an image
+
+body:
+  image:
+    file: {mesh}
+    length_unit: {unit}
+{labels}    pieces: largest         # all: what hangs together by no face, too
+    spacing: {spacing}        # side of a box. Smaller: nearer to the truth, and slower
+    fill_fraction: true     # a box is as stiff as it is full
+    as: hexahedra           # or lattice, tetrahedra, packing
+{material}
+experiment:
+  kind: tension
+  axis: {axis}                   # along which the body is longest: {length}
+  grip_depth: {grip}      # what lies so near to the furthest point of an end is held
+  displacement: {displacement}   # of the loaded end; 3 % of the length
+  cross_section: {section} # volume over length
+  fixed_grip: clamped
+  loaded_grip: clamped
+  load_steps: 3
+)";
+
 struct Row {
   NewSpecimen specimen;
   const char* text;
@@ -119,7 +146,8 @@ constexpr std::array kRows{
     Row{{"strip", "a block, clamped at both ends and pulled", false}, kStrip, kSprings},
     Row{{"dogbone", "a mesh, clamped at both ends and pulled, read between two planes", true}, kDogbone, kSprings},
     Row{{"indentation", "a block under a rigid sphere", false}, kIndentation, "patch"},
-    Row{{"organ", "a closed surface, filled, under a rigid sphere", true}, kOrgan, "patch"}};
+    Row{{"organ", "a closed surface, filled, under a rigid sphere", true}, kOrgan, "patch"},
+    Row{{"scan", "an image of voxels, clamped at both ends and pulled", true}, kScan, "\"calibrated:patch\""}};
 
 /// "12.5 mm": three digits, in the unit that keeps them readable.
 std::string length_text(double metres) {
@@ -206,7 +234,59 @@ void add_bar(Words& words, const Body& body, const Vector3& sides) {
   add(words, "gauge", length_text(0.375 * length) + ", " + length_text(0.625 * length));
 }
 
+void add_scan(Words& words, const NewScene& wanted) {
+  const mesh::Image image = mesh::load_image(wanted.mesh);
+  if (!image.has_steps)
+    throw InputError(wanted.mesh +
+                     ": does not state the size of its voxels; write the scene by hand, with `voxel_size`");
+  const auto visit = [&](const auto& work) {
+    for (int z = 0; z < image.size[2]; ++z)
+      for (int y = 0; y < image.size[1]; ++y)
+        for (int x = 0; x < image.size[0]; ++x) work(image.at(x, y, z), Vector3(x, y, z));
+  };
+  constexpr std::size_t most_labels = 20;
+  std::map<double, int> counts;
+  double largest = 0;
+  visit([&](double value, const Vector3&) {
+    if (std::isnan(value) || value == 0) return;
+    largest = std::max(largest, value);
+    if (counts.size() <= most_labels) ++counts[value];
+  });
+  const bool segmented = counts.size() <= most_labels;
+  std::string labels = segmented ? "    labels:\n" : "";
+  if (!segmented)
+    labels = fmt::format("    threshold: {:g}          # grey value from which on a voxel is body. Set it to yours\n",
+                         largest / 2);
+  for (const auto& [value, count] : counts)
+    if (segmented)
+      labels += fmt::format(
+          "      {:g}: {{name: label_{:g}}}   # {} voxels; with `material: {{youngs_modulus: 20 kPa}}` "
+          "stiffer than the others\n",
+          value, value, count);
+  const double unit = parse_quantity("1 " + wanted.length_unit, dimension::length).value;
+  Vector3 low = Vector3::Constant(1e300), high = -low;
+  double voxels = 0;
+  visit([&](double value, const Vector3& at) {
+    if (!(segmented ? value != 0 : value >= largest / 2)) return;
+    const Vector3 place = unit * (image.steps * at), half = unit * image.steps.cwiseAbs().rowwise().sum() / 2;
+    low = low.cwiseMin(place - half), high = high.cwiseMax(place + half);
+    ++voxels;
+  });
+  if (voxels == 0) throw InputError(wanted.mesh + ": all its voxels are 0");
+  Eigen::Index longest = 0;
+  const double length = (high - low).maxCoeff(&longest),
+               voxel = std::abs(image.steps.determinant()) * std::pow(unit, 3);
+  add(words, "labels", labels);
+  add(words, "axis", std::string(1, "xyz"[longest]));
+  add(words, "length", length_text(length));
+  add(words, "spacing", length_text(std::cbrt(voxel * std::max(1., voxels / kMostNewMolecules))));
+  add(words, "grip", length_text(0.15 * length));
+  add(words, "displacement", length_text(0.03 * length));
+  add(words, "section", fmt::format("{:.4g} mm2", 1e6 * voxels * voxel / length));
+}
+
 void add_specimen(Words& words, const NewScene& wanted, bool from_file) {
+  if (wanted.specimen == "scan") return add_scan(words, wanted);
   Body body;
   if (from_file) body = body_of(wanted);
   const Vector3 sides =

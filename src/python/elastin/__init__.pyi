@@ -278,9 +278,7 @@ class Simulation:
         """[m], (n, 3): a view that changes with each step. To be set between steps where the body is to be elsewhere:
         velocities stay, and supports where they are."""
     @positions.setter
-    def positions(self, positions: ArrayLike) -> None:
-        """[m], (n, 3): a view that changes with each step. To be set between steps where the body is to be elsewhere:
-        velocities stay, and supports where they are."""
+    def positions(self, positions: ArrayLike) -> None: ...
     @property
     def velocities(self) -> Floats:
         """[m/s], (n, 3): a view that changes with each step. May be set between steps."""

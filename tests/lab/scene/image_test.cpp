@@ -5,6 +5,7 @@
 #include <functional>
 
 #include "core/simulation/warnings.h"
+#include "elastin/core/forces/block_cells.h"
 #include "lab/report/records.h"
 #include "lab/run/specimen.h"
 #include "support/temporary_folder.h"
@@ -73,6 +74,26 @@ TEST_CASE("image: labels in series, as cells and whatever the directions of the 
     }
 }
 
+TEST_CASE("image: each label has its Poisson's ratio, whatever the directions of the image", "[image]") {
+  const TemporaryFolder folder;
+  for (const char* directions : {"(2,0,0) (0,1,0) (0,0,1)", "(0,2,0) (1,0,0) (0,0,-1)",
+                                 "(1.7320508075688772,1,0) (-0.5,0.8660254037844386,0) (0,0,1)"}) {
+    INFO(directions);
+    const auto scene =
+        scene_of(folder, nrrd(kSize, halves, directions), ", labels: {1: {}, 2: {material: {poissons_ratio: 0.4}}}");
+    const CellBlock& block = scene->specimen.body.blocks.front();
+    for (int cell = 0; cell < block.size(); ++cell) {  // in the voxels' order: 36 of each label
+      const Vector3 middle = middle_of(scene->specimen.body, block, cell);
+      CHECK(local_material(scene->specimen.material, middle).poissons_ratio == (cell < 36 ? 0 : 0.4));
+    }
+  }
+  const auto even = scene_of(folder, nrrd(kSize, halves),
+                             ", labels: {1: {material: {poissons_ratio: 0.4}}, 2: "
+                             "{material: {poissons_ratio: 0.4}}}");
+  const Run run = run_strategy(even->specimen, *even->experiment, even->stiffness, {.statics = even->statics});
+  CHECK(run.measures.get("poissons_ratio") == Approx(0.4).epsilon(1e-6));
+}
+
 TEST_CASE("image: a formula of the grey value is E at each box", "[image]") {
   const TemporaryFolder folder;
   const auto scene = scene_of(folder, nrrd(kSize, [](int, int, int z) { return z < 3 ? 100 : 200; }),
@@ -100,6 +121,7 @@ TEST_CASE("image: larger boxes, and the part of them that is body", "[image]") {
   const auto part = scene_of(folder, image, ", spacing: 2 mm, fill_fraction: true");
   CHECK(part->specimen.body.mass.sum() == Approx(64e-6));
   CHECK(modulus(*part) == Approx(5e3).epsilon(1e-6));
+  CHECK_THAT(part->warnings.front(), Contains("2 times what is filled: give `cross_section`"));
 }
 
 TEST_CASE("image: pieces, holes, threshold and crop", "[image]") {

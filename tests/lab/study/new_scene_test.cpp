@@ -35,7 +35,9 @@ TEST_CASE("what new writes runs", "[new][slow]") {
   const TemporaryFolder folder;
   for (const NewSpecimen& row : new_specimens()) {
     const std::string name = row.name;
-    const std::string file = scenes + (name == "organ" ? "tissue/organ.stl" : "tension/dogbone.msh");
+    const std::string file = scenes + (name == "organ"  ? "tissue/organ.stl"
+                                       : name == "scan" ? "scans/waist.nrrd"
+                                                        : "tension/dogbone.msh");
     CAPTURE(name);
     CHECK(exit_code(folder,
                     "new " + name + (row.from_file ? " --mesh '" + file + "'" : " --size '24 x 12 mm x 12 mm'")) == 0);
@@ -59,7 +61,8 @@ TEST_CASE("calibration is offered to specimens that measure what a rule can be c
   const NewScene specimens[] = {{"strip", "40 x 10 x 4 mm", ""},
                                 {"dogbone", "", scenes + "tension/dogbone.msh"},
                                 {"indentation", "20 x 20 x 10 mm", ""},
-                                {"organ", "", scenes + "tissue/organ.stl"}};
+                                {"organ", "", scenes + "tissue/organ.stl"},
+                                {"scan", "", scenes + "scans/waist.nrrd"}};
   for (const NewScene& wanted : specimens) {
     CAPTURE(wanted.specimen);
     const auto scene =
