@@ -225,16 +225,18 @@ StatedNumber stated_number(const SceneSource& source, const std::vector<std::str
   }
   std::vector<std::string> paths;
   add_numbers(tree.root, "", paths);
+  std::erase_if(paths, [](const std::string& other) { return other.starts_with("expect."); });
   if (!there)
-    throw InputError("the scene states no '" + path + "'" + suggestion(path, paths) +
+    throw InputError(source.path() + ": the scene states no '" + path + "'" + suggestion(path, paths) +
                      "; a number that it leaves out is written into it first");
   const auto found = number_of(node);
   if (!found && node.IsScalar() && path.starts_with("values.") && tree.values.contains(path.substr(7)))
     return {tree.values.at(path.substr(7)).number, tree.values.at(path.substr(7)).unit};
   if (found) return {found->number, found->unit};
   std::erase_if(paths, [&](const std::string& other) { return !other.starts_with(path + "."); });
-  throw InputError("'" + path + "' is " + (node.IsScalar() ? "'" + node.Scalar() + "'" : kind_of(node)) +
-                   ", and no number" + (paths.empty() ? "" : "; those in it are " + joined(paths)));
+  throw InputError(source.path() + ": '" + path + "' is " +
+                   (node.IsScalar() ? "'" + node.Scalar() + "'" : kind_of(node)) + ", and no number" +
+                   (paths.empty() ? "" : "; those in it are " + joined(paths)));
 }
 
 }  // namespace elastin::config

@@ -85,7 +85,7 @@ constexpr int kMostSteps = 40;
 constexpr double kMet = 1e-3;     ///< relative, of every modulus: fitted
 constexpr double kSaid = 0.01;    ///< what is further off is said
 constexpr double kNear = 1e-6;    ///< weight of |ln k/k₀|², over that of the moduli
-constexpr double kBounds = 0.03;  ///< weight of the moduli under uniform stress, where tension is measured as well
+constexpr double kBounds = 0.01;  ///< weight of the moduli under uniform stress, where tension is measured as well
 
 /// Small loads on a body, each of displacements on the same supports and forces.
 struct LoadCases {
@@ -105,7 +105,13 @@ class ModuliOfBody {
   };
   Misses misses(const VectorX& constants, double volume_modulus) const;
   /// The number of moduli that are to be met.
-  int wanted() const { return 21 + 3 * static_cast<int>(tension_.size()); }
+  int wanted() const { return tension_.empty() ? 21 : 21 + 3 * static_cast<int>(tension_[0].forces.size()); }
+  /// Leaves out what loads the surface, which cannot be where a molecule of it hangs on connections that bear no force
+  /// across them.
+  void leave_out_loads() {
+    stress_ = {};
+    for (LoadCases& tension : tension_) tension.forces.resize(1);
+  }
   /// Those that are off, in words, or "".
   std::string remains(const VectorX& constants, double volume_modulus) const;
 
@@ -228,7 +234,8 @@ ModuliOfBody::Solved ModuliOfBody::solve(const LoadCases& cases, const VectorX& 
 }
 
 ModuliOfBody::Misses ModuliOfBody::misses(const VectorX& constants, double volume_modulus) const {
-  Misses found{VectorX(wanted() + 21), MatrixX(wanted() + 21, constants.size())};
+  const int rows = wanted() + (stress_.forces.empty() ? 0 : 21);
+  Misses found{VectorX(rows), MatrixX(rows, constants.size())};
   int row = 0;
   const VectorX over_volume = constants / surface_.volume;
   const auto add = [&](double value, double weight, const auto& one, const auto& other) {
@@ -250,10 +257,10 @@ ModuliOfBody::Misses ModuliOfBody::misses(const VectorX& constants, double volum
     const Solved solved = solve(tension, constants, volume_modulus);
     const VectorX along = solved.elongations.col(0);
     add(solved.works(0, 0) / youngs_modulus_ - 1, 1, along, along / youngs_modulus_);
-    for (const int other : {1, 2})
+    for (int other = 1; other < solved.works.rows(); ++other)
       add(-solved.works(other, 0) - poissons_ratio_, 1, along, solved.elongations.col(other));
   }
-  add_matrix(stress_, stiffness_root_, -1, tension_.empty() ? 1 : kBounds);
+  if (!stress_.forces.empty()) add_matrix(stress_, stiffness_root_, -1, tension_.empty() ? 1 : kBounds);
   return found;
 }
 
@@ -272,14 +279,14 @@ std::string ModuliOfBody::remains(const VectorX& constants, double volume_modulu
     const Solved solved = solve(tension_[axis], constants, volume_modulus);
     const double in_tension = solved.works(0, 0) / youngs_modulus_ - 1;
     if (std::abs(in_tension) > std::abs(off[axis])) off[axis] = in_tension;
-    off[6 + axis] = -(solved.works(1, 0) + solved.works(2, 0)) / 2 - poissons_ratio_;
+    if (solved.works.rows() > 1) off[6 + axis] = -(solved.works(1, 0) + solved.works(2, 0)) / 2 - poissons_ratio_;
   }
   if (std::all_of(off.begin(), off.end(), [](double one) { return std::abs(one) <= kSaid; })) return "";
   char text[240];
   std::snprintf(
       text, sizeof text,
       "fitted as far as these connections allow: E along x, y, z is off by %+.2g, %+.2g, %+.2g %%, G of yz, xz, "
-      "xy by %+.2g, %+.2g, %+.2g %%, nu in tension along them by %+.2g, %+.2g, %+.2g",
+      "xy by %+.2g, %+.2g, %+.2g %%, nu along them by %+.2g, %+.2g, %+.2g",
       100 * off[0], 100 * off[1], 100 * off[2], 100 * off[3], 100 * off[4], 100 * off[5], off[6], off[7], off[8]);
   return text;
 }
@@ -308,10 +315,16 @@ FittedSprings fitted_to_moduli(const Strategy& rule, const Body& body, const Mat
   const double least = 0.01 * k.head(proper).cwiseMax(0).mean();
   k.head(proper) = k.head(proper).cwiseMax(least);
   try {
-    const ModuliOfBody moduli(body, rule, material);
+    ModuliOfBody moduli(body, rule, material);
     const VectorX start = k;
     VectorX change = VectorX::Zero(k.size());  // ln k/k₀
-    ModuliOfBody::Misses now = moduli.misses(k, found.volume_modulus);
+    ModuliOfBody::Misses now;
+    try {
+      now = moduli.misses(k, found.volume_modulus);
+    } catch (const InputError&) {
+      moduli.leave_out_loads();
+      now = moduli.misses(k, found.volume_modulus);
+    }
     double damping = 1;
     for (int step = 0; step < kMostSteps && now.values.head(moduli.wanted()).cwiseAbs().maxCoeff() > kMet; ++step) {
       // Least |g + J d|² + near |y + d|² + damping |d|²: as many equations as moduli.

@@ -109,7 +109,7 @@ TEST_CASE("fitted springs are the isotropic stiffness on a jittered mesh, where 
       const Run pulled =
           solve(specimen, *make_tension(specimen.body, setup), std::string("fitted:") + rule, {.linear = true});
       CHECK(pulled.measures.get("effective_modulus") == Approx(1e4).epsilon(met));
-      CHECK(pulled.measures.get("poissons_ratio") == Approx(nu).margin(0.01));  // at mid height, not of the whole
+      CHECK(pulled.measures.get("poissons_ratio") == Approx(nu).margin(0.02));  // at mid height, not of the whole
     }
   }
 }
