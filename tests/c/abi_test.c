@@ -399,7 +399,8 @@ static void preparing(void) {
   static const double sheet[12] = {0, 0, 0, 1e-2, 0, 0, 0, 1e-2, 0, 1e-2, 1e-2, 0};
   static const int triangles[6] = {0, 1, 2, 1, 3, 2};
   static double twin[3 * 36];
-  elastin_arrays given = {sizeof given, sheet, NULL, NULL, NULL, NULL, triangles, NULL, 4, 0, 2, 0, 1000, 1e-3, NULL, 0};
+  elastin_arrays given = {sizeof given, sheet, NULL, NULL, NULL, NULL, triangles, NULL, 4, 0, 2, 0,
+                          1000,         1e-3,  NULL, 0};
   elastin_material material = {sizeof material, 5000, 0.4, 1e-3, 0, NULL, NULL};
   int number, at;
   for (number = 0; number < kTwinStrategies; ++number) {
