@@ -15,8 +15,8 @@
 #include "core/base/named.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/model/share.h"
-#include "lab/run/cell_stress.h"
 #include "lab/format/vtu.h"
+#include "lab/run/cell_stress.h"
 
 namespace elastin::lab {
 namespace {

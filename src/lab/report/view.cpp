@@ -9,9 +9,9 @@
 
 #include "contact/search.h"
 #include "elastin/core/geometry/cell_kind.h"
-#include "lab/run/cell_stress.h"
 #include "lab/format/vtu.h"
 #include "lab/report/comparison.h"
+#include "lab/run/cell_stress.h"
 
 namespace elastin::lab {
 namespace {
