@@ -200,7 +200,13 @@ TEST_CASE("derivatives of laws, shapes and numbers drawn at random", "[.][deriva
       const std::string scene = shape.body + "material: {" + law.material + "}\nstiffness: " + law.strategy +
                                 "\nexperiment: " + experiment + "\n";
       INFO(scene);
-      const LaboratoryResult result = run(scene, {}, {law.constant.key, shape.number.key, load.key});
+      LaboratoryResult result;
+      try {
+        result = run(scene, {}, {law.constant.key, shape.number.key, load.key});
+      } catch (const InputError& refused) {
+        WARN(refused.what());  // by name, where there is no derivative
+        continue;
+      }
       if (!result.suited) continue;
       REQUIRE(result.outcome == Outcome::converged);
       const std::string measure = result.gradients.front().first;
@@ -217,7 +223,8 @@ TEST_CASE("derivatives of laws, shapes and numbers drawn at random", "[.][deriva
 TEST_CASE("derivatives are refused by name where they would not be those of the run", "[derivatives]") {
   const std::string scene =
       kLattice + kSoft + "stiffness: lattice\nexperiment: {kind: tension, axis: z, force: 0.1 N}\n";
-  CHECK_THAT(refusal(scene + "expect: [{measure: effective_modulus, value: 9 kPa, tolerance: 1 %, source: x}]\n", "material.young_modulus"),
+  CHECK_THAT(refusal(scene + "expect: [{measure: effective_modulus, value: 9 kPa, tolerance: 1 %, source: x}]\n",
+                     "material.young_modulus"),
              Contains("scene: the scene states no 'material.young_modulus'") &&
                  Contains("did you mean 'material.youngs_modulus'?") && !Contains("expect"));
   CHECK_THAT(refusal(scene, "stiffness"), Contains("'stiffness' is 'lattice', and no number"));
