@@ -47,7 +47,8 @@ class KeepsCoarsePicture {
 /// Whether a search with so many iterations to come, at its pace, is given up for another solver.
 using GivesUp = std::function<bool(double to_come)>;
 
-/// As make_multigrid, but asks once a good picture would have served; of what is given up the result is limit_reached.
+/// As make_multigrid, but asks, where a good picture would have served and at twice as many iterations each time; of
+/// what is given up the result is limit_reached.
 std::unique_ptr<LinearSolver> make_multigrid(GivesUp gives_up);
 
 }  // namespace elastin

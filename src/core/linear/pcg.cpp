@@ -99,6 +99,8 @@ class Pcg final : public LinearSolver, public KeepsCoarsePicture {
     constexpr int patience = 100;
     double best = first;
     int best_at = 0;
+    int asked_before = 0, asked = kServedIterations;  // iterations at which the caller may give up
+    double when_asked = first;
     while (true) {
       assembled ? rows_.apply(p, kp) : tangent.apply(p, kp, workspace_);
       keep_free(supports, kp);
@@ -126,12 +128,14 @@ class Pcg final : public LinearSolver, public KeepsCoarsePicture {
         result.status = best < 0.25 * first ? LinearStatus::solved : LinearStatus::limit_reached;
         break;
       }
-      if (gives_up_ && result.iterations == kServedIterations) {
-        const double found = std::max(1e-3, std::log(first / now[1])), wanted = -2 * std::log(tolerance);
-        if (gives_up_(kServedIterations * (wanted / found - 1))) {
+      if (gives_up_ && result.iterations == asked) {
+        const double found = std::max(1e-3, std::log(when_asked / now[1])),
+                     left = std::log(now[1] / first) - 2 * std::log(tolerance);
+        if (gives_up_((asked - asked_before) * left / found)) {
           result.status = LinearStatus::limit_reached;
           break;
         }
+        when_asked = now[1], asked_before = asked, asked *= 2;
       }
       if (result.iterations >= limit || !std::isfinite(now[1])) {
         result.status = LinearStatus::limit_reached;

@@ -35,7 +35,7 @@ StrategyChoice chosen(const Catalog& catalog, const std::string& label, Strategy
   const int position = static_cast<int>(std::find(names.begin(), names.end(), name.rule) - names.begin()),
             order = position + (name.calibrated || name.fitted ? kCalibrated : 0) +
                     (name.volume || name.wrinkling ? kWithEnding : 0);
-  if (name.calibrated) found = Strategy(*found.calibrates);
+  if (name.calibrated && found.calibrates) found = Strategy(*found.calibrates);
   return {label, std::move(name), std::move(found), {}, order};
 }
 

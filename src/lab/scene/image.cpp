@@ -253,17 +253,22 @@ void Boxes::find_pieces() {
   context_.remarks.notes.push_back(text + "; the others are dropped");
 }
 
-/// What lies in no cube of two boxes a side.
+/// What lies in no cube of two boxes a side, and on none: a step of the surface is no thin place.
 void Boxes::find_thin_places() const {
   std::size_t thin = 0, all = 0;
-  for_body([&](const Box&, const std::array<int, 3>& at) {
-    bool thick = false;
-    for (int corner = 0; corner < 8 && !thick; ++corner) {
-      thick = true;
-      for (int c = 0; c < 8 && thick; ++c)
-        thick = is_body(at[0] + c % 2 - corner % 2, at[1] + c / 2 % 2 - corner / 2 % 2, at[2] + c / 4 - corner / 4);
+  const auto in_cube = [&](int x, int y, int z) {
+    bool found = false;
+    for (int corner = 0; corner < 8 && !found; ++corner) {
+      found = true;
+      for (int c = 0; c < 8 && found; ++c)
+        found = is_body(x + c % 2 - corner % 2, y + c / 2 % 2 - corner / 2 % 2, z + c / 4 - corner / 4);
     }
-    ++all, thin += !thick;
+    return found;
+  };
+  for_body([&](const Box&, const std::array<int, 3>& at) {
+    const auto& [x, y, z] = at;
+    ++all, thin += !(in_cube(x, y, z) || in_cube(x - 1, y, z) || in_cube(x + 1, y, z) || in_cube(x, y - 1, z) ||
+                     in_cube(x, y + 1, z) || in_cube(x, y, z - 1) || in_cube(x, y, z + 1));
   });
   if (thin > 0)
     context_.remarks.warnings.push_back(fmt::format(
@@ -319,7 +324,7 @@ void Boxes::report() const {
     volumes[box.label] += double{box.fraction} * volume(at);
     whole += volume(at), filled += double{box.fraction} * volume(at);
   });
-  if (filled < 0.99 * whole)
+  if (filled < 0.99 * whole && !context_.remarks.section_is_given)
     context_.remarks.warnings.push_back(fmt::format(
         "{}: sections count whole boxes, {:.3g} times what is filled: give `cross_section` where a modulus is "
         "read",

@@ -210,7 +210,9 @@ std::string needs_whole_body(const Strategy& strategy, const Body& share, const 
 /// The scene's one body; of several processes that solve it together each has its share where that is possible.
 Body read_one_body(Reader& reader, const Catalog& catalog, const ExperimentCatalog& experiments, Scene& scene) {
   const Material& material = scene.specimen.material;
-  const Remarks remarks{scene.warnings, scene.notes, nullptr, &scene.specimen.material.field};
+  Remarks remarks{scene.warnings, scene.notes, nullptr, &scene.specimen.material.field};
+  if (reader.has("experiment") && reader.at("experiment").is_map())
+    remarks.section_is_given = reader.at("experiment").has("cross_section");
   const auto make = [&] {
     Body body = read_body(reader.at("body"), material, remarks);
     if (!reader.has("contact")) warn_of_pieces(body, "the body", scene.warnings);

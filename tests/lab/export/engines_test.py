@@ -121,7 +121,7 @@ def check_parsers(bar):
           map(float, tree.find(".//DiagonalMass").get("vertexMass").split()), map(float, numbers[2::5]))
 
     class Builder:
-        masses, constants = [], []
+        masses, constants, spring_rest_length = [], [], []
 
         def add_particle(self, pos, vel, mass):
             self.masses.append(mass)
@@ -129,6 +129,7 @@ def check_parsers(bar):
 
         def add_spring(self, i, j, ke, kd, control):
             self.constants.append(ke)
+            self.spring_rest_length.append(0)
 
     folder = export(bar, "newton")
     sys.path.insert(0, str(folder))

@@ -124,6 +124,17 @@ TEST_CASE("image: larger boxes, and the part of them that is body", "[image]") {
   CHECK_THAT(part->warnings.front(), Contains("2 times what is filled: give `cross_section`"));
 }
 
+TEST_CASE("image: a wall of one box is thin, a step of the surface is not", "[image]") {
+  const TemporaryFolder folder;
+  const auto thin = [&](auto body) {
+    const auto scene = scene_of(folder, nrrd({8, 8, 8}, body), "");
+    return std::any_of(scene->warnings.begin(), scene->warnings.end(),
+                       [](const std::string& said) { return said.find("thinner than two boxes") != said.npos; });
+  };
+  CHECK_FALSE(thin([](int x, int y, int z) { return x < 4 || (x == 4 && y == 3 && z % 3 == 0); }));
+  CHECK(thin([](int x, int y, int) { return x < 4 || y == 3; }));
+}
+
 TEST_CASE("image: pieces, holes, threshold and crop", "[image]") {
   const TemporaryFolder folder;
   const auto specks =
