@@ -124,8 +124,8 @@ ELASTIN_API elastin_status elastin_body_triangles(const elastin_body* body, cons
 ELASTIN_API elastin_status elastin_body_surface(const elastin_body* body, const int** molecules, size_t* count);
 
 /* A surface that is drawn with a body and takes no part in its mechanics, as fine as a picture wants it: each of its
- * points (in the body's shape at rest [m], 3 * point_count) moves with the solid cell, or the lattice's cube, that holds
- * it or is nearest. Triangles have three numbers of points each, counter-clockwise seen from outside. */
+ * points (in the body's shape at rest [m], 3 * point_count) moves with the solid cell, or the lattice's cube, that
+ * holds it or is nearest. Triangles have three numbers of points each, counter-clockwise seen from outside. */
 typedef struct elastin_surface elastin_surface;
 ELASTIN_API elastin_status elastin_surface_make(const elastin_body* body, const double* points, size_t point_count,
                                                 const int* triangles, size_t triangle_count, elastin_surface** surface);
@@ -234,7 +234,8 @@ ELASTIN_API void elastin_simulation_free(elastin_simulation* simulation); /* nul
  * molecules, the name once for each. */
 ELASTIN_API elastin_status elastin_add(elastin_simulation* simulation, const char* load, const elastin_value* values,
                                        size_t value_count);
-/* The same, and gives its number, by which it gets other values (all of them) or is taken away from the next step on. */
+/* The same, and gives its number, by which it gets other values (all of them) or is taken away from the next step on.
+ */
 ELASTIN_API elastin_status elastin_add_load(elastin_simulation* simulation, const char* load,
                                             const elastin_value* values, size_t value_count, int* number);
 ELASTIN_API elastin_status elastin_set_load(elastin_simulation* simulation, int number, const elastin_value* values,

@@ -270,10 +270,12 @@ void Boxes::find_thin_places() const {
     ++all, thin += !(in_cube(x, y, z) || in_cube(x - 1, y, z) || in_cube(x + 1, y, z) || in_cube(x, y - 1, z) ||
                      in_cube(x, y + 1, z) || in_cube(x, y, z - 1) || in_cube(x, y, z + 1));
   });
+  constexpr std::size_t few = 50;  // one in so many: single steps of a slanted surface
   if (thin > 0)
-    context_.remarks.warnings.push_back(fmt::format(
-        "{}: the body is thinner than two boxes at {} of {} boxes ({:.2g} %): it bends there as no solid does",
-        setup_.file->path(), thin, all, 100. * static_cast<double>(thin) / static_cast<double>(all)));
+    (thin * few > all ? context_.remarks.warnings : context_.remarks.notes)
+        .push_back(fmt::format(
+            "{}: the body is thinner than two boxes at {} of {} boxes ({:.2g} %): it bends there as no solid does",
+            setup_.file->path(), thin, all, 100. * static_cast<double>(thin) / static_cast<double>(all)));
 }
 
 void Boxes::number_corners() {
