@@ -224,7 +224,8 @@ static void drawing(void) {
 
 /* A tetrahedron whose rest is larger than it lies becomes that large, from wherever it begins. */
 static void rests(void) {
-  const double corners[12] = {0, 0, 0, 1e-2, 0, 0, 0, 1e-2, 0, 0, 0, 1e-2}, growth[9] = {1.1, 0, 0, 0, 1.2, 0, 0, 0, 1};
+  const double corners[12] = {0, 0, 0, 1e-2, 0, 0, 0, 1e-2, 0, 0, 0, 1e-2},
+               growth[18] = {1.1, 0, 0, 0, 1.2, 0, 0, 0, 1};
   const int cell[4] = {0, 1, 2, 3};
   elastin_arrays arrays = {.size = sizeof arrays};
   double begin[12];

@@ -269,7 +269,8 @@ std::string ModuliOfBody::remains(const VectorX& constants, double volume_modulu
   const auto compliance = compliance_of(Stiffness6(strained.works));
   if (!compliance) return "the springs show no positive stiffness";
   const double shear = youngs_modulus_ / (2 * (1 + poissons_ratio_));
-  std::array<double, 9> off{};  // E along x, y, z; G of yz, xz, xy; ν in tension along x, y, z
+  // E along x, y, z by strains; G of yz, xz, xy; ν along x, y, z, and E there, in tension where that is measured.
+  std::array<double, 12> off{};
   for (int axis = 0; axis < 3; ++axis) {
     const double youngs = 1 / (*compliance)(axis, axis);
     off[axis] = youngs / youngs_modulus_ - 1;
@@ -277,18 +278,20 @@ std::string ModuliOfBody::remains(const VectorX& constants, double volume_modulu
     off[6 + axis] = -youngs * ((*compliance).block<3, 1>(0, axis).sum() - 1 / youngs) / 2 - poissons_ratio_;
     if (tension_.empty()) continue;
     const Solved solved = solve(tension_[axis], constants, volume_modulus);
-    const double in_tension = solved.works(0, 0) / youngs_modulus_ - 1;
-    if (std::abs(in_tension) > std::abs(off[axis])) off[axis] = in_tension;
+    off[9 + axis] = solved.works(0, 0) / youngs_modulus_ - 1;
     if (solved.works.rows() > 1) off[6 + axis] = -(solved.works(1, 0) + solved.works(2, 0)) / 2 - poissons_ratio_;
   }
   if (std::all_of(off.begin(), off.end(), [](double one) { return std::abs(one) <= kSaid; })) return "";
-  char text[240];
-  std::snprintf(
-      text, sizeof text,
-      "fitted as far as these connections allow: E along x, y, z is off by %+.2g, %+.2g, %+.2g %%, G of yz, xz, "
-      "xy by %+.2g, %+.2g, %+.2g %%, nu along them by %+.2g, %+.2g, %+.2g",
-      100 * off[0], 100 * off[1], 100 * off[2], 100 * off[3], 100 * off[4], 100 * off[5], off[6], off[7], off[8]);
-  return text;
+  const auto three = [](const char* what, const double* values, double factor, const char* unit) {
+    char text[120];
+    std::snprintf(text, sizeof text, "%s by %+.2g, %+.2g, %+.2g%s", what, factor * values[0], factor * values[1],
+                  factor * values[2], unit);
+    return std::string(text);
+  };
+  return "fitted as far as these connections allow: off are E along x, y, z" +
+         (tension_.empty() ? "" : three(" in tension", &off[9], 100, " % and")) +
+         three(" in small strains of the surface", off.data(), 100, " %") + ", " +
+         three("G of yz, xz, xy", &off[3], 100, " %") + ", " + three("nu along x, y, z", &off[6], 1, "");
 }
 
 /// What springs alone cannot show, in words, or "".

@@ -211,8 +211,9 @@ std::string needs_whole_body(const Strategy& strategy, const Body& share, const 
 Body read_one_body(Reader& reader, const Catalog& catalog, const ExperimentCatalog& experiments, Scene& scene) {
   const Material& material = scene.specimen.material;
   Remarks remarks{scene.warnings, scene.notes, nullptr, &scene.specimen.material.field};
-  if (reader.has("experiment") && reader.at("experiment").is_map())
-    remarks.section_is_given = reader.at("experiment").has("cross_section");
+  for (const auto& [key, section] : reader.entries())  // without noting it: messages list keys as they are read
+    if (const std::vector<std::string> keys = section.keys(); key == "experiment")
+      remarks.section_is_given = std::find(keys.begin(), keys.end(), "cross_section") != keys.end();
   const auto make = [&] {
     Body body = read_body(reader.at("body"), material, remarks);
     if (!reader.has("contact")) warn_of_pieces(body, "the body", scene.warnings);
