@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "core/linear/mixed.h"
 #include "core/linear/multigrid.h"
@@ -30,21 +31,20 @@ constexpr double kProductsOfIteration = 300;
 /// Numbers of the largest factor that is tried: 1.2 GB.
 constexpr double kMostNumbers = 1e8;
 
-bool factor_is_quicker(const Body& body, double iterations) {
+FactorCost factor_cost_of(const Body& body) {
   std::vector<std::array<int, 2>> pairs = body.connections.ends;
   for (const CellBlock& block : body.blocks)
     for (int cell = 0; cell < block.size(); ++cell)
       for (const int a : block.cell(cell))
         for (const int b : block.cell(cell))
           if (a < b) pairs.push_back({a, b});
-  const FactorCost cost = factor_cost(body.size(), pairs);
-  return cost.numbers < kMostNumbers && cost.products < kProductsOfIteration * iterations * body.size();
+  return factor_cost(body.size(), pairs);
 }
 
 class MultigridOrDirect final : public LinearSolver, public KeepsCoarsePicture {
  public:
   const char* name() const override { return direct_ ? direct_->name() : multigrid_->name(); }
-  void forget() override { dynamic_cast<KeepsCoarsePicture&>(*multigrid_).forget(), direct_.reset(); }
+  void forget() override { dynamic_cast<KeepsCoarsePicture&>(*multigrid_).forget(), direct_.reset(), cost_.reset(); }
 
   LinearResult solve(const Tangent& tangent, const std::vector<Support>& supports, const Positions& rhs,
                      double tolerance, Positions& x) override {
@@ -63,9 +63,12 @@ class MultigridOrDirect final : public LinearSolver, public KeepsCoarsePicture {
 
  private:
   const Body* body_ = nullptr;
+  std::optional<FactorCost> cost_;        ///< once it was asked
   std::unique_ptr<LinearSolver> direct_;  ///< once it is known to be quicker
   std::unique_ptr<LinearSolver> multigrid_ = make_multigrid([this](double to_come) {
-    if (factor_is_quicker(*body_, to_come)) direct_ = make_direct();
+    if (!cost_) cost_ = factor_cost_of(*body_);
+    if (cost_->numbers < kMostNumbers && cost_->products < kProductsOfIteration * to_come * body_->size())
+      direct_ = make_direct();
     return direct_ != nullptr;
   });
 };
