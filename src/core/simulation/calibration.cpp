@@ -288,7 +288,7 @@ std::string ModuliOfBody::remains(const VectorX& constants, double volume_modulu
                   factor * values[2], unit);
     return std::string(text);
   };
-  return "fitted as far as these connections allow: off are E along x, y, z" +
+  return "the fit leaves off: E along x, y, z" +
          (tension_.empty() ? "" : three(" in tension", &off[9], 100, " % and")) +
          three(" in small strains of the surface", off.data(), 100, " %") + ", " +
          three("G of yz, xz, xy", &off[3], 100, " %") + ", " + three("nu along x, y, z", &off[6], 1, "");
