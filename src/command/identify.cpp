@@ -41,7 +41,8 @@ void write_scene(const std::string& out, const std::vector<std::string>& overrid
         assignment.substr(0, assignment.find_first_of(".=")) != "material")
       values.emplace_back(assignment.substr(0, equals), assignment.substr(equals + 1));
   const std::string head = "material:";
-  values.emplace_back("material", answer.material.substr(head.size(), answer.material.size() - head.size() - 1));
+  const std::size_t begin = answer.material.find(head) + head.size();
+  values.emplace_back("material", answer.material.substr(begin, answer.material.size() - begin - 1));
   std::string scene;
   try {
     scene = with_values(source, values);

@@ -16,9 +16,11 @@ constexpr double kWide = 1;        // of |value|, half of an interval beyond whi
 constexpr double kProfiled = 0.5;  // the same, beyond which the linear model is not trusted
 constexpr double kFarBeyond =
     2;  // the same, of any number, beyond which no profile of expensive equilibria is followed
-constexpr double kTogether = 0.95;  // correlation that is named
-constexpr double kMisfit = 4;       // mean square of a test over that of the others, beyond which it is named
-constexpr double kNoFit = 0.3;      // rms of all residuals beyond which nothing is found
+constexpr double kTogether = 0.95;    // correlation that is named
+constexpr double kMisfit = 4;         // mean square of a test over that of the others, beyond which it is named
+constexpr double kBeyondNoise = 1.5;  // rms of differences over stated standard deviations, beyond which it is named
+constexpr double kRounding = 1e-6;    // rms of a test that is met
+constexpr double kNoFit = 0.3;        // rms of all residuals beyond which nothing is found
 constexpr int kStabilityPoints = 40;
 constexpr int kLinePoints = 80;
 
@@ -60,7 +62,28 @@ VectorX zero_column(const WeightedTest& test, const VectorX& predicted) {
     if (data.x[a] != data.x[b])
       column[i] = (predicted[b] - predicted[a]) / (data.x[b] - data.x[a]) * (strained ? 1 + data.x[i] : 1);
   }
-  return -data.zero_half * std::sqrt(test.stated->weight) * column.cwiseQuotient(test.scale());
+  return -data.zero_half * column.cwiseProduct(test.factor());
+}
+
+/// Where the tests were weighed by their noise, that noise is known from few readings of some: Student's quantile is
+/// then that of fewer degrees of freedom, for each number those of the tests from which it follows.
+///                                                                              [Satterthwaite 1946, Welch 1947]
+void widen_for_few_readings(const std::vector<WeightedTest>& tests, const Fit& fit, Uncertainty& known) {
+  if (known.freedom <= 0 || std::all_of(tests.begin(), tests.end(), [](auto& test) { return test.noise == 1; })) return;
+  const MatrixX squares = fit.jacobian.completeOrthogonalDecomposition().pseudoInverse().cwiseAbs2();
+  VectorX sum = VectorX::Zero(fit.values.size());
+  Eigen::Index row = 0;
+  for (const WeightedTest& test : tests) {
+    if (!(test.stated->weight > 0)) continue;
+    const Eigen::Index count = test.test->data().y.size();
+    const VectorX share = squares.middleCols(row, count).rowwise().sum().cwiseQuotient(squares.rowwise().sum());
+    sum += share.cwiseAbs2() / test.freedom(fit.values.size());
+    row += count;
+  }
+  for (Eigen::Index i = 0; i < fit.values.size(); ++i) {
+    const double half = student_quantile(0.95, 1 / sum[i]) * known.deviations[i];
+    known.low[i] = fit.values[i] - half, known.high[i] = fit.values[i] + half;
+  }
 }
 
 /// Adds what the zero points' intervals move the numbers by.
@@ -80,7 +103,8 @@ void add_zero_points(const std::vector<WeightedTest>& tests, const Fit& fit, Unc
   if (squares.isZero(0)) return;
   const double t = student_quantile(0.95, known.freedom);  // the zero points' intervals are of 95 %, too
   known.deviations = (known.deviations.cwiseAbs2() + squares / (t * t)).cwiseSqrt();
-  known.low = fit.values - t * known.deviations, known.high = fit.values + t * known.deviations;
+  const VectorX half = (((known.high - known.low) / 2).cwiseAbs2() + squares).cwiseSqrt();
+  known.low = fit.values - half, known.high = fit.values + half;
 }
 
 double relative_rms(const WeightedTest& test, const VectorX& fitted) {
@@ -108,7 +132,7 @@ std::vector<TestAnswer> test_answers(const UnknownMaterial& unknown, const std::
     const VectorX& fitted = fit.predictions[i].values;
     answers.push_back({stated.name, stated.kind->name, tests[i].test->data(), fitted, stated.weight > 0,
                        stated.residuals, tests[i].scale(), tests[i].moduli, relative_rms(tests[i], fitted),
-                       curve_of(unknown, fit, tests[i])});
+                       tests[i].noise, curve_of(unknown, fit, tests[i])});
   }
   return answers;
 }
@@ -198,19 +222,58 @@ void warn_of_tests(const Answer& answer, std::vector<std::string>& warnings) {
     double others = 0, count = 0;
     for (const TestAnswer& other : answer.tests)
       if (&other != &test && other.counted) {
-        others += other.relative_rms * other.relative_rms * static_cast<double>(other.data.y.size());
+        others += std::pow(other.relative_rms / other.noise, 2) * static_cast<double>(other.data.y.size());
         count += static_cast<double>(other.data.y.size());
       }
-    if (count > 0 && test.relative_rms * test.relative_rms > kMisfit * others / count)
+    if (count > 0 && test.relative_rms > kRounding &&
+        std::pow(test.relative_rms / test.noise, 2) > kMisfit * others / count)
       warnings.push_back(fmt::format("{} is fitted badly: {} rms, the other tests {}", test.name,
                                      percent_text(test.relative_rms), percent_text(std::sqrt(others / count))));
+    if (const VectorX& stated = test.data.deviations; stated.size() > 0) {
+      const double found = std::sqrt((test.fitted - test.data.y).cwiseQuotient(stated).squaredNorm() /
+                                     static_cast<double>(stated.size()));
+      if (found > kBeyondNoise)
+        warnings.push_back(
+            fmt::format("{} is missed by {:.3g} of the standard deviations that it states (rms): the "
+                        "scene, its grips or the law lacks something",
+                        test.name, found));
+    }
   }
+}
+
+/// Neighbouring points scatter each by itself; where their differences agree the model is off there.
+void warn_of_places(const TestAnswer& test, std::vector<std::string>& warnings) {
+  constexpr Eigen::Index most = 2000;  // readings that are looked at
+  constexpr double agreeing = 0.3;     // correlation that no scatter shows
+  const VectorX missed = test.fitted - test.data.y;
+  const Eigen::Index count = missed.size(), every = std::max<Eigen::Index>(count / most, 1);
+  double together = 0, alone = 0, pairs = 0;
+  for (Eigen::Index i = 0; i < count; i += every) {
+    Eigen::Index nearest = -1;
+    double least = std::numeric_limits<double>::infinity();
+    for (Eigen::Index j = 0; j < count; ++j) {
+      if (i == j || test.data.axes[i] != test.data.axes[j] || test.data.x[i] != test.data.x[j]) continue;
+      const double distance = (test.data.places.col(i) - test.data.places.col(j)).squaredNorm();
+      if (distance < least) least = distance, nearest = j;
+    }
+    if (nearest < 0) continue;
+    together += missed[i] * missed[nearest], alone += missed[i] * missed[i], pairs += 1;
+  }
+  if (test.relative_rms > kRounding && together > std::max(agreeing, 4 / std::sqrt(pairs)) * alone)
+    warnings.push_back(
+        fmt::format("the differences of {} agree between neighbouring points (correlation {:.2f}), as no scatter does: "
+                    "the law, the grips or too coarse cells; try finer ones. The intervals take it for scatter",
+                    test.name, together / alone));
 }
 
 /// Scatter changes its sign at every second point or so [Wald & Wolfowitz 1940]; intervals take residuals for scatter.
 void warn_of_shape(const Answer& answer, std::vector<std::string>& warnings) {
   for (const TestAnswer& test : answer.tests) {
     if (!test.counted || test.fitted.size() < 8) continue;
+    if (!test.data.axes.empty()) {
+      warn_of_places(test, warnings);
+      continue;
+    }
     const VectorX residual = test.fitted - test.data.y;
     double above = 0, below = 0, runs = 1;
     for (Eigen::Index i = 0; i < residual.size(); ++i) {
@@ -304,13 +367,16 @@ Answer make_answer(const UnknownMaterial& unknown, std::vector<WeightedTest>& te
   answer.starts = fit.starts, answer.agreeing = fit.agreeing, answer.seconds = fit.seconds;
   if (fit.values.size() == 0 || fit.residuals.size() == 0) return answer;
   Uncertainty known = uncertainty(fit.residuals, fit.jacobian, fit.values);
+  widen_for_few_readings(tests, fit, known);
   add_zero_points(tests, fit, known);
   answer.freedom = known.freedom, answer.condition = known.condition, answer.correlation = known.correlation;
   answer.criterion = small_sample_criterion(fit.squares, fit.residuals.size(), fit.values.size());
   answer.numbers = found_numbers(unknown, tests, fit, known, profiles, stop);
   answer.tests = test_answers(unknown, tests, fit);
   if (unknown.row) answer.stability = stabilities(unknown, tests, fit);
-  answer.material = material_yaml(unknown.row, fit.trial, unknown.plain) + unknown.kept;
+  for (const FoundNumber& number : answer.numbers)
+    if (!number.determined) answer.material += "# " + number.name + " is not determined by the data.\n";
+  answer.material += material_yaml(unknown.row, fit.trial, unknown.plain) + unknown.kept;
   if (const double left = whole_rms(answer); answer.outcome == FitOutcome::converged && left > kNoFit)
     answer.outcome = FitOutcome::misfit,
     answer.cause =

@@ -108,10 +108,14 @@ class TableColumns {
     for (std::size_t number = 0; number < table.head.size(); ++number) add(number);
   }
 
-  std::vector<Column> candidates(const std::vector<std::string>& wanted) const {
+  /// @param taken a column that serves something else; none: −1
+  std::vector<Column> candidates(const std::vector<std::string>& wanted, std::ptrdiff_t taken = -1) const {
     std::vector<Column> found;
     for (const Column& column : known_)
-      if (std::find(wanted.begin(), wanted.end(), column.quantity->name) != wanted.end()) found.push_back(column);
+      if (std::ssize(known_) > 1 && static_cast<std::ptrdiff_t>(column.number) == taken)
+        continue;
+      else if (std::find(wanted.begin(), wanted.end(), column.quantity->name) != wanted.end())
+        found.push_back(column);
     if (found.empty()) return found;
     const auto best =
         std::min_element(found.begin(), found.end(), [](auto& a, auto& b) { return a.source < b.source; });
@@ -122,8 +126,8 @@ class TableColumns {
   }
 
   /// The only column with one of these quantities.
-  Column choose(const std::vector<std::string>& wanted, const std::string& role) const {
-    const std::vector<Column> found = candidates(wanted);
+  Column choose(const std::vector<std::string>& wanted, const std::string& role, std::ptrdiff_t taken = -1) const {
+    const std::vector<Column> found = candidates(wanted, taken);
     // Of a specimen both may be loads or displacements; what stands first is prescribed.
     const bool of_specimen = !test_.kind->homogeneous && !test_.kind->in_time;
     if (found.size() == 1 || (found.size() > 1 && of_specimen)) {
@@ -247,6 +251,29 @@ std::optional<std::size_t> find_column(const MachineTable& table, const std::str
   return std::nullopt;
 }
 
+std::optional<NamedColumn> find_column(const MachineTable& table, const DataTest& test,
+                                       const std::vector<std::string>& names, const Dimension& unit) {
+  for (std::size_t i = 0; i < table.head.size(); ++i) {
+    std::string text = table.head[i];
+    for (const auto& [head, meaning] : test.columns)
+      if (find_column(table, head) == i) text = meaning;
+    const Head head = split(text);
+    if (std::find(names.begin(), names.end(), simplified(head.name)) == names.end()) continue;
+    const std::string below = i < table.units.size() ? table.units[i] : "",
+                      &own = head.unit.empty() ? below : head.unit;
+    if (own.empty() && unit == dimension::none) return NamedColumn{i, 1};
+    const auto factor = machine_unit(own, unit);
+    if (!factor)
+      throw InputError(SourceLocation{table.path, table.head_places.front().line},
+                       "column '" + table.head[i] + "' " +
+                           (own.empty() ? "has no unit" : ": '" + own + "' is no unit of it") +
+                           "; write for example '" + head.name + " [" +
+                           (unit == dimension::length ? "mm" : unit_examples(unit).substr(2)) + "]'");
+    return NamedColumn{i, *factor};
+  }
+  return std::nullopt;
+}
+
 bool suits(const MachineTable& table, const DataTest& test) {
   const TableColumns columns(table, test);
   return !columns.candidates(test.kind->along).empty() && !columns.candidates(test.kind->up).empty();
@@ -257,7 +284,11 @@ ChosenColumns choose_columns(const MachineTable& table, const DataTest& test) {
     if (!find_column(table, head))
       test.fail("columns: " + table.path + " has no column '" + head + "'" + suggestion(head, table.head));
   const TableColumns columns(table, test);
-  return {columns.choose(test.kind->along, "is prescribed"), columns.choose(test.kind->up, "answers")};
+  const Column along = columns.choose(test.kind->along, "is prescribed"), up = columns.choose(test.kind->up, "answers");
+  return {along.number == up.number
+              ? columns.choose(test.kind->along, "is prescribed", static_cast<std::ptrdiff_t>(up.number))
+              : along,
+          up};
 }
 
 }  // namespace elastin::lab

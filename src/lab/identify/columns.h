@@ -35,4 +35,13 @@ bool suits(const MachineTable& table, const DataTest& test);
 /// The number of a column by its name, with or without its unit, or by its number from 1; none if there is none.
 std::optional<std::size_t> find_column(const MachineTable& table, const std::string& name);
 
+/// A column by one of these names, in small letters without marks, and what makes its numbers SI: by the unit in its
+/// head or in the row below; none if there is no such column. Throws InputError at the head where the unit is missing.
+struct NamedColumn {
+  std::size_t number;
+  double factor;
+};
+std::optional<NamedColumn> find_column(const MachineTable& table, const DataTest& test,
+                                       const std::vector<std::string>& names, const Dimension& unit);
+
 }  // namespace elastin::lab

@@ -22,6 +22,10 @@ struct MeasuredData {
   std::vector<std::string> warnings = {};  ///< what may change the numbers
   /// Under which readings are too near zero for differences over themselves: 1 % of the largest, or a hundred times the
   /// noise where that is more.
+  // Of points, where y are displacements, each of a point in a direction:
+  Positions places = {};       ///< where the point is at rest, 3 × readings [m]; z is NaN where the file has none
+  std::vector<int> axes = {};  ///< the direction, 0 to 2
+  VectorX deviations = {};     ///< standard deviation of each [m], as the file says; empty: it does not
   double least_scale() const { return std::max(100 * noise, 0.01 * y.cwiseAbs().maxCoeff()); }
 };
 
@@ -31,6 +35,9 @@ struct MeasuredData {
 /// are missing, no numbers, out of order or no such quantity, fewer than two, or all alike.
 MeasuredData load_data(const DataTest& test);
 
+/// Reads the points of a test, all readings of one direction behind each other. Throws InputError naming file, line and
+/// what is needed.
+MeasuredData load_points(const DataTest& test);
 /// The same as that which a homogeneous test prescribes and answers: nominal strain, or amount of shear, and nominal
 /// stress [Pa]; of a relaxation test time and nominal stress. True stress is that of a material that keeps its volume.
 MeasuredData as_strain_and_stress(const DataTest& test, MeasuredData data);

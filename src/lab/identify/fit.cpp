@@ -26,9 +26,10 @@ constexpr double kExact = 1e-7;                     // rms below which residuals
 constexpr double kRoughness = 1e-3;                 // of the rms, unbalanced forces that a search can do with,
 constexpr double kRoughest = 1e-5, kFinest = 1e-9;  // within these
 constexpr double kInsignificant = 1e-6;  // of the scatter's square, a gain: numbers move by 1/1000 of their deviations
-constexpr double kFlat = 1e7;            // condition beyond which rounding of the residuals decides
-constexpr double kGauss = 1e8;           // radius of the first step that leaves it nearly that of Gauss and Newton
-constexpr int kMostDraws = 60;           // of random numbers until a law admits them
+constexpr double kBlind = 1e-6;  // of their scale, what readings change with the whole of a number they do not see
+constexpr double kFlat = 1e7;    // condition beyond which rounding of the residuals decides
+constexpr double kGauss = 1e8;   // radius of the first step that leaves it nearly that of Gauss and Newton
+constexpr int kMostDraws = 60;   // of random numbers until a law admits them
 
 VectorX starts_of(const std::vector<MaterialNumber>& unknowns) {
   VectorX values(static_cast<Eigen::Index>(unknowns.size()));
@@ -124,7 +125,7 @@ class Residuals {
         return false;
       }
       const VectorX& measured = test.test->data().y;
-      const VectorX factor = std::sqrt(test.stated->weight) * test.scale().cwiseInverse();
+      const VectorX factor = test.factor();
       residuals.segment(row, measured.size()) = (found->values - measured).cwiseProduct(factor);
       if (jacobian) {
         for (Eigen::Index column = 0; column < values.size(); ++column)
@@ -242,16 +243,35 @@ double leaning(const Fit& fit) {
   return largest;
 }
 
+/// What of the unknowns the data say nothing of; "" if there is nothing.
+std::string flat_cause(const UnknownMaterial& unknown, const Fit& fit, const Uncertainty& known) {
+  const VectorX change = (fit.jacobian.colwise().norm().transpose().array() * fit.values.array()).abs();
+  const bool blind = (change.array() < kBlind * std::sqrt(static_cast<double>(fit.residuals.size()))).any();
+  if (!blind && known.condition <= kFlat) return "";
+  const VectorX relative = known.flattest.array() / change.array();
+  std::string names;
+  int count = 0;
+  bool moduli = true;  // whether all of them grow alike, as they may under displacements alone
+  for (Eigen::Index i = 0; i < change.size(); ++i) {
+    const bool named = blind ? change[i] < kBlind * std::sqrt(static_cast<double>(fit.residuals.size()))
+                             : std::abs(known.flattest[i]) > 0.1;
+    if (!named) continue;
+    names += (names.empty() ? "" : ", ") + unknown.unknowns[i].name, ++count;
+    moduli &= unknown.unknowns[i].unit == dimension::pressure &&
+              (blind || std::abs(relative[i]) > (1 - kSameLeast) * relative.cwiseAbs().maxCoeff());
+  }
+  const std::string or_force = moduli ? ", or measure a force" : "";
+  if (blind) return "the data do not change with " + names + ": fix " + (count > 1 ? "them" : "it") + or_force;
+  if (moduli) return "the data determine the ratios of " + names + " alone: fix one of them" + or_force;
+  return "the data do not change with a change of " + names + " together: fix one of them";
+}
+
 void judge(const UnknownMaterial& unknown, Fit& fit) {
   const Uncertainty known = uncertainty(fit.residuals, fit.jacobian, fit.values);
   if (!fit.converged) {
     fit.outcome = FitOutcome::not_converged, fit.cause = "the search did not end: " + fit.message;
-  } else if (known.condition > kFlat) {
-    fit.outcome = FitOutcome::flat_valley;
-    std::string names;
-    for (Eigen::Index i = 0; i < known.flattest.size(); ++i)
-      if (std::abs(known.flattest[i]) > 0.1) names += (names.empty() ? "" : ", ") + unknown.unknowns[i].name;
-    fit.cause = "the data do not change with a change of " + names + " together: fix one of them";
+  } else if (const std::string flat = flat_cause(unknown, fit, known); !flat.empty()) {
+    fit.outcome = FitOutcome::flat_valley, fit.cause = flat;
   } else if (fit.at_bound.empty() && leaning(fit) > kLeaning) {
     fit.outcome = FitOutcome::bound_reached;
     fit.cause = "the residuals would still fall where the law is not admissible: it becomes unstable at rest";
@@ -324,6 +344,18 @@ VectorX WeightedTest::scale() const {
     return measured.unaryExpr([least = test->data().least_scale()](double y) { return std::hypot(y, least); });
   if (stated->residuals == ResidualScale::relative) return measured;
   return VectorX::Constant(measured.size(), measured.cwiseAbs().maxCoeff());
+}
+
+double WeightedTest::freedom(Eigen::Index unknowns) const {
+  const auto readings = static_cast<double>(test->data().y.size());
+  return readings - std::min(static_cast<double>(unknowns), readings / 2);
+}
+
+VectorX WeightedTest::factor() const {
+  VectorX factor = std::sqrt(stated->weight) / noise * scale().cwiseInverse();
+  if (const VectorX& deviations = test->data().deviations; deviations.size() > 0)
+    factor.array() *= deviations.mean() / deviations.array();
+  return factor;
 }
 
 const char* name_of(FitOutcome outcome) {

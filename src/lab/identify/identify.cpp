@@ -9,6 +9,7 @@
 #include <fstream>
 #include <iterator>
 
+#include "config/scene_text.h"
 #include "core/base/named.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/base/text.h"
@@ -138,7 +139,7 @@ Trial trial_of(const IdentifyTask& task) {
 
 /// The numbers that the scene leaves unknown, of its own law; of spring rules and contact those that it names.
 UnknownMaterial stated_unknowns(const IdentifyTask& task, const Catalog& catalog,
-                                const std::vector<WeightedTest>& tests) {
+                                const std::vector<WeightedTest>& tests, const std::vector<std::string>& overrides) {
   const MaterialLaw* row = row_of(catalog, task.material);
   UnknownMaterial unknown{label_of(row, task.material), row, trial_of(task), {}, task.kept, task.plain};
   std::vector<MaterialNumber> all = material_numbers(row, unknown.trial);
@@ -152,7 +153,15 @@ UnknownMaterial stated_unknowns(const IdentifyTask& task, const Catalog& catalog
   for (const WeightedTest& test : tests)
     for (const MaterialNumber& number : test.test->own_numbers())
       if (!find_named(all, number.name)) all.push_back(number);
+  const bool whole_scene = std::any_of(task.tests.begin(), task.tests.end(),
+                                       [&](const DataTest& test) { return test.scene == task.source; });
   for (const UnknownChoice& choice : task.unknowns) {
+    if (whole_scene && choice.name.find('.') != std::string::npos && !find_named(all, choice.name)) {
+      constexpr double infinite = std::numeric_limits<double>::infinity();
+      const config::StatedNumber stated = config::stated_number(task.source, overrides, choice.name);
+      all.push_back({choice.name, stated.unit, stated.value > 0 ? 0 : -infinite, infinite, stated.value > 0,
+                     stated.value, MaterialNumber::Kind::scene_key});
+    }
     const MaterialNumber* found = find_named(all, choice.name);
     if (!found) choice.fail("there is no number '" + choice.name + "' here" + suggestion(choice.name, names_of(all)));
     MaterialNumber number = *found;
@@ -324,6 +333,33 @@ std::string content_of(const IdentifyTask& task, const IdentifyRequest& request)
   return key_of(parts);
 }
 
+/// Readings of several kinds, forces and displacements of points, count by what the last fit leaves of them, which is
+/// their noise: the least of these tests as before, the others less. Whether that changed anything.
+bool weigh_by_noise(std::vector<WeightedTest>& tests, const Fit& fit) {
+  constexpr double of_curve = 1e-3, of_points = 1e-4, little = 0.1;  // less noise than that nothing has; a change
+  std::vector<double> left(tests.size(), std::numeric_limits<double>::infinity());
+  bool points = false;
+  for (std::size_t i = 0; i < tests.size(); ++i) {
+    const WeightedTest& test = tests[i];
+    const VectorX& measured = test.test->data().y;
+    if (!(test.stated->weight > 0) || fit.predictions[i].values.size() != measured.size()) continue;
+    points |= test.stated->kind->points;
+    const double squares =
+        ((fit.predictions[i].values - measured).cwiseProduct(test.factor()) * test.noise).squaredNorm();
+    left[i] = std::max(std::sqrt(squares / test.stated->weight / test.freedom(fit.values.size())),
+                       test.stated->kind->points ? of_points : of_curve);
+  }
+  const double least = *std::min_element(left.begin(), left.end());
+  if (!points || !std::isfinite(least)) return false;
+  bool changed = false;
+  for (std::size_t i = 0; i < tests.size(); ++i) {
+    if (!std::isfinite(left[i])) continue;
+    changed |= std::abs(std::log(left[i] / least / tests[i].noise)) > little;
+    tests[i].noise = left[i] / least;
+  }
+  return changed;
+}
+
 struct Fitted {
   UnknownMaterial unknown;
   Fit fit;
@@ -376,14 +412,20 @@ Answer identify_one(const IdentifyTask& task, const Catalog& catalog, const Iden
     FitOptions own_options = options;
     const std::string key = request.journal ? key_of({content, unknown.label, strategy}) : "";
     if (request.journal) own_options.known = request.journal->find(key);
+    for (WeightedTest& test : tests) test.noise = 1;
     Fit fit = fit_material(unknown, tests, own_options);
+    constexpr int most = 4;
+    for (int again = 0; again < most && !fit.predictions.empty() && weigh_by_noise(tests, fit); ++again) {
+      own_options.known = fit, own_options.known->converged = false, own_options.starts = 1;
+      fit = fit_material(unknown, tests, own_options);
+    }
     if (request.journal && !(own_options.known && own_options.known->converged))
       request.journal->add(key, task.name + ", " + unknown.label + (strategy.empty() ? "" : ", " + strategy), fit);
     LawAnswer law = law_answer(make_answer(unknown, tests, fit, false));
     law.label = unknown.label;
     all.push_back({unknown, std::move(fit), std::move(law)});
   };
-  const UnknownMaterial own = stated_unknowns(task, catalog, tests);
+  const UnknownMaterial own = stated_unknowns(task, catalog, tests, request.overrides);
   const ParameterValues published = published_numbers(task, own);
   if (task.laws.empty()) {
     add(own);

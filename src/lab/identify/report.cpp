@@ -267,12 +267,64 @@ std::string correlation_html(const Answer& answer) {
   return out + "</tbody></table></div>";
 }
 
+bool has_curves(const Answer& answer) {
+  return std::any_of(answer.tests.begin(), answer.tests.end(), [](auto& test) { return test.data.axes.empty(); });
+}
+
+/// Computed over measured displacements.
+Plot points_plot(const TestAnswer& test) {
+  Plot plot;
+  plot.title = test.name + ": displacements of points";
+  plot.x = {"measured", "mm", false}, plot.y = {"computed", "mm", false};
+  for (int axis = 0; axis < 3; ++axis) {
+    PlotSeries marks{std::string("u") + "xyz" [axis], axis, PlotSeries::Kind::marks, {}};
+    for (Eigen::Index i = 0; i < test.fitted.size(); ++i)
+      if (test.data.axes[i] == axis) marks.points.push_back({1e3 * test.data.y[i], 1e3 * test.fitted[i], marks.name});
+    if (!marks.points.empty()) plot.series.push_back(std::move(marks));
+  }
+  const double low = 1e3 * test.data.y.minCoeff(), high = 1e3 * test.data.y.maxCoeff();
+  plot.series.push_back({"alike", 4, PlotSeries::Kind::dashed, {{low, low, ""}, {high, high, ""}}});
+  return plot;
+}
+
+/// Where the points lie in the plane in which they spread most, by how far they are missed.
+Plot missed_plot(const TestAnswer& test) {
+  const Positions& places = test.data.places;
+  const Vector3 spread = places.rowwise().maxCoeff() - places.rowwise().minCoeff();
+  int least = 0;
+  spread.minCoeff(&least);
+  const int right = least == 0 ? 1 : 0, up = least == 2 ? 1 : 2;
+  const VectorX missed = (test.fitted - test.data.y).cwiseAbs();
+  const double rms = std::sqrt(missed.squaredNorm() / static_cast<double>(missed.size()));
+  Plot plot;
+  plot.title = test.name + ": where points are missed, rms " + readable(rms, dimension::length);
+  plot.x = {std::string(1, "xyz"[right]), "mm", false}, plot.y = {std::string(1, "xyz"[up]), "mm", false};
+  for (const auto& [name, from, to] : {std::tuple{"below the rms", 0., 1.},
+                                       {"up to twice", 1., 2.},
+                                       {"more", 2., std::numeric_limits<double>::infinity()}}) {
+    PlotSeries marks{name, static_cast<int>(plot.series.size()), PlotSeries::Kind::marks, {}};
+    for (Eigen::Index i = 0; i < missed.size(); ++i)
+      if (missed[i] >= from * rms && missed[i] < to * rms)
+        marks.points.push_back(
+            {1e3 * places(right, i), 1e3 * places(up, i),
+             fmt::format("u{} {:+.4g} mm", "xyz"[test.data.axes[i]], 1e3 * (test.fitted[i] - test.data.y[i]))});
+    if (!marks.points.empty()) plot.series.push_back(std::move(marks));
+  }
+  return plot;
+}
+
 std::string answer_html(const Answer& answer) {
   std::string out = fmt::format("<section><h1>{}</h1><p class=\"faint\">{}</p><p class=\"advice{}\">{}</p>\n",
                                 escaped(answer.title), escaped(answer.scene),
                                 answer.outcome == FitOutcome::converged ? "" : " none", escaped(head_text(answer)));
   out += "<div class=\"pair\">" + figure_html(fit_plot(answer), "Measured and fitted", answer.scene + "-fit") +
          figure_html(residual_plot(answer), "Residuals", answer.scene + "-residuals") + "</div>\n";
+  for (std::size_t i = has_curves(answer) ? 0 : 1; i < answer.tests.size(); ++i)
+    if (const TestAnswer& test = answer.tests[i]; !test.data.axes.empty() && test.fitted.size() > 0)
+      out += "<div class=\"pair\">" +
+             figure_html(points_plot(test), "Displacements of points", answer.scene + "-" + test.name) +
+             figure_html(missed_plot(test), "Where points are missed", answer.scene + "-" + test.name + "-missed") +
+             "</div>\n";
   if (!answer.numbers.empty())
     out += card_html("Numbers of the law",
                      interval_html(answer) + number_table(answer).html() +
@@ -339,10 +391,12 @@ std::string identify_page(const std::vector<Answer>& answers, const std::string&
 }
 
 Plot fit_plot(const Answer& answer) {
+  if (!answer.tests.empty() && !has_curves(answer)) return points_plot(answer.tests.front());
   Plot plot;
   plot.title = answer.title;
   int colour = 0;
   for (const TestAnswer& test : answer.tests) {
+    if (!test.data.axes.empty()) continue;
     if (colour == 0)
       plot.x = {test.data.along->name, si_unit(test.data.along->unit), false},
       plot.y = {test.data.up->name, si_unit(test.data.up->unit), false};
@@ -361,12 +415,14 @@ Plot fit_plot(const Answer& answer) {
 }
 
 Plot residual_plot(const Answer& answer) {
+  if (!answer.tests.empty() && !has_curves(answer)) return missed_plot(answer.tests.front());
   Plot plot;
   plot.title = answer.title + ": residuals";
   plot.y = {"fitted less measured, over " + (answer.tests.empty() ? "each value" : scale_text(answer.tests.front())),
             "%", false};
   int colour = 0;
   for (const TestAnswer& test : answer.tests) {
+    if (!test.data.axes.empty()) continue;
     if (colour == 0) plot.x = {test.data.along->name, si_unit(test.data.along->unit), false};
     PlotSeries marks{test.name, colour++, PlotSeries::Kind::marked_line, {}};
     for (Eigen::Index i = 0; i < test.fitted.size(); ++i)
@@ -391,11 +447,17 @@ Plot strategy_plot(const std::vector<Answer>& answers) {
 }
 
 std::string points_csv(const Answer& answer) {
-  std::string out = "test,quantity,prescribed,response,measured,fitted,residual\n";
+  std::string out = "test,quantity,prescribed,response,measured,fitted,residual,x,y,z,direction\n";
   for (const TestAnswer& test : answer.tests)
-    for (Eigen::Index i = 0; i < test.fitted.size(); ++i)
-      out += fmt::format("{},{},{:.9g},{},{:.9g},{:.9g},{:.9g}\n", test.name, test.data.along->name, test.data.x[i],
+    for (Eigen::Index i = 0; i < test.fitted.size(); ++i) {
+      out += fmt::format("{},{},{:.9g},{},{:.9g},{:.9g},{:.9g},", test.name, test.data.along->name, test.data.x[i],
                          test.data.up->name, test.data.y[i], test.fitted[i], test.fitted[i] - test.data.y[i]);
+      if (test.data.axes.empty())
+        out += ",,,\n";
+      else
+        out += fmt::format("{:.9g},{:.9g},{:.9g},{}\n", test.data.places(0, i), test.data.places(1, i),
+                           test.data.places(2, i), "xyz"[test.data.axes[i]]);
+    }
   return out;
 }
 

@@ -6,6 +6,8 @@
 #include <map>
 #include <numeric>
 
+#include "config/scene_text.h"
+#include "core/model/carried_points.h"
 #include "core/solve/responses.h"
 #include "lab/identify/measured_test.h"
 #include "lab/run/load_path.h"
@@ -25,12 +27,91 @@ Material on_specimen(Material material, const Material& own) {
   return material;
 }
 
+/// Points of a body as something beside it sees them move.
+class SeenPoints {
+ public:
+  /// @param data of points; their places are completed
+  SeenPoints(const Body& body, MeasuredData& data, const Matrix3& rotation, bool fixed)
+      : data_(data), rotation_(rotation), fixed_(fixed), carried_(body, placed(body, data, rotation)) {
+    const double size = (body.rest.rowwise().maxCoeff() - body.rest.rowwise().minCoeff()).norm();
+    for (int p = 0; p < carried_.size(); ++p)
+      if (carried_.beyond[p] > kOutside * size)
+        throw InputError(SourceLocation{data.file, data.lines[p]},
+                         fmt::format("this point lies {:.3g} mm outside of the body; are its unit and its axes those "
+                                     "of the scene, and is it where the point is at rest?",
+                                     1e3 * carried_.beyond[p]));
+  }
+
+  /// The displacements that these readings show when the molecules are at `positions`; of a frame that moves, after the
+  /// turn and shift of the whole body that bring them nearest to the measured ones.
+  VectorX readings(const std::vector<Eigen::Index>& rows, const Positions& positions) const {
+    const auto count = static_cast<Eigen::Index>(rows.size());
+    Positions at(3, count);
+    for (Eigen::Index i = 0; i < count; ++i)
+      at.col(i) = rotation_.transpose() * carried_.at(positions, static_cast<int>(rows[i]));
+    if (!fixed_) move_frame(rows, at);
+    VectorX shown(count);
+    for (Eigen::Index i = 0; i < count; ++i)
+      shown[i] = at(data_.axes[rows[i]], i) - data_.places(data_.axes[rows[i]], rows[i]);
+    return shown;
+  }
+
+ private:
+  static constexpr double kOutside = 0.05;  // of the body's size, the most that a point may lie outside of it
+
+  static Positions placed(const Body& body, MeasuredData& data, const Matrix3& rotation) {
+    if (!data.places.row(2).allFinite()) {
+      const double top = (rotation.transpose() * body.rest).row(2).maxCoeff();
+      data.places.row(2).setConstant(top);
+      data.notes.push_back(
+          fmt::format("no column z: the points lie where the body is highest, z = {:.6g} mm", 1e3 * top));
+    }
+    return rotation * data.places;
+  }
+
+  /// Gauss and Newton's steps for a shift in the directions that are measured, and turns of these into each other.
+  void move_frame(const std::vector<Eigen::Index>& rows, Positions& at) const {
+    constexpr int most = 50;
+    constexpr double enough = 1e-14;  // of the body's size
+    const Eigen::Index count = at.cols();
+    Vector3 measured = Vector3::Zero(), turned;
+    for (const Eigen::Index row : rows) measured[data_.axes[row]] = 1;
+    for (int axis = 0; axis < 3; ++axis) turned[axis] = measured[(axis + 1) % 3] * measured[(axis + 2) % 3];
+    MatrixX slopes(count, 6);
+    VectorX missing(count);
+    for (int step = 0; step < most; ++step) {
+      const Vector3 middle = at.rowwise().mean();
+      const double size = (at.colwise() - middle).norm();
+      for (Eigen::Index i = 0; i < count; ++i) {
+        const int axis = data_.axes[rows[i]];
+        const double weight = data_.deviations.size() > 0 ? 1 / data_.deviations[rows[i]] : 1;
+        const Vector3 arm = at.col(i) - middle;
+        slopes.row(i) << weight * arm.cross(Vector3::Unit(axis)).cwiseProduct(turned).transpose() / size,
+            weight * Vector3::Unit(axis).transpose();
+        missing[i] = weight * (data_.y[rows[i]] + data_.places(axis, rows[i]) - at(axis, i));
+      }
+      const VectorX change = slopes.completeOrthogonalDecomposition().solve(missing);
+      const Vector3 turn = change.head<3>() / size;
+      const Matrix3 rotation =
+          turn.norm() > 0 ? Eigen::AngleAxisd(turn.norm(), turn.normalized()).toRotationMatrix() : Matrix3::Identity();
+      at = (rotation * (at.colwise() - middle)).colwise() + (middle + change.tail<3>());
+      if (change.norm() <= enough * size) return;
+    }
+  }
+
+  const MeasuredData& data_;
+  Matrix3 rotation_;
+  bool fixed_;
+  CarriedPoints carried_;
+};
+
 class SpecimenTest final : public MeasuredTest {
  public:
   SpecimenTest(const DataTest& test, MeasuredData data, std::unique_ptr<Scene> scene, const StrategyChoice& choice,
-               const Catalog& catalog)
+               const Catalog& catalog, const std::vector<std::string>& overrides)
       : MeasuredTest(std::move(data)),
         catalog_(catalog),
+        overrides_(overrides),
         scene_(std::move(scene)),
         choice_(choice),
         own_(scene_->specimen.material) {
@@ -47,6 +128,7 @@ class SpecimenTest final : public MeasuredTest {
     const Specimen& specimen = scene_->specimen;
     follows_modulus_ = specimen.contact && specimen.contact->stiffness ==
                                                contact::default_contact_stiffness(specimen.body, own_.youngs_modulus);
+    if (test.kind->points) see_points(test);
     curve_.emplace(load_factors(test), options_.statics);
     has_history_ =
         specimen.contact && (specimen.contact->friction > 0 || specimen.contact->penetration > 0 || along_ == "force");
@@ -94,6 +176,8 @@ class SpecimenTest final : public MeasuredTest {
     }
     if (!stated && (!trial.rule.empty() || choice.label != scene_->stiffness.label))
       keys.emplace_back("stiffness", values.empty() ? text : "{strategy: " + text + "}");
+    for (const auto& [key, value] : trial.keys)
+      keys.emplace_back(key, quantity_text(value, config::stated_number(scene_->source, overrides_, key).unit, plain));
     if (trial.friction) keys.emplace_back("contact.friction", fmt::format("{:.9g}", *trial.friction));
     return keys;
   }
@@ -101,19 +185,19 @@ class SpecimenTest final : public MeasuredTest {
  private:
   /// Slopes by one linear solve each at every equilibrium.
   std::optional<Prediction> curve_of(const TestedMaterial& tested) {
-    const std::optional<HeldModel> held = model(tested.trial);
-    if (!held) return std::nullopt;
-    std::vector<std::vector<HeldModel>> changed;
+    const std::optional<Tried> tried = model(tested.trial);
+    if (!tried) return std::nullopt;
+    std::vector<std::vector<Tried>> changed;
     for (const TrialChange& change : tested.changes) {
-      std::vector<HeldModel>& models = changed.emplace_back();
+      std::vector<Tried>& models = changed.emplace_back();
       for (const Trial& other : change.trials) {
         auto perturbed = model(other);
         if (!perturbed) return std::nullopt;
         models.push_back(std::move(*perturbed));
       }
     }
-    Model& own = *held->model;
-    StaticRig& rig = *held->rig->at_rest();
+    Model& own = tried->model();
+    StaticRig& rig = tried->rig();
     Prediction result{VectorX::Zero(data_.y.size()),
                       MatrixX::Zero(data_.y.size(), static_cast<Eigen::Index>(tested.changes.size()))};
     const Start start = start_at(own);
@@ -122,41 +206,66 @@ class SpecimenTest final : public MeasuredTest {
     const double slope_tolerance = std::max(tolerance, tested.accuracy > 0 ? kRoughSlope : 1e-8);
     curve_->set_tolerance(tolerance);
     const auto visit = [&](std::size_t step, const State& state, StaticResult& solved) {
-      const Measures measures = rig.measure(start, state, options_.statics, solved);
-      const Eigen::Index point = order_[step];
-      const double at = data_.along ? measures.get(along_) : data_.x[point], response = measures.get(up_);
-      if (data_.along && std::abs(at - data_.x[point]) > kAgreement * std::abs(whole_))
-        throw InputError(scene_->source.path() + ": shows " + along_ + " " + fmt::format("{:.6g}", at) +
-                         " at the load that should give " + fmt::format("{:.6g}", data_.x[point]) +
-                         "; the data must be over what the scene prescribes, which is the file's first column of what "
-                         "is known: are its columns exchanged?");
-      result.values[point] = response;
+      const std::vector<Eigen::Index>& rows = levels_[step];
+      if (prescribes()) {
+        const double at = rig.measure(start, state, options_.statics, solved).get(along_), stated = data_.x[rows[0]];
+        if (std::abs(at - stated) > kAgreement * std::abs(whole_))
+          throw InputError(scene_->source.path() + ": shows " + along_ + " " + fmt::format("{:.6g}", at) +
+                           " at the load that should give " + fmt::format("{:.6g}", stated) +
+                           "; the data must be over what the scene prescribes, which is the file's first column of "
+                           "what is known: are its columns exchanged?");
+      }
+      const VectorX response = readings(rows, rig, start, state, solved);
+      result.values(rows) = response;
       reached_[step].distance = (state.positions - start.positions).norm();
-      if (changed.empty()) return std::isfinite(response);
+      if (changed.empty()) return response.allFinite();
       const State still{state.positions,
                         own.feels_velocity() ? Positions(Positions::Zero(3, state.positions.cols())) : Positions()};
       Responses responses(own, still, options_.statics);
       for (std::size_t change = 0; change < changed.size(); ++change) {
-        for (const HeldModel& other : changed[change])
-          set_load(*other.model, *other.rig->at_rest(), curve_->factor(step));
-        const auto slope = slope_of(own, rig, start, state, solved, changed[change], tested.changes[change], responses,
-                                    slope_tolerance, motion_of(step, change, tested));
+        for (const Tried& other : changed[change]) set_load(other.model(), other.rig(), curve_->factor(step));
+        const auto slope = slope_of(rows, own, rig, start, state, solved, changed[change], tested.changes[change],
+                                    responses, slope_tolerance, motion_of(step, change, tested));
         if (!slope) {
-          why_ = "the stiffness at an equilibrium could not be solved";
+          if (why_.empty()) why_ = "the stiffness at an equilibrium could not be solved";
           return false;
         }
-        result.slopes(point, static_cast<Eigen::Index>(change)) = *slope;
+        result.slopes(rows, static_cast<Eigen::Index>(change)) = *slope;
       }
-      return std::isfinite(response);
+      return response.allFinite();
     };
+    why_.clear();
     expect(tested.numbers);
-    reached_.resize(order_.size());
+    reached_.resize(levels_.size());
     const bool solved = curve_->solve(own, rig, visit);
     numbers_.clear();
     if (solved) numbers_.insert(tested.numbers.begin(), tested.numbers.end());
     if (solved) return result;
     if (!curve_->cause().empty()) why_ = "no equilibrium of the specimen: " + curve_->cause();
     return std::nullopt;
+  }
+
+  /// Whether the data are over something that the scene prescribes, and not over parts of its load.
+  bool prescribes() const { return data_.along && data_.along->name != "load_factor"; }
+
+  /// What an equilibrium shows of these rows.
+  VectorX readings(const std::vector<Eigen::Index>& rows, const StaticRig& rig, const Start& start, const State& state,
+                   StaticResult& solved) const {
+    if (seen_) return seen_->readings(rows, state.positions);
+    return VectorX::Constant(static_cast<Eigen::Index>(rows.size()),
+                             rig.measure(start, state, options_.statics, solved).get(up_));
+  }
+
+  void see_points(const DataTest& test) {
+    seen_.emplace(scene_->specimen.body, data_, scene_->rotation, test.fixed_frame);
+    std::map<double, int> at;
+    for (const double load : data_.x) ++at[load];
+    for (const auto& [load, count] : at)
+      if (!test.fixed_frame && count <= 6)
+        test.fail(
+            fmt::format("{} has {} at the load {:.6g}: a frame that moves takes six of them; measure more points, "
+                        "or write frame: fixed",
+                        data_.file, counted(count, "displacement"), load));
   }
 
   /// Where the motion of an equilibrium with a number is kept.
@@ -199,29 +308,60 @@ class SpecimenTest final : public MeasuredTest {
     return choose_strategy(*scene_, catalog_, name.text());
   }
 
+  /// A trial at work, with the scene that it is of.
+  struct Tried {
+    std::shared_ptr<Scene> scene;  ///< outlives the model
+    HeldModel held;
+    Model& model() const { return *held.model; }
+    StaticRig& rig() const { return *held.rig->at_rest(); }
+  };
+
   /// The specimen with what is tried in the place of its own; contact that follows from the modulus follows it.
-  std::optional<HeldModel> model(const Trial& trial) {
-    Specimen& specimen = scene_->specimen;
-    specimen.material = on_specimen(trial.material, own_);
-    const auto contact = specimen.contact;
-    if (contact && trial.friction) specimen.contact->friction = *trial.friction;
-    if (follows_modulus_)
-      specimen.contact->stiffness = contact::default_contact_stiffness(specimen.body, specimen.material.youngs_modulus);
-    std::optional<HeldModel> held;
+  std::optional<Tried> model(const Trial& trial) {
+    std::optional<Tried> tried;
     try {
+      const std::shared_ptr<Scene> scene = trial.keys.empty() ? scene_ : scene_with(trial);
+      Specimen& specimen = scene->specimen;
+      const auto contact = specimen.contact;
+      specimen.material = on_specimen(trial.material, own_);
+      if (contact && trial.friction) specimen.contact->friction = *trial.friction;
+      if (follows_modulus_)
+        specimen.contact->stiffness =
+            contact::default_contact_stiffness(specimen.body, specimen.material.youngs_modulus);
       StrategyChoice choice = choice_for(trial);
       for (const auto& [name, value] : trial.rule) choice.values[name] = value;
       Run run;
       if (choice.label != choice_.label)
-        if (const std::string reason = unsuited(specimen, *experiment_, choice); !reason.empty())
+        if (const std::string reason = unsuited(specimen, *scene->experiment->at_rest(), choice); !reason.empty())
           run.cause = choice.label + " " + reason;
-      if (run.cause.empty()) held = make_model(specimen, *experiment_, choice, options_, run);
-      if (!held) why_ = run.cause;
+      if (run.cause.empty())
+        if (auto held = make_model(specimen, *scene->experiment, choice, options_, run))
+          tried.emplace(Tried{scene, std::move(*held)});
+      if (!tried) why_ = run.cause;
+      specimen.material = own_, specimen.contact = contact;
     } catch (const InputError& error) {
       why_ = error.what();
+      scene_->specimen.material = own_;
     }
-    specimen.material = own_, specimen.contact = contact;
-    return held;
+    return tried;
+  }
+
+  /// The test's scene with other numbers under some of its keys. Throws InputError where these change more than forces.
+  std::shared_ptr<Scene> scene_with(const Trial& trial) const {
+    std::vector<std::string> changed = overrides_;
+    std::string names;
+    for (const auto& [key, value] : trial.keys) {
+      changed.push_back(key + "=" + config::stated_number(scene_->source, overrides_, key).with(value));
+      names += (names.empty() ? "" : ", ") + key;
+    }
+    std::shared_ptr<Scene> scene = load_scene(scene_->source, catalog_, changed);
+    const Body &own = scene_->specimen.body, &body = scene->specimen.body;
+    const auto fail = [&](const std::string& what) { throw InputError("unknown " + names + ": it changes " + what); };
+    if (body.size() != own.size() || body.connections.ends != own.connections.ends)
+      fail("which molecules there are, or what joins them");
+    if ((body.rest - own.rest).norm() > 1e-12 * own.rest.norm()) fail("the body's shape at rest");
+    prepare(scene->specimen, choice_.strategy);
+    return scene;
   }
 
   /// Of forces on free molecules.
@@ -269,21 +409,24 @@ class SpecimenTest final : public MeasuredTest {
   /// ∂f/∂θ at the positions kept, then K dx = ∂f/∂θ, then the measure at both sides along dx, and what the number makes
   /// of the measure itself.
   /// @param motion dx of about here, from which the solve begins; then that of here
-  std::optional<double> slope_of(const Model& own, const StaticRig& rig, const Start& start, const State& state,
-                                 const StaticResult& solved, const std::vector<HeldModel>& models,
-                                 const TrialChange& change, Responses& responses, double tolerance,
-                                 Positions& motion) const {
+  std::optional<VectorX> slope_of(const std::vector<Eigen::Index>& rows, const Model& own, const StaticRig& rig,
+                                  const Start& start, const State& state, const StaticResult& solved,
+                                  const std::vector<Tried>& models, const TrialChange& change, Responses& responses,
+                                  double tolerance, Positions& motion) {
     if (models.empty()) return std::nullopt;
     Positions forces = Positions::Zero(3, state.positions.cols());
-    double slope = 0;
+    VectorX slope = VectorX::Zero(static_cast<Eigen::Index>(rows.size()));
     for (std::size_t i = 0; i < models.size(); ++i) {
-      const Model& model = *models[i].model;
-      forces += change.weights[i] * model.elastic_forces(state.positions);
-      if (!scene_->specimen.contact) continue;
-      forces += change.weights[i] * model.load_forces(state);
+      const Model& model = models[i].model();
+      forces += change.weights[i] * (model.elastic_forces(state.positions) + model.load_forces(state));
+      Positions held = state.positions;
+      apply_supports(model, held);
+      if ((held - state.positions).norm() > 1e-9 * (state.positions - start.positions).norm()) {
+        why_ = "an unknown of the scene changes what its experiment prescribes";
+        return std::nullopt;
+      }
       StaticResult same = solved;
-      const StaticRig& other = *models[i].rig->at_rest();
-      slope += change.weights[i] * other.measure(start, state, options_.statics, same).get(up_);
+      slope += change.weights[i] * readings(rows, models[i].rig(), start, state, same);
     }
     leave_out_rounding(own, forces);
     const auto response = response_to(own, responses, forces, tolerance, motion);
@@ -295,7 +438,7 @@ class SpecimenTest final : public MeasuredTest {
       StaticResult perturbed = solved;
       at.positions += side * step * response.motion;
       perturbed.reactions += side * step * response.result.reactions;
-      slope += side * rig.measure(start, at, options_.statics, perturbed).get(up_) / (2 * step);
+      slope += side / (2 * step) * readings(rows, rig, start, at, perturbed);
     }
     return slope;
   }
@@ -310,10 +453,10 @@ class SpecimenTest final : public MeasuredTest {
   /// What part of the scene's load each point is. What a rig prescribes it may know by itself, at rest: a pressure, an
   /// indenter's depth. Else it is proportional to the load, which one solve for small displacements shows.
   std::vector<double> load_factors(const DataTest& test) {
-    const std::optional<HeldModel> held = model(own_);
+    const std::optional<Tried> held = model(own_);
     if (!held) test.fail("scene: " + why_);
-    Model& own = *held->model;
-    StaticRig& rig = *held->rig->at_rest();
+    Model& own = held->model();
+    StaticRig& rig = held->rig();
     const State rest = state_at_rest(scene_->specimen.body);
     set_load(own, rig, 0);
     if (!own.load_forces(rest).isZero(0))
@@ -327,13 +470,16 @@ class SpecimenTest final : public MeasuredTest {
       return rig.measure(start, rest, options_.statics, unloaded);
     };
     const auto find_measures = [&](const Measures& shown) {
-      if (data_.along) along_ = measure_of(*data_.along, shown);
-      up_ = measure_of(*data_.up, shown);
+      if (prescribes()) along_ = measure_of(*data_.along, shown);
+      if (!test.measure.empty())
+        up_ = std::isfinite(shown.get(test.measure)) ? test.measure : "";
+      else if (!seen_)
+        up_ = measure_of(*data_.up, shown);
     };
     Measures shown = at_rest(1);
     find_measures(shown);
-    const bool known = !along_.empty() && !up_.empty() && shown.get(along_) != 0;
-    if (!known) {
+    const bool known = !along_.empty() && (seen_ || !up_.empty()) && shown.get(along_) != 0;
+    if (!known && !(seen_ && !prescribes())) {
       StaticOptions small = options_.statics;
       small.linear = true;
       State state = rest;
@@ -341,39 +487,58 @@ class SpecimenTest final : public MeasuredTest {
       if (solved.outcome != Outcome::converged) test.fail("scene: its body cannot be solved: " + solved.cause);
       shown = rig.measure(start, state, small, solved);
       find_measures(shown);
-      for (const auto& [name, quantity] : {std::pair{along_, data_.along}, std::pair{up_, data_.up}})
+      for (const auto& [name, quantity] :
+           {std::pair{along_, prescribes() ? data_.along : nullptr}, std::pair{up_, seen_ ? nullptr : data_.up}})
         if (quantity && name.empty())
-          test.fail("scene: it shows no " + quantity->name + "; the data have one, and it shows " + shown_in(shown));
-      check_sign(shown.get(up_));
+          test.fail(quantity == data_.up && !test.measure.empty()
+                        ? "measure: the scene has no '" + test.measure + "'" + suggestion(test.measure, names_in(shown))
+                        : "scene: it shows no " + quantity->name + "; the data have one, and it shows " +
+                              shown_in(shown));
+      if (!seen_) check_sign(shown.get(up_));
     }
-    if (data_.along) {
-      whole_ = shown.get(along_);
-      leave_out_rest();
-    }
-    order_.resize(static_cast<std::size_t>(data_.x.size()));
-    std::iota(order_.begin(), order_.end(), 0);
-    if (!data_.along) return {data_.x.begin(), data_.x.end()};
-    std::stable_sort(order_.begin(), order_.end(),
-                     [&](auto a, auto b) { return std::abs(data_.x[a]) < std::abs(data_.x[b]); });
+    if (prescribes()) whole_ = shown.get(along_);
+    if (prescribes() && !seen_) leave_out_rest();
+    std::vector<Eigen::Index> order(static_cast<std::size_t>(data_.x.size()));
+    std::iota(order.begin(), order.end(), 0);
+    if (data_.along)
+      std::stable_sort(order.begin(), order.end(),
+                       [&](auto a, auto b) { return std::abs(data_.x[a]) < std::abs(data_.x[b]); });
     std::vector<double> factors;
-    for (const Eigen::Index point : order_) {
-      const double part = data_.x[point] / whole_;
-      if (part < 0)
+    for (const Eigen::Index point : order) {
+      if (seen_ && !levels_.empty() && data_.x[levels_.back()[0]] == data_.x[point]) {
+        levels_.back().push_back(point);
+        continue;
+      }
+      levels_.push_back({point});
+      factors.push_back(prescribes() ? load_factor_of(point, known, at_rest) : data_.x[point]);
+      if (data_.along && !prescribes() && !(factors.back() > 0 && factors.back() <= 1))
         throw InputError(
             SourceLocation{data_.file, data_.lines[point]},
-            fmt::format("{} of {:.6g} has the other sign than what {} prescribes, {:.6g} (SI); of compression both "
-                        "displacement and force are negative, which signs: pressing makes of positive ones",
-                        data_.along->name, data_.x[point], scene_->source.path(), whole_));
-      if (part < 0 || part > 1 + kAgreement)
-        throw InputError(
-            SourceLocation{data_.file, data_.lines[point]},
-            fmt::format("{} of {:.6g} is beyond what {} prescribes, {:.6g} (SI): change its load, or cut the "
-                        "data by `from` and `to`",
-                        data_.along->name, data_.x[point], scene_->source.path(), whole_));
-      factors.push_back(known ? bisected(part, [&](double at) { return at_rest(at).get(along_) / whole_; })
-                              : std::min(part, 1.));
+            fmt::format("load_factor {:.6g} is no part of the scene's load; it goes from 0 to 1", data_.x[point]));
     }
     return factors;
+  }
+
+  /// What part of the scene's load a row of what it prescribes is.
+  template <class AtRest>
+  double load_factor_of(Eigen::Index point, bool known, const AtRest& at_rest) const {
+    const double part = data_.x[point] / whole_;
+    const auto fail = [&](const char* what, const char* advice) {
+      throw InputError(SourceLocation{data_.file, data_.lines[point]},
+                       fmt::format("{} of {:.6g} {} {} prescribes, {:.6g} (SI){}", data_.along->name, data_.x[point],
+                                   what, scene_->source.path(), whole_, advice));
+    };
+    if (part < 0)
+      fail("has the other sign than what",
+           "; of compression both displacement and force are negative, which signs: pressing makes of positive ones");
+    if (part > 1 + kAgreement) fail("is beyond what", ": change its load, or cut the data by `from` and `to`");
+    return known ? bisected(part, [&](double at) { return at_rest(at).get(along_) / whole_; }) : std::min(part, 1.);
+  }
+
+  static std::vector<std::string> names_in(const Measures& shown) {
+    std::vector<std::string> names;
+    for (const auto& [name, value] : shown.all()) names.push_back(name);
+    return names;
   }
 
   /// What data may have of this scene.
@@ -431,14 +596,16 @@ class SpecimenTest final : public MeasuredTest {
   }
 
   const Catalog& catalog_;
-  std::unique_ptr<Scene> scene_;
+  std::vector<std::string> overrides_;
+  std::shared_ptr<Scene> scene_;
   StrategyChoice choice_;
   Material own_;
   const StaticExperiment* experiment_ = nullptr;
   RunOptions options_;
-  std::string along_, up_;  ///< measures
-  double whole_ = 0;        ///< what the scene's whole load prescribes, SI
-  std::vector<Eigen::Index> order_;
+  std::string along_, up_;                         ///< measures
+  double whole_ = 0;                               ///< what the scene's whole load prescribes, SI
+  std::optional<SeenPoints> seen_;                 ///< of points
+  std::vector<std::vector<Eigen::Index>> levels_;  ///< rows at each load
   /// An equilibrium of the last curve.
   struct Reached {
     double distance = 0;                            ///< from rest, a norm over all molecules [m]
@@ -457,7 +624,8 @@ class SpecimenTest final : public MeasuredTest {
 std::unique_ptr<MeasuredTest> make_specimen_test(const DataTest& test, const Catalog& catalog,
                                                  const std::vector<std::string>& overrides,
                                                  const std::string& strategy) {
-  return make_specimen_test(test, load_data(test), catalog, overrides, strategy);
+  return make_specimen_test(test, test.kind->points ? load_points(test) : load_data(test), catalog, overrides,
+                            strategy);
 }
 
 std::unique_ptr<MeasuredTest> make_specimen_test(const DataTest& test, MeasuredData data, const Catalog& catalog,
@@ -465,7 +633,7 @@ std::unique_ptr<MeasuredTest> make_specimen_test(const DataTest& test, MeasuredD
                                                  const std::string& strategy) {
   auto scene = load_scene(*test.scene, catalog, overrides);
   const StrategyChoice choice = strategy.empty() ? scene->stiffness : choose_strategy(*scene, catalog, strategy);
-  return std::make_unique<SpecimenTest>(test, std::move(data), std::move(scene), choice, catalog);
+  return std::make_unique<SpecimenTest>(test, std::move(data), std::move(scene), choice, catalog, overrides);
 }
 
 }  // namespace elastin::lab

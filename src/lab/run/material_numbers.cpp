@@ -174,6 +174,9 @@ Trial with_numbers(const MaterialLaw* row, const Trial& trial, const std::vector
       case Kind::friction:
         result.friction = value;
         break;
+      case Kind::scene_key:
+        result.keys[number.name] = value;
+        break;
     }
   }
   if (result.curve) {

@@ -42,7 +42,7 @@ std::string quantity_text(double value, const Dimension& unit, bool plain);
 
 /// A number that can be unknown: of a material one of its law's, of a law's term ("mu_1"), of its curve ("stress_2"),
 /// of its relaxation ("g_1", "tau_1"), or E or ν where these are given and not derived; in addition one of the spring
-/// rule's parameters, or the friction of contact.
+/// rule's parameters, the friction of contact, or any number of the scene, named by its key.
 struct MaterialNumber {
   enum class Kind {
     law_number,
@@ -53,7 +53,8 @@ struct MaterialNumber {
     share,
     relaxation_time,
     rule_parameter,
-    friction
+    friction,
+    scene_key
   };
 
   std::string name;
@@ -73,6 +74,7 @@ struct Trial {
   std::optional<CurveNumbers> curve = {};  ///< by which the material's curve is stated
   ParameterValues rule = {};               ///< parameters of the spring rule that are unknown
   std::optional<double> friction = {};     ///< of contact, where it is unknown
+  ParameterValues keys = {};               ///< of the scene that are unknown, SI
 
   Trial() = default;
   Trial(Material own) : material(std::move(own)) {}

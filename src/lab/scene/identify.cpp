@@ -91,7 +91,9 @@ const Keys<ModulusWindow>& modulus_keys() {
 const Keys<DataTest>& data_test_keys() {
   using S = DataTest;
   const auto is_relaxation = [](const S& test) { return test.kind->in_time; };
-  const auto curved = [](const S& test) { return !test.kind->in_time; };
+  const auto curved = [](const S& test) { return !test.kind->in_time && !test.kind->points; };
+  const auto a_curve = [](const S& test) { return !test.kind->points; };
+  const auto of_points = [](const S& test) { return test.kind->points; };
   const auto of_strain = [](const S& test) { return test.kind->in_time && !test.scene; };
   std::vector<std::pair<std::string, const DataTestKind*>> kinds;
   for (const DataTestKind& kind : data_test_kinds()) kinds.emplace_back(kind.name, &kind);
@@ -109,8 +111,13 @@ const Keys<DataTest>& data_test_keys() {
       key::whole("block", &S::block, 1, "which of several blocks of the file, each with names of its own, counts")
           .otherwise("the only one with the columns"),
       later_key("from", &S::from, "the column's", "none",
-                "least of what is prescribed that counts, as the file has it; no other row is looked at"),
-      later_key("to", &S::to, "the column's", "none", "largest of it"),
+                "least of what is prescribed that counts, as the file has it; no other row is looked at")
+          .when(a_curve),
+      later_key("to", &S::to, "the column's", "none", "largest of it").when(a_curve),
+      key::choice("frame", &S::fixed_frame, {{"moving", false}, {"fixed", true}},
+                  "of points: whether the specimen as a whole may have moved and turned before what sees it, at each "
+                  "load; six unknowns more")
+          .when(of_points),
       key::choice("signs", &S::pressing, {{"pulling", false}, {"pressing", true}}, "what the columns count positive")
           .when(curved)
           .otherwise("`pulling`; of `compression` either, by each column's own sign"),
@@ -140,7 +147,7 @@ const Keys<DataTest>& data_test_keys() {
                 [](Reader item) { return item.set_section("identify.tests.moduli"), modulus_keys().read(item); })
           .when([](const S& test) { return test.kind->homogeneous.has_value(); }),
       key::quantity("weight", &S::weight, dimension::none, "of its squares; 0: predicted and not fitted", kNotNegative),
-      residuals_key(&S::residuals, "of this test").otherwise("as above"),
+      residuals_key(&S::residuals, "of this test").when(a_curve).otherwise("as above"),
       key::quantity("cross_section", &S::cross_section, dimension::area, "of a homogeneous test", kPositive)
           .otherwise("needed with `force`"),
       key::quantity("length", &S::length, dimension::length, "of a homogeneous test", kPositive)
@@ -151,6 +158,10 @@ const Keys<DataTest>& data_test_keys() {
            "load is kept, in the place of `held` and `strain`"},
           [](const Reader& value, S& test) { test.scene = value.source().other(beside(value)); })
           .when([](const S& test) { return !test.kind->homogeneous; }),
+      key::text("measure", &S::measure,
+                "of `specimen`: which of the scene's measures the response is, such as `arm_reaction_x`")
+          .when([](const S& test) { return !test.kind->homogeneous && !test.kind->in_time && !test.kind->points; })
+          .otherwise("the first one of this quantity"),
       key::choice("held", &S::held, homogeneous_names(), "of `relaxation`: the state that is kept").when(of_strain),
       key::quantity("strain", &S::strain, dimension::none, "of `relaxation`: that is kept")
           .needed_when(of_strain, "needed for `relaxation` without `scene`"),
@@ -165,6 +176,7 @@ DataTest read_test(const Reader& reader, ResidualScale residuals) {
   test = data_test_keys().read(reader, {}, std::move(test));
   test.fail = failure_at(reader);
   if (test.name.empty()) test.name = test.kind->name;
+  if (test.kind->points) test.residuals = ResidualScale::absolute;
   if (!test.kind->in_time && !test.kind->homogeneous && !test.scene) test.scene = reader.source();
   return test;
 }
@@ -266,7 +278,8 @@ const std::vector<DataQuantity>& data_quantities() {
       {"force", dimension::force, "of what pulls or presses", false, {"force"}},
       {"torque", dimension::energy, "of torsion", false, {"torque"}},
       {"pressure", dimension::pressure, "of a gas or liquid", false, {"pressure"}},
-      {"height", dimension::length, "of a bubble's pole", false, {"height"}}};
+      {"height", dimension::length, "of a bubble's pole", false, {"height"}},
+      {"load_factor", dimension::none, "part of the scene's load, 0 to 1", true}};
   return quantities;
 }
 
@@ -287,8 +300,13 @@ const std::vector<DataTestKind>& data_test_kinds() {
         {"relaxation", "stress over time at a strain that is kept", {"time"}, {"nominal_stress", "force"}, {}, true});
     all.push_back({"specimen",
                    "the whole specimen in its grips, of a scene",
-                   {"displacement", "angle", "pressure", "force", "nominal_strain", "shear"},
+                   {"displacement", "angle", "pressure", "force", "nominal_strain", "shear", "load_factor"},
                    {"force", "torque", "height", "displacement", "nominal_stress", "pressure"}});
+    all.push_back({"points",
+                   "displacements of points of the whole specimen, as a camera or a scan sees them",
+                   {"load_factor", "displacement", "angle", "pressure", "force", "nominal_strain", "shear"},
+                   {"displacement"}});
+    all.back().points = true;
     return all;
   }();
   return kinds;

@@ -28,6 +28,7 @@ struct DataTestKind {
   std::optional<HomogeneousTest> homogeneous = {};  ///< every point in the same state
   bool in_time = false;                             ///< at a strain that is kept
   bool pressed = false;                             ///< whether strains and stresses are negative
+  bool points = false;                              ///< of displacements of points of the body
 };
 const std::vector<DataTestKind>& data_test_kinds();
 
@@ -69,6 +70,8 @@ struct DataTest {
   BranchChoice branch = BranchChoice::only;
   int cycle = 0;  ///< from 1, or −1 from the last; 0: the first
   bool keep_torn = false;
+  std::string measure;       ///< of a specimen: that of its scene which the response is; empty: the first that is one
+  bool fixed_frame = false;  ///< of points: whether what sees them keeps its place beside the specimen
   std::optional<ZeroChoice> zero;  ///< none: as given, or found where slack is certain
   int points = 0;                  ///< to which more rows are averaged; 0: as many as show the shape of any curve
   std::vector<ModulusWindow> moduli;
