@@ -38,7 +38,8 @@ std::vector<FoundNumber> found_numbers(const UnknownMaterial& unknown, std::vect
                        known.deviations[at],
                        known.low[at],
                        known.high[at]};
-    const double half = (number.high - number.low) / 2, size = std::abs(number.value);
+    number.scale = unknown.unknowns[i].size > 0 ? unknown.unknowns[i].size : std::abs(number.value);
+    const double half = (number.high - number.low) / 2, size = number.scale;
     const bool wide = !(half <= kProfiled * size);
     if (profiles && wide && !(fit.rough && far) && known.freedom > 0 && unknown.unknowns.size() > 1 &&
         fit.outcome != FitOutcome::flat_valley && !stopped()) {

@@ -24,6 +24,8 @@ constexpr std::array kMachineNames{
         "disp|extension|elongation|stroke|crosshead|crosshead displacement|crosshead extension|axial disp|axial "
         "displacement|tensile extension|tensile displacement|xdisplacement|x displacement|actuator displacement|"
         "distance|standardweg|weg|traversenweg|verschiebung|verlängerung|déplacement|allongement|位移|伸长|变形|行程"},
+    MachineNames{"displacement",
+                 "depth|indentation|indentation depth|tip position|vertical tip position|tip sample separation"},
     MachineNames{"displacement", "compressive extension|compressive displacement|stauchweg", true},
     MachineNames{"displacement", "position|z position|axial position|crosshead position", false, true},
     MachineNames{
@@ -129,7 +131,7 @@ class TableColumns {
   Column choose(const std::vector<std::string>& wanted, const std::string& role, std::ptrdiff_t taken = -1) const {
     const std::vector<Column> found = candidates(wanted, taken);
     // Of a specimen both may be loads or displacements; what stands first is prescribed.
-    const bool of_specimen = !test_.kind->homogeneous && !test_.kind->in_time;
+    const bool of_specimen = test_.kind->of_scene();
     if (found.size() == 1 || (found.size() > 1 && of_specimen)) {
       const Column& column = found.size() > 1 && role == "answers" ? found.back() : found.front();
       check_unit(column);
@@ -195,7 +197,7 @@ class TableColumns {
       if (std::any_of(found.begin(), found.end(), condition))
         std::erase_if(found, [&](auto& c) { return !condition(c); });
     };
-    if (test_.kind->homogeneous || test_.kind->in_time) {
+    if (!test_.kind->of_scene() && !test_.kind->layer) {
       keep([&](const Column& column) { return (column.quantity->name == "displacement") == (test_.length > 0); });
       keep([&](const Column& column) { return (column.quantity->name == "force") == (test_.cross_section > 0); });
     } else {

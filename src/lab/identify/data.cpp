@@ -365,7 +365,7 @@ MeasuredData load_data(const DataTest& test) {
   data.noise = noise_of(data.x, data.y);
   const bool from_rest = test.branch != BranchChoice::unloading && leaves_rest(data);
   if (from_rest) cut_behind_tear(test, data);
-  const Eigen::Index points = test.points > 0 ? test.points : test.kind->homogeneous ? kManyRows : kManyEquilibria;
+  const Eigen::Index points = test.points > 0 ? test.points : test.scene ? kManyEquilibria : kManyRows;
   if (data.x.size() > points) data.notes.push_back(fmt::format("{} rows averaged to {} points", data.x.size(), points));
   average(data, std::max(points, kManyRows));
   if (from_rest) find_zero_point(test, data);

@@ -48,8 +48,8 @@ class Scaling {
     for (Eigen::Index i = 0; i < start.size(); ++i) {
       const MaterialNumber& number = unknown.unknowns[i];
       const double typical = number.unit == dimension::pressure ? 0.1 * unknown.trial.material.youngs_modulus : 1;
-      size[i] = start[i] != 0 ? std::abs(start[i]) : typical;
-      if (logarithmic && start[i] != 0) sign_[i] = start[i] > 0 ? 1 : -1;
+      size[i] = number.size > 0 ? number.size : start[i] != 0 ? std::abs(start[i]) : typical;
+      if (logarithmic && start[i] != 0 && number.size == 0) sign_[i] = start[i] > 0 ? 1 : -1;
       const double margin = number.above_low ? 1e-9 * size[i] : 0;
       low[i] = scaled(i, number.low + margin), high[i] = scaled(i, number.high);
       if (sign_[i] < 0) std::swap(low[i], high[i]);
@@ -142,13 +142,21 @@ class Residuals {
       for (std::size_t i = 0; i < unknown_.unknowns.size(); ++i)
         tested.numbers.emplace_back(unknown_.unknowns[i].name, values[static_cast<Eigen::Index>(i)]);
       if (slopes)
-        tested.changes = trial_changes(unknown_.row, unknown_.trial, unknown_.unknowns, values,
-                                       kDifference * values.cwiseAbs().cwiseMax(0.1 * scaling.size));
+        tested.changes =
+            trial_changes(unknown_.row, unknown_.trial, unknown_.unknowns, values, kDifference * steps(values));
       return tested;
     } catch (const InputError& error) {
       why = error.what();
       return std::nullopt;
     }
+  }
+
+  /// What each number is large against.
+  VectorX steps(const VectorX& values) const {
+    VectorX steps = values.cwiseAbs().cwiseMax(0.1 * scaling.size);
+    for (std::size_t i = 0; i < unknown_.unknowns.size(); ++i)
+      if (unknown_.unknowns[i].size > 0) steps[static_cast<Eigen::Index>(i)] = unknown_.unknowns[i].size;
+    return steps;
   }
 
   /// Whether the last slopes promise so little that no step is worth its equilibria.

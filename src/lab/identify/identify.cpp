@@ -137,6 +137,13 @@ Trial trial_of(const IdentifyTask& task) {
   return trial;
 }
 
+void add_always_unknown(const std::vector<WeightedTest>& tests, UnknownMaterial& unknown) {
+  for (const WeightedTest& test : tests)
+    if (test.stated->weight > 0)
+      for (const MaterialNumber& number : test.test->always_unknown())
+        if (!find_named(unknown.unknowns, number.name)) unknown.unknowns.push_back(number);
+}
+
 /// The numbers that the scene leaves unknown, of its own law; of spring rules and contact those that it names.
 UnknownMaterial stated_unknowns(const IdentifyTask& task, const Catalog& catalog,
                                 const std::vector<WeightedTest>& tests, const std::vector<std::string>& overrides) {
@@ -148,6 +155,7 @@ UnknownMaterial stated_unknowns(const IdentifyTask& task, const Catalog& catalog
   if (task.unknowns.empty()) {
     for (const MaterialNumber& number : all)
       if (unknown_by_itself(number, task)) unknown.unknowns.push_back(number);
+    add_always_unknown(tests, unknown);
     return unknown;
   }
   for (const WeightedTest& test : tests)
@@ -175,6 +183,7 @@ UnknownMaterial stated_unknowns(const IdentifyTask& task, const Catalog& catalog
       choice.fail("the search would begin outside of its bounds");
     unknown.unknowns.push_back(number);
   }
+  add_always_unknown(tests, unknown);
   return unknown;
 }
 

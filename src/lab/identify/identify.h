@@ -19,6 +19,7 @@ struct FoundNumber {
   Dimension unit;
   double value = 0, deviation = 0;
   double low = 0, high = 0;  ///< 95 % interval
+  double scale = 0;          ///< what its width is over: its size, or of a position the range of the test
   bool profiled = false;     ///< its ends are those of the likelihood profile, and not of the linear model
   bool determined = true;    ///< false: the interval is wider than twice the value
   double published = std::numeric_limits<double>::quiet_NaN();  ///< what others found; NaN: the scene does not say

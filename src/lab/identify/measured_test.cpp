@@ -26,6 +26,7 @@ std::unique_ptr<MeasuredTest> make_measured_test(const DataTest& test, const Cat
                                                  const Material& material, const std::vector<std::string>& overrides,
                                                  const std::string& strategy) {
   if (test.kind->homogeneous) return make_homogeneous_test(test, row, material);
+  if (test.kind->layer) return make_layer_test(test, material);
   if (test.kind->in_time && test.scene)
     return make_specimen_relaxation_test(test, catalog, material, overrides, strategy);
   if (test.kind->in_time) return make_relaxation_test(test, row, material);

@@ -39,6 +39,8 @@ class MeasuredTest {
   }
   /// Numbers of its scene in addition to the material, and that can be unknown.
   virtual std::vector<MaterialNumber> own_numbers() const { return {}; }
+  /// Numbers of its own that are always found.
+  virtual std::vector<MaterialNumber> always_unknown() const { return {}; }
   /// Keys of its scene, except the material, with the trial put in: keys with their values.
   virtual std::vector<std::pair<std::string, std::string>> scene_keys(const Trial& /*trial*/, bool /*plain*/) const {
     return {};
@@ -58,6 +60,9 @@ std::optional<Prediction> by_differences(const TestedMaterial& tested,
 /// material that has neither.
 std::unique_ptr<MeasuredTest> make_homogeneous_test(const DataTest& test, const MaterialLaw* row,
                                                     const Material& material);
+
+/// Depth and force of an indenter in a layer of the material's E and ν, with the contact point as an unknown.
+std::unique_ptr<MeasuredTest> make_layer_test(const DataTest& test, const Material& material);
 
 /// Stress at a strain that grows at an even rate over a ramp and is kept: σ(t) = ∫ G(t − s) dσᵉ, exact where the law's
 /// stress grows evenly between 64 points of the ramp.

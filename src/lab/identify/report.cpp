@@ -24,7 +24,7 @@ Table number_table(const Answer& answer) {
   if (published) head.push_back("published");
   Table table(head);
   for (const FoundNumber& number : answer.numbers) {
-    const double width = (number.high - number.low) / 2 / std::abs(number.value);
+    const double width = (number.high - number.low) / 2 / number.scale;
     std::vector<TableCell> row{
         {number.name},
         number_cell(readable(number.value, number.unit), number.value),
@@ -232,7 +232,7 @@ std::string interval_html(const Answer& answer) {
   std::string out = "<div class=\"scroll\" tabindex=\"0\"><table><tbody>";
   for (const FoundNumber& number : answer.numbers) {
     const auto at = [&](double value) {
-      const double ratio = (value - number.value) / std::abs(number.value);
+      const double ratio = (value - number.value) / number.scale;
       return std::isfinite(ratio) ? half + half * std::clamp(ratio, -2., 2.) / 2 : value > 0 ? width : 0;
     };
     out += fmt::format(

@@ -64,6 +64,7 @@ struct MaterialNumber {
   double value;      ///< SI, of the material that it was read off
   Kind kind;
   std::size_t term = 0, column = 0;
+  double size = 0;  ///< what is large for it where its value may be 0; 0: its value
 
   bool operator==(const MaterialNumber&) const = default;
 };

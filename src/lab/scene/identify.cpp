@@ -88,11 +88,33 @@ const Keys<ModulusWindow>& modulus_keys() {
   return keys;
 }
 
+void read_indenter(Reader reader, DataTest& test) {
+  struct Form {
+    const char *name, *size;
+    Indenter indenter;
+    Dimension unit;
+    Range range;
+  };
+  const Form forms[] = {{"sphere", "radius", Indenter::sphere, dimension::length, kPositive},
+                        {"cone", "half_angle", Indenter::cone, dimension::none, {0.01, 1.57}},
+                        {"flat", "radius", Indenter::flat, dimension::length, kPositive}};
+  for (const auto& [name, size, indenter, unit, range] : forms)
+    if (reader.has(name)) {
+      test.indenter = indenter;
+      Reader own = reader.at(name);
+      test.indenter_size = own.at(size).quantity(unit, range);
+      return own.finish(), reader.finish();
+    }
+  reader.fail("write {sphere: {radius: 10 um}}, {cone: {half_angle: 35 deg}} or {flat: {radius: 1 mm}}");
+}
+
 const Keys<DataTest>& data_test_keys() {
   using S = DataTest;
   const auto is_relaxation = [](const S& test) { return test.kind->in_time; };
   const auto curved = [](const S& test) { return !test.kind->in_time && !test.kind->points; };
   const auto a_curve = [](const S& test) { return !test.kind->points; };
+  const auto of_layer = [](const S& test) { return test.kind->layer; };
+  const auto with_zero = [](const S& test) { return !test.kind->in_time && !test.kind->points && !test.kind->layer; };
   const auto of_points = [](const S& test) { return test.kind->points; };
   const auto of_strain = [](const S& test) { return test.kind->in_time && !test.scene; };
   std::vector<std::pair<std::string, const DataTestKind*>> kinds;
@@ -137,7 +159,7 @@ const Keys<DataTest>& data_test_keys() {
                   "where what is prescribed counts from: as the file has it; `found`: where the load begins, behind "
                   "slack or before a preload; `toe`: where the tangent of the steepest fifth of the range crosses "
                   "zero. `length` and strains are then over the length there")
-          .when(curved)
+          .when(with_zero)
           .otherwise("`as_given`; `found` where it begins behind slack that no smooth curve explains"),
       key::whole("points", &S::points, 2, "more rows than these are averaged in groups")
           .when(curved)
@@ -157,10 +179,24 @@ const Keys<DataTest>& data_test_keys() {
            "of `specimen`: body, grips and load; the material is the fitted one. Of `relaxation`: the specimen whose "
            "load is kept, in the place of `held` and `strain`"},
           [](const Reader& value, S& test) { test.scene = value.source().other(beside(value)); })
-          .when([](const S& test) { return !test.kind->homogeneous; }),
+          .when([](const S& test) { return !test.kind->homogeneous && !test.kind->layer; }),
+      Key<S>(
+          {"indenter", "map", "", "", "needed",
+           "of `indentation`: `{sphere: {radius: 10 um}}`, `{cone: {half_angle: 35 deg}}` or `{flat: {radius: 1 mm}}`"},
+          [](const Reader& value, S& test) { read_indenter(value, test); })
+          .needed_when(of_layer, "needed for `indentation`"),
+      key::quantity("thickness", &S::thickness, dimension::length, "of the layer", kPositive)
+          .when(of_layer)
+          .otherwise("a half-space"),
+      key::choice("bottom", &S::bottom, {{"bonded", LayerBottom::bonded}, {"free", LayerBottom::free}},
+                  "whether the layer sticks to its bed, or slides on it")
+          .when(of_layer),
+      key::choice("contact_point", &S::contact_given, {{"found", false}, {"as_given", true}},
+                  "where the indenter touches: an unknown, `NAME_contact_point`, or depth 0 of the file")
+          .when(of_layer),
       key::text("measure", &S::measure,
                 "of `specimen`: which of the scene's measures the response is, such as `arm_reaction_x`")
-          .when([](const S& test) { return !test.kind->homogeneous && !test.kind->in_time && !test.kind->points; })
+          .when([](const S& test) { return test.kind->of_scene() && !test.kind->points; })
           .otherwise("the first one of this quantity"),
       key::choice("held", &S::held, homogeneous_names(), "of `relaxation`: the state that is kept").when(of_strain),
       key::quantity("strain", &S::strain, dimension::none, "of `relaxation`: that is kept")
@@ -177,7 +213,8 @@ DataTest read_test(const Reader& reader, ResidualScale residuals) {
   test.fail = failure_at(reader);
   if (test.name.empty()) test.name = test.kind->name;
   if (test.kind->points) test.residuals = ResidualScale::absolute;
-  if (!test.kind->in_time && !test.kind->homogeneous && !test.scene) test.scene = reader.source();
+  if (test.kind->of_scene() && !test.scene) test.scene = reader.source();
+  if (test.kind->layer) test.zero = ZeroChoice::as_given;
   return test;
 }
 
@@ -307,6 +344,11 @@ const std::vector<DataTestKind>& data_test_kinds() {
                    {"load_factor", "displacement", "angle", "pressure", "force", "nominal_strain", "shear"},
                    {"displacement"}});
     all.back().points = true;
+    all.push_back({"indentation",
+                   "depth and force of a rigid indenter in a flat layer, in small strains, without friction",
+                   {"displacement"},
+                   {"force"}});
+    all.back().layer = true;
     return all;
   }();
   return kinds;

@@ -1,5 +1,6 @@
 #pragma once
 #include <functional>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -29,6 +30,9 @@ struct DataTestKind {
   bool in_time = false;                             ///< at a strain that is kept
   bool pressed = false;                             ///< whether strains and stresses are negative
   bool points = false;                              ///< of displacements of points of the body
+  bool layer = false;                               ///< an indenter in a layer, by a closed form
+  /// Whether it is of a body in a scene.
+  bool of_scene() const { return !homogeneous && !in_time && !layer; }
 };
 const std::vector<DataTestKind>& data_test_kinds();
 
@@ -42,6 +46,10 @@ enum class ResidualScale { automatic, relative, absolute };
 enum class BranchChoice { only, loading, unloading };
 /// Where what is prescribed is zero: as the file has it, where the load begins, or by the steepest tangent.
 enum class ZeroChoice { as_given, found, toe };
+
+/// What is pressed into a layer, and what this lies on.
+enum class Indenter { sphere, cone, flat };
+enum class LayerBottom { bonded, free };
 
 /// An end of a window, a strain or a stress [Pa].
 struct WindowBound {
@@ -78,8 +86,13 @@ struct DataTest {
   double cross_section = 0, length = 0;              ///< [m²], [m] that make stress of force, strain of displacement
   std::optional<SceneSource> scene;                  ///< of a specimen
   HomogeneousTest held = HomogeneousTest::uniaxial;  ///< of a relaxation test
-  double strain = 0, ramp = 0;                       ///< that is kept, and the time [s] that it takes to be reached
-  std::function<void(const std::string&)> fail;      ///< throws InputError at the test's place
+  Indenter indenter = Indenter::sphere;
+  double indenter_size = 0;                                    ///< radius [m], or a cone's half angle [rad]
+  double thickness = std::numeric_limits<double>::infinity();  ///< of the layer [m]
+  LayerBottom bottom = LayerBottom::bonded;
+  bool contact_given = false;                    ///< whether the indenter touches at depth 0
+  double strain = 0, ramp = 0;                   ///< that is kept, and the time [s] that it takes to be reached
+  std::function<void(const std::string&)> fail;  ///< throws InputError at the test's place
 };
 
 /// A number that is to be found. What is not stated follows from the material and the law.

@@ -1,0 +1,115 @@
+// Indenters in layers: closed forms, series of others, and forces of bodies of cells.
+
+#include <fmt/format.h>
+
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <random>
+
+#include "core/base/random.h"
+#include "lab/identify/identify.h"
+#include "lab/identify/layer.h"
+#include "support/temporary_folder.h"
+
+using namespace elastin;
+using namespace elastin::lab;
+using Catch::Matchers::Contains;
+
+namespace {
+
+const Catalog kCatalog = built_in_catalog();
+constexpr double kInfinite = std::numeric_limits<double>::infinity();
+
+}  // namespace
+
+TEST_CASE("a thick layer is a half-space: Hertz's sphere, Sneddon's cone and punch", "[identify][layer]") {
+  for (const double thickness : {kInfinite, 1e3}) {
+    const auto force = [&](Indenter indenter, double size, double depth) {
+      return IndentedLayer(indenter, size, thickness, LayerBottom::bonded, 0.4).force(depth);
+    };
+    CHECK(force(Indenter::sphere, 2e-3, 1e-5) == Approx(4. / 3 * std::sqrt(2e-3) * std::pow(1e-5, 1.5)).epsilon(1e-5));
+    CHECK(force(Indenter::cone, 0.6, 1e-5) == Approx(2 / std::numbers::pi * std::tan(0.6) * 1e-10).epsilon(1e-5));
+    CHECK(force(Indenter::flat, 2e-3, 1e-5) == Approx(2 * 2e-3 * 1e-5).epsilon(1e-5));
+    CHECK(force(Indenter::flat, 2e-3, -1e-5) == 0);
+  }
+}
+
+TEST_CASE("layers are as stiff as their series begin", "[identify][layer]") {
+  const double radius = 1, thickness = 1;
+  const auto stiffening = [&](LayerBottom bottom, double nu, double chi) {
+    return IndentedLayer(Indenter::sphere, radius, thickness, bottom, nu).stiffening(chi * chi);
+  };
+  const double chi = 0.2;
+  // Garcia & Garcia 2018, bonded, nu = 1/2.
+  const double series = 1 + 1.133 * chi + 1.497 * chi * chi + 1.469 * std::pow(chi, 3) + 0.755 * std::pow(chi, 4);
+  CHECK(stiffening(LayerBottom::bonded, 0.5, chi) == Approx(series).epsilon(3e-3));
+  // To first order 2 a0 chi / pi, with a0 = 1.168 without friction [Vorovich & Ustinov 1959] and, bonded,
+  // (1.2876 - 1.4678 nu + 1.3442 nu2) / (1 - nu) [Dimitriadis 2002].
+  constexpr double small = 0.01;
+  const auto first = [&](double a0) { return 1 + 2 * a0 * small / std::numbers::pi; };
+  CHECK(stiffening(LayerBottom::free, 0.3, small) - 1 == Approx(first(1.168) - 1).epsilon(0.02));
+  for (const double nu : {0.3, 0.45, 0.5})
+    CHECK(stiffening(LayerBottom::bonded, nu, small) - 1 ==
+          Approx(first((1.2876 - 1.4678 * nu + 1.3442 * nu * nu) / (1 - nu)) - 1).epsilon(0.03));
+}
+
+TEST_CASE("a sphere on a layer gives E and the point of contact from forces of a body of cells", "[identify][layer]") {
+  const std::string scene = std::string(ELASTIN_SOURCE_DIR) + "/scenes/identify/layer.yaml";
+  const Answer answer = identify(scene, kCatalog, {}).front();
+  REQUIRE(answer.outcome == FitOutcome::converged);
+  CHECK(answer.numbers[0].value == Approx(100e3).epsilon(5e-3));
+  CHECK(answer.numbers[1].name == "layer_contact_point");
+  CHECK(std::abs(answer.numbers[1].value - 0.03e-3) < 0.25e-3 * 0.01);  // of the depth
+  CHECK_THAT(answer.tests.front().data.notes.back(), Contains("times as stiff as a half-space"));
+}
+
+TEST_CASE("a contact point is found to a hundredth of the depth in noise of a fiftieth", "[identify][layer]") {
+  const TemporaryFolder folder;
+  std::mt19937_64 generator(3);
+  const double modulus = 2e3, radius = 5e-6, touch = 0.12e-6, depth = 2e-6;
+  const IndentedLayer half_space(Indenter::sphere, radius, kInfinite, LayerBottom::bonded, 0.5);
+  const double scale = modulus / 0.75, largest = scale * half_space.force(depth);
+  int within = 0;
+  constexpr int repeats = 40;
+  for (int repeat = 0; repeat < repeats; ++repeat) {
+    std::string data = "Indentation [nm],Force [nN]\n";
+    for (int i = 0; i <= 400; ++i) {
+      const double at = touch + depth * (i / 200. - 1);
+      const double normal =
+          std::sqrt(-2 * std::log1p(-unit_random(generator))) * std::cos(2 * std::numbers::pi * unit_random(generator));
+      data += fmt::format("{:.9g},{:.9g}\n", 1e9 * at,
+                          1e9 * (scale * half_space.force(at - touch) + largest / 50 * normal));
+    }
+    folder.write("bead.csv", data);
+    const Answer answer = identify(folder.write("scene.yaml",
+                                                "material: {youngs_modulus: 1 kPa, poissons_ratio: 0.5}\n"
+                                                "identify:\n  starts: 1\n  tests:\n    - {name: bead, kind: "
+                                                "indentation, file: bead.csv, indenter: {sphere: {radius: 5 um}}}\n"),
+                                   kCatalog, {})
+                              .front();
+    REQUIRE(answer.outcome == FitOutcome::converged);
+    CHECK(answer.numbers[0].value == Approx(modulus).epsilon(0.05));
+    within += std::abs(answer.numbers[1].value - touch) < 0.01 * depth;
+  }
+  CHECK(within > repeats * 9 / 10);
+}
+
+TEST_CASE("an indentation without its indenter, or of none, is refused", "[identify][layer]") {
+  const TemporaryFolder folder;
+  folder.write("bead.csv", "depth [um],force [nN]\n0,0\n1,2\n2,5\n");
+  const auto refused = [&](const std::string& keys, const std::string& message) {
+    const std::string scene = folder.write(
+        "scene.yaml",
+        "material: {youngs_modulus: 1 kPa, poissons_ratio: 0.5}\nidentify:\n  tests:\n    - {kind: indentation, file: "
+        "bead.csv" +
+            keys + "}\n");
+    CHECK_THROWS_WITH(identify(scene, kCatalog, {}), Contains(message));
+  };
+  refused("", "indenter");
+  refused(", indenter: {ball: {radius: 5 um}}", "write {sphere: {radius: 10 um}}");
+  refused(", indenter: {sphere: {radius: -5 um}}", "radius");
+  refused(", indenter: {sphere: {radius: 5 um, angle: 3}}", "angle");
+  refused(", indenter: {sphere: {radius: 5 um}}, zero: found", "zero");
+}
