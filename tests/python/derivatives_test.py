@@ -48,6 +48,15 @@ class Derivatives(unittest.TestCase):
         self.assertAlmostEqual(spread["deviation"] / numpy.linalg.norm(by_hand), 1, 7)
         self.assertAlmostEqual(spread["experiment.force"], by_hand[1]**2 / sum(by_hand**2), 7)
 
+    @unittest.skipUnless(importlib.util.find_spec("scipy"), "scipy is missing")
+    def test_scipy_finds_the_best_angle_of_fibres(self):
+        import fibre_angle
+        best, step = fibre_angle.best_angle(), 0.02
+        below, least, above = (fibre_angle.energy_and_slope(best + side * step)[0] for side in (-1, 0, 1))
+        self.assertLess(least, min(below, above))
+        parabola = best + step * (below - above) / (2 * (below - 2 * least + above))
+        self.assertAlmostEqual(best, parabola, 3)
+
     def test_equilibria_forward_and_adjoint(self):
         body = elastin.lattice((3, 3, 4), 0.01, density=1000)
         simulation = elastin.Simulation(body, "lattice", elastin.Material(9000, 0.25))
