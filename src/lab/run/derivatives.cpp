@@ -27,6 +27,9 @@ constexpr double kEnough = 1e-7;         ///< residual with which a solve that r
 constexpr double kSameDirection = 1e-9;  ///< of projectors
 /// The same ratio of a number at which the forces have a kink or jump.
 constexpr double kKink = 0.01;
+/// Times rounding, a difference that has enough digits; how often a step may grow tenfold until it is that.
+constexpr double kClear = 3e3;
+constexpr int kLargerSteps = 3;
 /// Of all forces, and of what the positions' last digits make of them: differences below these are rounding.
 constexpr double kRounding = 1e-13, kCalibratedRounding = 1e-8, kRoundedPositions = 4;
 
@@ -138,7 +141,7 @@ struct Derivatives::Number {
     if (!sides[0]) make_sides(model, options);
     const bool linear = options.statics.linear;
     const Positions now = all_forces(model, state, linear), displaced = state.positions - model.body().rest;
-    for (bool again = true;; again = false) {
+    for (int larger = kLargerSteps, smaller = 1;;) {
       std::array<Positions, 2> forces, moved;
       for (int side = 0; side < 2; ++side) {
         Model& varied = *sides[side]->held->model;
@@ -154,8 +157,15 @@ struct Derivatives::Number {
       Positions difference = forces[1] - forces[0];
       const double bend = (forces[1] - 2 * now + forces[0]).norm() - rounding,
                    most = (of.calibrated ? kCalibratedBend : kBend) * difference.norm();
-      if (again && bend > most && std::isfinite(bend)) {
-        of.step *= std::max(most / bend, 1e-5);
+      // A number that changes little is changed more, as far as rounding hides what it does.
+      if (larger > 0 && difference.norm() > 0 && difference.norm() < kClear * rounding &&
+          10 * of.step < std::abs(of.value)) {
+        of.step *= 10, --larger;
+        make_sides(model, options);
+        continue;
+      }
+      if (smaller > 0 && bend > most && std::isfinite(bend)) {
+        of.step *= std::max(most / bend, 1e-5), --smaller, larger = 0;
         make_sides(model, options);
         continue;
       }
