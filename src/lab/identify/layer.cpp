@@ -121,6 +121,22 @@ double IndentedLayer::force(double depth) const {
   return half_space(depth) * std::exp(logarithm);
 }
 
+double IndentedLayer::force(double depth, double adhesion, bool drawn) const {
+  if (!(adhesion > 0)) return force(depth);
+  // δ = a²/R − √(2π w a), F = 4 a³/(3 R) − √(8π w a³) over the modulus; the least δ is where (8/π) a³ = w R².
+  constexpr double pi = std::numbers::pi;
+  const double least = std::cbrt(pi * adhesion * size_ * size_ / 8);
+  const auto reached = [&](double a) { return a * a / size_ - std::sqrt(2 * pi * adhesion * a); };
+  if (depth < (drawn ? reached(least) : 0)) return 0;
+  double a = std::max(2 * least, std::sqrt(size_ * std::max(depth, 0.)) + 2 * least);
+  for (int step = 0; step < 60; ++step) {  // from above, where δ is convex: it falls all the way
+    const double change = (reached(a) - depth) / (2 * a / size_ - std::sqrt(pi * adhesion / (2 * a)));
+    a = std::max(a - change, least);
+    if (std::abs(change) < 1e-14 * a) break;
+  }
+  return 4 * a * a * a / (3 * size_) - std::sqrt(8 * pi * adhesion * a * a * a);
+}
+
 namespace {
 
 class LayerTest final : public MeasuredTest {
@@ -133,6 +149,8 @@ class LayerTest final : public MeasuredTest {
       note += fmt::format("; at the largest depth the layer is {:.3g} times as stiff as a half-space",
                           layer(material.poissons_ratio).stiffening(most));
     data_.notes.push_back(note);
+    if (test.adhesion > 0 && (test.indenter != Indenter::sphere || std::isfinite(test.thickness)))
+      test.fail("adhesion: of a sphere on a half-space alone; leave out `thickness`, or the adhesion");
   }
 
   std::optional<Prediction> predict(const TestedMaterial& tested) override {
@@ -142,10 +160,15 @@ class LayerTest final : public MeasuredTest {
     return curve(tested.trial, along);
   }
   std::vector<MaterialNumber> always_unknown() const override {
-    if (stated_.contact_given) return {};
+    std::vector<MaterialNumber> numbers;
+    if (stated_.adhesion > 0)
+      numbers.push_back({stated_.name + "_adhesion", dimension::stiffness, 0, std::numeric_limits<double>::infinity(),
+                         true, stated_.adhesion, MaterialNumber::Kind::rule_parameter});
+    if (stated_.contact_given) return numbers;
     const double range = data_.x.maxCoeff() - data_.x.minCoeff();
-    return {{name(), dimension::length, data_.x.minCoeff() - range, data_.x.maxCoeff(), false, first_guess(),
-             MaterialNumber::Kind::rule_parameter, 0, 0, range}};
+    numbers.push_back({name(), dimension::length, data_.x.minCoeff() - range, data_.x.maxCoeff(), false, first_guess(),
+                       MaterialNumber::Kind::rule_parameter, 0, 0, range});
+    return numbers;
   }
 
  private:
@@ -174,7 +197,11 @@ class LayerTest final : public MeasuredTest {
     const double nu = trial.material.poissons_ratio, modulus = trial.material.youngs_modulus / (1 - nu * nu);
     const auto found = trial.rule.find(name());
     const double zero = found == trial.rule.end() ? 0 : found->second;
-    return VectorX(along.unaryExpr([&](double depth) { return modulus * layer(nu).force(depth - zero); }));
+    const auto sticky = trial.rule.find(stated_.name + "_adhesion");
+    const double adhesion = sticky == trial.rule.end() ? stated_.adhesion : sticky->second;
+    const bool drawn = stated_.branch == BranchChoice::unloading;
+    return VectorX(along.unaryExpr(
+        [&](double depth) { return modulus * layer(nu).force(depth - zero, adhesion / modulus, drawn); }));
   }
 
   const DataTest& stated_;

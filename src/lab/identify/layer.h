@@ -17,6 +17,9 @@ class IndentedLayer {
 
   /// F (1 − ν²) / E [m²] at a depth [m]; 0 where that is not above 0; NaN beyond the contact radii.
   double force(double depth) const;
+  /// With a work of adhesion w over E / (1 − ν²) [m], of a sphere on a half-space: also below depth 0, where `drawn`,
+  /// down to where the contact is lost.                                            [Johnson, Kendall & Roberts 1971]
+  double force(double depth, double adhesion, bool drawn) const;
   /// By how much the layer is stiffer than a half-space.
   double stiffening(double depth) const { return force(depth) / half_space(depth); }
 

@@ -191,6 +191,13 @@ const Keys<DataTest>& data_test_keys() {
       key::choice("bottom", &S::bottom, {{"bonded", LayerBottom::bonded}, {"free", LayerBottom::free}},
                   "whether the layer sticks to its bed, or slides on it")
           .when(of_layer),
+      key::quantity(
+          "adhesion", &S::adhesion, dimension::stiffness,
+          "work of adhesion of a sphere on a half-space, with which the search for `NAME_adhesion` begins, by "
+          "Johnson, Kendall and Roberts; of `branch: unloading` down to where it snaps off",
+          kPositive)
+          .when(of_layer)
+          .otherwise("none"),
       key::choice("contact_point", &S::contact_given, {{"found", false}, {"as_given", true}},
                   "where the indenter touches: an unknown, `NAME_contact_point`, or depth 0 of the file")
           .when(of_layer),

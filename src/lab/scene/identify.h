@@ -90,8 +90,9 @@ struct DataTest {
   double indenter_size = 0;                                    ///< radius [m], or a cone's half angle [rad]
   double thickness = std::numeric_limits<double>::infinity();  ///< of the layer [m]
   LayerBottom bottom = LayerBottom::bonded;
-  bool contact_given = false;                    ///< whether the indenter touches at depth 0
-  double strain = 0, ramp = 0;                   ///< that is kept, and the time [s] that it takes to be reached
+  double adhesion = 0;          ///< work of adhesion where its search begins [J/m²]; 0: none, and none is sought
+  bool contact_given = false;   ///< whether the indenter touches at depth 0
+  double strain = 0, ramp = 0;  ///< that is kept, and the time [s] that it takes to be reached
   std::function<void(const std::string&)> fail;  ///< throws InputError at the test's place
 };
 

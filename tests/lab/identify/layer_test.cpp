@@ -96,6 +96,44 @@ TEST_CASE("a contact point is found to a hundredth of the depth in noise of a fi
   CHECK(within > repeats * 9 / 10);
 }
 
+TEST_CASE("a sphere that sticks is drawn off by Johnson, Kendall and Roberts's force", "[identify][layer]") {
+  const double radius = 10e-6, modulus = 2e3, adhesion = 1e-4;  // E / (1 - nu2) and w
+  const IndentedLayer half_space(Indenter::sphere, radius, kInfinite, LayerBottom::bonded, 0.5);
+  const auto force = [&](double depth) { return modulus * half_space.force(depth, adhesion / modulus, true); };
+  double least = 0;
+  const double scale = std::cbrt(std::pow(adhesion / modulus, 2) * radius);
+  for (int i = 0; i <= 4000; ++i) least = std::min(least, force(scale * (i / 1000. - 3)));
+  CHECK(least == Approx(-1.5 * std::numbers::pi * adhesion * radius).epsilon(1e-4));
+  CHECK(force(-10 * scale) == 0);
+  // a²/R - sqrt(2 pi w a / E*) and 4 E* a³/(3 R) - sqrt(8 pi w E* a³) at a contact radius.
+  const double a = 3e-6;
+  CHECK(
+      force(a * a / radius - std::sqrt(2 * std::numbers::pi * adhesion * a / modulus)) ==
+      Approx(4 * modulus * a * a * a / (3 * radius) - std::sqrt(8 * std::numbers::pi * adhesion * modulus * a * a * a))
+          .epsilon(1e-9));
+
+  const TemporaryFolder folder;
+  std::string data = "depth [um],force [nN]\n";
+  for (int i = -200; i <= 200; ++i) {  // there and back
+    const double depth = scale * ((200 - std::abs(i)) / 40. - 0.6);
+    data += fmt::format("{:.9g},{:.9g}\n", 1e6 * (depth + 1e-6),
+                        1e9 * modulus * half_space.force(depth, adhesion / modulus, i > 0));
+  }
+  folder.write("bead.csv", data);
+  const Answer answer =
+      identify(folder.write("scene.yaml",
+                            "material: {youngs_modulus: 1 kPa, poissons_ratio: 0.5}\nidentify:\n  residuals: "
+                            "absolute\n  tests:\n    - {name: bead, kind: indentation, file: bead.csv, indenter: "
+                            "{sphere: {radius: 10 um}}, adhesion: 30 uN/m, branch: unloading}\n"),
+               kCatalog, {})
+          .front();
+  INFO(answer.cause);
+  REQUIRE(answer.numbers.size() == 3);
+  CHECK(answer.numbers[0].value == Approx(modulus * 0.75).epsilon(1e-4));
+  CHECK(answer.numbers[1].value == Approx(adhesion).epsilon(1e-4));
+  CHECK(answer.numbers[2].value == Approx(1e-6).epsilon(1e-3));
+}
+
 TEST_CASE("an indentation without its indenter, or of none, is refused", "[identify][layer]") {
   const TemporaryFolder folder;
   folder.write("bead.csv", "depth [um],force [nN]\n0,0\n1,2\n2,5\n");
