@@ -203,9 +203,12 @@ void warn_of_numbers(const Answer& answer, std::vector<std::string>& warnings) {
       if (i != j && std::abs(both) > kTogether)
         together += fmt::format("{}{} ({:+.3f})", together.empty() ? "" : ", ", answer.numbers[j].name, both);
     }
-    warnings.push_back(fmt::format("{} is not determined by these data: its 95 % interval is {} … {}{}", number.name,
-                                   readable(number.low, number.unit, 3), readable(number.high, number.unit, 3),
-                                   together.empty() ? "" : "; it is correlated with " + together));
+    const std::string interval = std::isfinite(number.high - number.low)
+                                     ? ": its 95 % interval is " + readable(number.low, number.unit, 3) + " … " +
+                                           readable(number.high, number.unit, 3)
+                                     : "";
+    warnings.push_back(number.name + " is not determined by these data" + interval +
+                       (together.empty() ? "" : "; it is correlated with " + together));
   }
 }
 

@@ -23,10 +23,7 @@ constexpr double kNoticedZero = 0.01;  // of the range, beyond which a zero poin
 class DataFile {
  public:
   explicit DataFile(const DataTest& test) : test_(test) {
-    std::error_code ignored;
-    if (!std::filesystem::exists(test.file, ignored))
-      test.fail("file: '" + test.file + "': " + missing_file(test.file));
-    file_ = load_machine_file(test.file, test.decimal);
+    file_ = open_data(test);
     table_ = &choose_table();
     columns_ = choose_columns(*table_, test);
     for (std::size_t row = 0; row < table_->rows.size(); ++row)
@@ -350,6 +347,12 @@ void leave_out_rest(MeasuredData& data) {
 }
 
 }  // namespace
+
+MachineFile open_data(const DataTest& test) {
+  std::error_code ignored;
+  if (!std::filesystem::exists(test.file, ignored)) test.fail("file: '" + test.file + "': " + missing_file(test.file));
+  return load_machine_file(test.file, test.decimal);
+}
 
 MeasuredData load_data(const DataTest& test) {
   const DataFile file(test);

@@ -4,6 +4,7 @@
 
 #include "elastin/core/base/types.h"
 #include "lab/identify/curve.h"
+#include "lab/identify/machine_file.h"
 #include "lab/scene/identify.h"
 
 namespace elastin::lab {
@@ -29,6 +30,8 @@ struct MeasuredData {
   double least_scale() const { return std::max(100 * noise, 0.01 * y.cwiseAbs().maxCoeff()); }
 };
 
+/// The file of a test. Throws InputError at the test where there is none.
+MachineFile open_data(const DataTest& test);
 /// Reads the columns that a test takes, of its rows between `from` and `to`, and of them the branch that the scene
 /// chooses, as far as the specimen is whole; many rows are averaged in groups. Throws InputError naming file, line and
 /// what is needed: no unit, nominal or true not stated, a column that is missing, misspelt or there twice, values that

@@ -36,7 +36,7 @@ const MachineTable& choose_table(const MachineFile& file, const DataTest& test) 
 }  // namespace
 
 MeasuredData load_points(const DataTest& test) {
-  const MachineFile file = load_machine_file(test.file, test.decimal);
+  const MachineFile file = open_data(test);
   const MachineTable& table = choose_table(file, test);
   const auto fail = [&](const std::string& message) {
     throw InputError(SourceLocation{table.path, table.head_places.front().line}, message);
