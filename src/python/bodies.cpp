@@ -9,6 +9,7 @@
 
 #include "core/base/named.h"
 #include "core/model/check_indices.h"
+#include "core/solve/rest_samples.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/forces/prony.h"
 #include "elastin/core/geometry/numbering.h"
@@ -352,13 +353,22 @@ void add_bodies(py::module_& module) {
           "How many connections are more than sides of cells; they come first.")
       .def("__len__", &Body::size)
       .def(py::pickle(
-          [](const Body& body) {
-            if (body.unstressed) throw py::type_error("a body with growth cannot be pickled: make it again");
-            return packed(body);
+          [](const Body& body) -> py::object {
+            if (!body.unstressed) return packed(body);
+            const auto& part = body.unstressed->part;
+            if (part && !(part(0) == 1 && part(1) == 1))
+              throw py::type_error("a body whose growth changes in time cannot be pickled: make it again");
+            return py::make_tuple(packed(body), packed(sampled_rest(body, body.rest, 1)), static_cast<bool>(part));
           },
-          [](const py::bytes& state) {
-            auto body = unpacked<Body>(state, "Body");
+          [](const py::object& state) {
+            const bool grown = py::isinstance<py::tuple>(state);
+            auto body = unpacked<Body>((grown ? state.cast<py::tuple>()[0] : state).cast<py::bytes>(), "Body");
             check_indices(*body);
+            if (!grown) return body;
+            const auto all = state.cast<py::tuple>();
+            Rest rest = rest_of(*body, std::move(*unpacked<SampledRest>(all[1].cast<py::bytes>(), "growth")));
+            if (!all[2].cast<bool>()) rest.part = {};
+            body->unstressed = std::make_shared<const Rest>(std::move(rest));
             return body;
           }))
       .def("__repr__", &body_text);

@@ -39,8 +39,11 @@ class Bodies(unittest.TestCase):
                              (-growth, "determinant"), ([["a"]], "growth")):
             with self.assertRaisesRegex(elastin.InputError, words):
                 elastin.Body(CORNERS, tetrahedra=[[0, 1, 2, 3]], density=1000, growth=wrong)
-        with self.assertRaisesRegex(TypeError, "cannot be pickled"):
-            pickle.dumps(body)
+        again = elastin.Simulation(pickle.loads(pickle.dumps(body)), "neo_hookean", elastin.Material(1e3, 0.3))
+        for molecule, free in ((0, ""), (1, "x"), (2, "xy")):
+            again.fix(molecule, free)
+        again.settle()
+        numpy.testing.assert_allclose(again.positions, CORNERS * (1.1, 1.2, 1), atol=1e-9)
 
     def test_numbered_along_a_curve(self):
         grid = numpy.stack(numpy.meshgrid(*3 * [numpy.arange(8.)], indexing="ij"), -1).reshape(-1, 3)

@@ -136,7 +136,8 @@ void Model::set_rest(double part) const {
   if (!body_->unstressed) return;
   for (const auto& law : elasticity_) law->set_rest(part);
   rest_part_ = part;
-  rest_force_ = part == 0 ? 0 : elastic_forces(body_->rest).norm();
+  // What goes back to no stress does so to the digits that it had under the largest.
+  if (part != 0) rest_force_ = std::max(rest_force_, elastic_forces(body_->rest).norm());
 }
 
 void Model::begin_step(const State& from, double time) const {

@@ -217,7 +217,8 @@ StaticResult balance_once(Model& model, State& state, const StaticOptions& optio
     return result;
   }
   UsedSolver used{options.method->factorises ? options.method->name : "pcg", ""};
-  bool stable_start = false, adrift = false;
+  // What grows or shrinks is at a saddle as soon as its rest says so, before it has moved.
+  bool stable_start = problem.with_energy && options.probe && model.body().unstressed, adrift = false;
   const int growing_limit = problem.with_energy || kinematics ? 0 : kGrowingSteps;
   int growing = growing_limit;
   std::optional<Trial> calm;         // where the first of these steps began
@@ -273,7 +274,7 @@ StaticResult balance_once(Model& model, State& state, const StaticOptions& optio
                                              !stable_start || result.newton_iterations >= last_saddle + kDownhillSteps,
                                              motion, used, workspace.solver);
     const bool negative = linear.status == LinearStatus::negative_mode || linear.negative_modes > 0;
-    if (result.newton_iterations == 0) stable_start = problem.with_energy && !negative;
+    if (result.newton_iterations == 0) stable_start = stable_start || (problem.with_energy && !negative);
     result.linear_iterations += linear.iterations;
     ++result.newton_iterations;
     result.unstable = negative;

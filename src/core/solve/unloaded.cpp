@@ -6,13 +6,21 @@
 #include <utility>
 
 #include "core/solve/mixing.h"
+#include "core/solve/responses.h"
 #include "core/solve/rest_samples.h"
 #include "elastin/core/base/text.h"
 
 namespace elastin {
 namespace {
 
-constexpr int kMostUnloadings = 200, kMixed = 20;
+constexpr int kMostKeepings = 200, kMixed = 20;
+/// Steps of mixing before Newton's method, its own, and the directions of each, of which so many numbers are kept.
+constexpr int kMostMixings = 60, kMostNewtons = 15, kMostDirections = 200;
+constexpr int kMostTrials = 1500;  ///< rest shapes of which Newton's method looks at the forces, in all
+constexpr Eigen::Index kMostNumbers = 50'000'000;
+/// Parts of the loads, from where Newton's method found nothing under all of them.
+constexpr double kLeastFraction = 1.0 / 64;  ///< of a step
+constexpr double kFirstPart = 0.25, kLeastPart = 1.0 / 64;
 /// Of the body's size: how far from its given shape the loads may bring it.
 constexpr double kNear = 1e-10;
 /// A step that leads further away than this many times as far, to no equilibrium or to a flat cell is halved.
@@ -27,6 +35,129 @@ Positions first_motion(Model& model, const State& given, const StaticOptions& op
   return static_response(model, given.positions, forces, Positions::Zero(3, forces.cols()), rough).motion;
 }
 
+using MakeModel = std::function<std::shared_ptr<Model>(const Body&)>;
+
+/// x of A x = b, by generalised conjugate residuals; empty where A has no value.      [Eisenstat, Elman & Schultz 1983]
+template <class Apply>
+Positions solved_by_residuals(const Apply& apply, const Positions& b) {
+  struct Direction {
+    Positions x, image;
+  };
+  std::vector<Direction> all;
+  Positions x = Positions::Zero(3, b.cols()), left = b;
+  const auto most =
+      static_cast<std::size_t>(std::min<Eigen::Index>({kMostDirections, b.size(), 2 + kMostNumbers / b.size()}));
+  while (all.size() < most && ordered_norm(left) > 1e-4 * ordered_norm(b)) {
+    Direction next{left, apply(left)};
+    if (next.image.size() == 0 || !next.image.allFinite()) return {};
+    for (int twice = 0; twice < 2; ++twice)
+      for (const Direction& other : all) {
+        const double part = ordered_dot(other.image, next.image);
+        next.x -= part * other.x, next.image -= part * other.image;
+      }
+    const double length = ordered_norm(next.image);
+    if (!(length > 0)) break;
+    next.x /= length, next.image /= length;
+    const double part = ordered_dot(next.image, left);
+    x += part * next.x, left -= part * next.image;
+    all.push_back(std::move(next));
+  }
+  return x;
+}
+
+/// Newton's method for the rest shape X: K⁻¹ R is to vanish, R the forces that are left in the given shape, elastic and
+/// a part of the loads', K the stiffness there. How it changes with X is known by differences.
+///                                                                     [Govindjee & Mihalic 1996; Knoll & Keyes 2004]
+class RestByNewton {
+ public:
+  RestByNewton(const Body& given, const MakeModel& make, const StaticOptions& options, double size,
+               const std::function<void(int, double)>& say)
+      : given_(given), make_(make), options_(options), size_(size), say_(say) {}
+
+  /// From the rest shape of `found` to the one under a part of the loads; its cause says why there is none.
+  UnloadedShape under(double part, UnloadedShape found) const {
+    const auto end = [&](Outcome outcome, const std::string& cause) {
+      found.outcome = outcome, found.cause = cause;
+      return found;
+    };
+    for (int step = 0; step < kMostNewtons && trials_ <= kMostTrials; ++step, ++found.steps) {
+      const auto [model, forces] = left_from(found.rest, part);
+      if (!model) return end(Outcome::inverted, "a cell of the unloaded shape is flat or inverted");
+      const State state = state_at_rest(given_);
+      Responses responses(*model, state, options_);
+      const auto motion = [&](const Positions& by) { return responses.to(by, Positions::Zero(3, by.cols()), 1e-12); };
+      const StaticResponse now = motion(forces);
+      if (now.result.outcome != Outcome::converged) return end(now.result.outcome, now.result.cause);
+      found.error = now.motion.colwise().norm().maxCoeff();
+      if (say_) say_(found.steps + 1, found.error);
+      if (found.error <= kNear / 2 * size_) return end(Outcome::converged, "");
+      const Positions change = solved_by_residuals(
+          [&](const Positions& along) -> Positions {
+            const double length = 1e-7 * size_ / along.colwise().norm().maxCoeff();
+            const Positions other = left_from(found.rest + length * along, part).second;
+            return other.size() > 0 ? motion((other - forces) / length).motion : Positions();
+          },
+          now.motion);
+      double fraction = change.size() > 0 ? 1 : 0;
+      for (const double size = ordered_norm(now.motion);; fraction /= 2) {
+        if (options_.stop && options_.stop()) return end(Outcome::interrupted, "");
+        if (fraction < kLeastFraction) return end(Outcome::diverged, "no step leads nearer to the given shape");
+        const Positions left = left_from(found.rest - fraction * change, part).second;
+        if (left.size() > 0 && ordered_norm(motion(left).motion) < (1 - 1e-3 * fraction) * size) break;
+      }
+      found.rest -= fraction * change;
+    }
+    return end(Outcome::limit_reached, "Newton's method does not converge");
+  }
+
+ private:
+  /// A model on a rest shape, and the forces that are left in the given one; nothing where a cell is flat or inverted.
+  std::pair<std::shared_ptr<Model>, Positions> left_from(const Positions& rest, double part) const {
+    ++trials_;
+    const Body body = with_rest_shape(given_, rest);
+    if (!flat_or_inverted_cells(body, rest).empty()) return {};
+    std::shared_ptr<Model> model = make_(body);
+    State state = state_at_rest(given_);
+    model->declare_history(state);
+    model->begin_step(state, std::numeric_limits<double>::infinity());
+    Positions forces = model->elastic_forces(state.positions) + part * model->load_forces(state);
+    keep_free(model->supports, forces);
+    return {std::move(model), std::move(forces)};
+  }
+
+  const Body& given_;
+  const MakeModel& make_;
+  const StaticOptions& options_;
+  double size_;
+  const std::function<void(int, double)>& say_;
+  mutable int trials_ = 0;
+};
+
+/// Where mixing found none: Newton's method, under all loads and then under ever more of them from the given shape.
+UnloadedShape found_by_newton(const Body& given, const RestByNewton& newton, const UnloadedShape& mixed) {
+  UnloadedShape found = newton.under(1, mixed), last = found;
+  const auto ends = [&] { return found.outcome == Outcome::converged || found.outcome == Outcome::interrupted; };
+  last.rest = given.rest;
+  double part = 0;
+  for (double step = kFirstPart; step >= kLeastPart && !ends();) {
+    const double next = std::min(1.0, part + step);
+    UnloadedShape more = newton.under(next, last);
+    const bool done = more.outcome == Outcome::converged;
+    if (next == 1 || more.outcome == Outcome::interrupted) found = more;
+    last.steps = more.steps;
+    if (done) part = next, last = std::move(more);
+    step *= done ? 1.5 : 0.5;
+  }
+  if (ends()) return found;
+  found = mixed;
+  found.steps = last.steps;
+  if (part == 0) return found;
+  found.outcome = Outcome::diverged;
+  found.cause = "an unloaded shape is found under " + number(100 * part, 2) +
+                " % of the loads, and none close to it under more: it does not exist or is not unique";
+  return found;
+}
+
 }  // namespace
 
 KeptShape keep_in_place(const Body& given, const std::function<std::shared_ptr<Model>(const Body&)>& make,
@@ -38,7 +169,7 @@ KeptShape keep_in_place(const Body& given, const std::function<std::shared_ptr<M
     kept.body.unstressed = std::make_shared<const Rest>(rest_of(given, std::move(rest)));
   };
   set_rest(first);
-  for (double last = std::numeric_limits<double>::infinity(); kept.steps < kMostUnloadings; ++kept.steps) {
+  for (double last = std::numeric_limits<double>::infinity(); kept.steps < kMostKeepings; ++kept.steps) {
     const std::shared_ptr<Model> model = make(kept.body);
     State state = state_at_rest(given);
     const StaticResult solved = solve_static(*model, state, options);
@@ -63,9 +194,9 @@ KeptShape keep_in_place(const Body& given, const std::function<std::shared_ptr<M
     last = kept.error;
     set_rest(sampled_rest(kept.body, state.positions, 1));
   }
-  if (kept.steps == kMostUnloadings) {
+  if (kept.steps == kMostKeepings) {
     kept.outcome = Outcome::limit_reached;
-    kept.cause = "not found within " + std::to_string(kMostUnloadings) + " steps: the shape still moves by " +
+    kept.cause = "not found within " + std::to_string(kMostKeepings) + " steps: the shape still moves by " +
                  number(kept.error, 2) + " m";
   }
   const SampledRest found = sampled_rest(kept.body, given.rest, 1);
@@ -89,8 +220,8 @@ Body with_rest_shape(Body body, const Positions& rest) {
   return body;
 }
 
-UnloadedShape find_unloaded(const Body& given, const std::function<std::shared_ptr<Model>(const Body&)>& make,
-                            const StaticOptions& options, const std::function<void(int, double)>& say) {
+UnloadedShape find_unloaded(const Body& given, const MakeModel& make, const StaticOptions& options,
+                            const std::function<void(int, double)>& say) {
   UnloadedShape found;
   const double size = (given.rest.rowwise().maxCoeff() - given.rest.rowwise().minCoeff()).norm();
   found.rest = given.rest;
@@ -99,7 +230,7 @@ UnloadedShape find_unloaded(const Body& given, const std::function<std::shared_p
   mixing.begin(given.size());
   Positions motion = Positions::Zero(3, given.size());
   double last = std::numeric_limits<double>::infinity();
-  for (int halvings = 0; found.steps < kMostUnloadings; ++found.steps) {
+  for (int halvings = 0; found.steps < kMostMixings; ++found.steps) {
     if (model)
       for (const Support& support : model->supports)
         motion.col(support.molecule) = (support.free * motion.col(support.molecule)).eval();
@@ -127,7 +258,7 @@ UnloadedShape find_unloaded(const Body& given, const std::function<std::shared_p
     if (solved.outcome == Outcome::interrupted || ++halvings > kMostHalvings) {
       found.outcome = solved.outcome == Outcome::converged ? Outcome::diverged : solved.outcome;
       found.cause = solved.cause.empty() ? "no step leads nearer to the given shape" : solved.cause;
-      return found;
+      break;
     }
     if (std::isinf(last) && halvings == 1)  // the loads are too large for the given shape without stress
       motion = -first_motion(*make(given), state_at_rest(given), options);
@@ -135,10 +266,12 @@ UnloadedShape find_unloaded(const Body& given, const std::function<std::shared_p
       motion /= 2;
     mixing.begin(given.size());
   }
-  found.outcome = Outcome::limit_reached;
-  found.cause = "not found within " + std::to_string(kMostUnloadings) + " steps: the loads lead " +
-                number(found.error, 2) + " m past the given shape";
-  return found;
+  if (found.outcome == Outcome::interrupted) return found;
+  if (found.outcome == Outcome::converged) {
+    found.outcome = Outcome::limit_reached;
+    found.cause = "not found: the loads lead " + number(found.error, 2) + " m past the given shape";
+  }
+  return found_by_newton(given, RestByNewton(given, make, options, size, say), found);
 }
 
 }  // namespace elastin

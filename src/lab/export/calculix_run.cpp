@@ -48,6 +48,7 @@ class CalculixDeck : Deck {
     for (std::size_t i = 0; i < problem_.materials.size(); ++i) write_material(i);
     for (std::size_t i = 0; i < problem_.cells.size(); ++i)
       write("*SOLID SECTION, ELSET=CELLS{}, MATERIAL=M{}\n", i + 1, problem_.cells[i].material + 1);
+    if (!problem_.growths.empty()) write("*INITIAL CONDITIONS, TYPE=TEMPERATURE\nALL,0.\n");
     for (std::size_t step = 0; step < problem_.steps.size(); ++step) write_step(step);
     return std::move(out_);
   }
@@ -121,6 +122,15 @@ class CalculixDeck : Deck {
     write("*MATERIAL, NAME=M{}\n", number + 1);
     (this->*write_law)(material);
     write("*DENSITY\n{:.12e}\n", material.density);
+    if (problem_.growths.empty()) return;
+    const Matrix3& growth = problem_.growths[number];
+    if ((growth - growth(0, 0) * Matrix3::Identity()).norm() > 1e-12)
+      refuse("of a `rest` it takes what is the same along all directions, as heat; this one is not");
+    write("*EXPANSION, ZERO=0.\n{:.12e}\n", growth(0, 0) - 1);
+    if (number == 0)
+      problem_.notes.emplace_back(
+          "CalculiX takes the rest as heat: bodies that are free become as large as here, the stress of others is "
+          "the same for factors near 1");
   }
 
   void write_elastic(const Material& material) {
@@ -175,6 +185,7 @@ class CalculixDeck : Deck {
     write("*BOUNDARY\n");
     for (const DrivenComponent& driven : problem_.driven)
       write("{},{},{},{:.12e}\n", driven.molecule + 1, driven.axis + 1, driven.axis + 1, driven.displacements[step]);
+    if (!problem_.growths.empty()) write("*TEMPERATURE\nALL,{:.12e}\n", problem_.rest_parts[step]);
     const Positions& forces = problem_.forces[step];
     if (!forces.isZero(0)) write("*CLOAD, OP=NEW\n");
     for (Eigen::Index molecule = 0; molecule < forces.cols(); ++molecule)

@@ -38,7 +38,8 @@ class FebioDeck : Deck {
     write("<Control><analysis>STATIC</analysis><time_steps>{}</time_steps><step_size>1</step_size></Control>\n",
           problem_.steps.size());
     write("<Material>\n");
-    for (std::size_t i = 0; i < problem_.materials.size(); ++i) write_material(i);
+    for (std::size_t i = 0; i < problem_.materials.size(); ++i)
+      problem_.growths.empty() ? write_material(i) : write_growing(i);
     write("</Material>\n");
     const std::string boundary = boundary_text(), loads = loads_text();  // they collect sets and curves
     write_mesh();
@@ -96,6 +97,36 @@ class FebioDeck : Deck {
     write("<material id=\"{}\" name=\"m{}\" type=\"{}\">", number + 1, number + 1, law().type);
     write_number("density", problem_.materials[number].density);
     (this->*law().write)(problem_.materials[number]);
+    write("</material>\n");
+  }
+
+  /// The law of F F_g⁻¹: a kinematic growth along all directions, or a prestrain of which all acts.
+  void write_growing(std::size_t number) {
+    if (law().uncoupled) refuse("it has no `rest` of '" + problem_.law + "', whose shape and volume are apart");
+    const Matrix3& growth = problem_.growths[number];
+    const bool even = (growth - growth(0, 0) * Matrix3::Identity()).norm() <= 1e-12;
+    write("<material id=\"{}\" name=\"m{}\" type=\"{}\">", number + 1, number + 1,
+          even ? "kinematic growth" : "prestrain elastic");
+    write_number("density", problem_.materials[number].density);
+    write("<elastic type=\"{}\">", law().type);
+    write_number("density", problem_.materials[number].density);
+    (this->*law().write)(problem_.materials[number]);
+    write("</elastic>");
+    if (even) {
+      std::vector<double> factors;
+      for (const double part : problem_.rest_parts) factors.push_back(1 + part * (growth(0, 0) - 1));
+      const Course course = course_of(factors, 1);
+      write("<growth type=\"volume growth\"><multiplier lc=\"{}\">{:.17g}</multiplier></growth>", course.controller,
+            course.scale);
+    } else {
+      if (problem_.steps.size() > 1)
+        refuse("a `rest` that is not the same along all directions grows there otherwise: write `load_steps: 1`");
+      const Matrix3 prestrain =
+          (Matrix3::Identity() + problem_.rest_parts[0] * (growth - Matrix3::Identity())).inverse();
+      write("<prestrain type=\"prestrain gradient\"><F0>");
+      for (int i = 0; i < 9; ++i) write("{}{:.17g}", i > 0 ? "," : "", prestrain(i / 3, i % 3));
+      write("</F0><ramp lc=\"{}\">1</ramp></prestrain>", course_of({1}).controller);
+    }
     write("</material>\n");
   }
 
@@ -186,12 +217,12 @@ class FebioDeck : Deck {
   }
 
   /// Values at the end of each step as one of them times a curve.
-  Course course_of(const std::vector<double>& values) {
+  Course course_of(const std::vector<double>& values, double before = 0) {
     const auto largest =
         std::max_element(values.begin(), values.end(), [](double a, double b) { return std::abs(a) < std::abs(b); });
     if (*largest == 0) return {};
     const double scale = values.back() != 0 ? values.back() : *largest;
-    std::string curve = "<pt>0,0</pt>";
+    std::string curve = fmt::format("<pt>0,{:.12g}</pt>", before / scale);
     for (std::size_t step = 0; step < values.size(); ++step)
       curve += fmt::format("<pt>{},{:.12g}</pt>", step + 1, values[step] / scale);
     const auto [found, added] = curves_.emplace(std::move(curve), static_cast<int>(curves_.size()) + 1);

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "elastin/core/base/text.h"
 #include "elastin/core/simulation/strategy_name.h"
+#include "lab/scene/fields.h"
 
 namespace elastin::lab {
 namespace {
@@ -23,7 +25,8 @@ std::string trouble(const Scene& scene) {
   if (!body.ties.empty()) return "bodies that are tied where their molecules do not meet are not exported";
   if (!body.cables.empty()) return "cables are not exported";
   if (specimen.start) return "a start away from rest is not exported";
-  if (is_stressed(specimen)) return "`rest` is not exported";
+  if (specimen.given != GivenShape::at_rest)
+    return "a `rest` that runs find is not exported; `run --out` writes the unloaded shape as a mesh";
   if (body.connection_stiffness.size() || body.cell_stiffness.size())
     return "regions of other stiffness are not exported";
   for (const Material& material : materials_of(specimen))
@@ -58,6 +61,40 @@ std::vector<ExportedCells> cells_of(const Body& body) {
       all.push_back({body.blocks[block].kind, body.blocks[block].nodes,
                      material_of(body, static_cast<int>(block), &Part::blocks)});
   return all;
+}
+
+/// Distinct values of a rest that are exported at most.
+constexpr std::size_t kMostGrowths = 1000;
+
+/// Gives cells that are unstressed elsewhere than at rest materials of their own, by what F_g they have.
+void split_by_growth(const Scene& scene, StaticProblem& problem) {
+  const Body& body = problem.body();
+  std::vector<ExportedCells> all;
+  std::vector<Material> materials;
+  for (const ExportedCells& cells : problem.cells) {
+    const std::size_t first = all.size();
+    for (int cell = 0; cell < cells.size(); ++cell) {
+      const std::span nodes(cells.nodes.data() + std::ptrdiff_t{cell} * cells.kind->nodes, cells.kind->nodes);
+      const Vector3 middle = middle_of(body, nodes);
+      const Matrix3 growth = body.unstressed->metric(middle, middle);
+      for (const int node : nodes)
+        if ((body.unstressed->metric(body.rest.col(node), middle) - growth).norm() > 1e-9)
+          refuse(scene, "a `rest` that differs within a cell is not exported; one that differs from cell to cell is");
+      std::size_t own = first;
+      while (own < all.size() && (problem.growths[own] - growth).norm() > 1e-12) ++own;
+      if (own == all.size()) {
+        if (own == kMostGrowths)
+          refuse(scene, "a `rest` of more than " + std::to_string(kMostGrowths) + " values is not exported");
+        all.push_back({cells.kind, {}, static_cast<int>(own)});
+        materials.push_back(problem.materials[static_cast<std::size_t>(cells.material)]);
+        problem.growths.push_back(growth);
+      }
+      all[own].nodes.insert(all[own].nodes.end(), nodes.begin(), nodes.end());
+    }
+  }
+  problem.cells = std::move(all), problem.materials = std::move(materials);
+  for (const double step : problem.steps)
+    problem.rest_parts.push_back(body.unstressed->part ? body.unstressed->part(step) : step);
 }
 
 /// What the experiment does with the body: read off the supports and loads of a model at every load step.
@@ -130,6 +167,7 @@ StaticProblem problem_of(const Scene& scene) {
   problem.whole_cell = static_cast<bool>(scene.stiffness.strategy.volume_modulus);
   problem.small = scene.statics.linear;
   ProblemReading(scene, problem);
+  if (scene.specimen.body.unstressed) split_by_growth(scene, problem);
   if (auto more = missing_supports(problem); !more.empty()) {
     problem.notes.push_back(
         counted(static_cast<int>(more.size()), "component") +

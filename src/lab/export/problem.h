@@ -30,10 +30,12 @@ struct StaticProblem {
   const Scene* scene = nullptr;
   std::vector<ExportedCells> cells;
   std::vector<Material> materials;
-  std::string law;            ///< the strategy's, without ending: "neo_hookean"
-  bool whole_cell = false;    ///< the volume is kept by pressures of the whole cell
-  bool small = false;         ///< small displacements
-  std::vector<double> steps;  ///< the part of the load at the end of each, 0 … 1
+  std::string law;                 ///< the strategy's, without ending: "neo_hookean"
+  bool whole_cell = false;         ///< the volume is kept by pressures of the whole cell
+  bool small = false;              ///< small displacements
+  std::vector<double> steps;       ///< the part of the load at the end of each, 0 … 1
+  std::vector<Matrix3> growths;    ///< of each material, where cells are unstressed [Rest]; empty: at rest
+  std::vector<double> rest_parts;  ///< of it, at the end of each step
   std::vector<DrivenComponent> driven;
   std::vector<Positions> forces;   ///< dead forces on the molecules [N] at the end of each step
   std::vector<std::string> notes;  ///< what was done to the problem so that another program takes it
@@ -42,7 +44,7 @@ struct StaticProblem {
 
 /// The problem of a scene with its own strategy. Throws InputError, with the scene's path, for what is
 /// not exported: springs, membranes, contact, ties, cables, fibres, muscle, regions, supports askew to the axes, loads
-/// that follow the body, runs in time.
+/// that follow the body, a rest that differs within a cell, runs in time.
 StaticProblem problem_of(const Scene& scene);
 
 /// Number of the material of a cell, by its number in one of the body's lists.

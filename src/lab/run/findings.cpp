@@ -102,6 +102,10 @@ std::vector<std::string> findings_at_end(const Specimen& specimen, const Run& ru
   if (const double restitution = run.measures.get("restitution"); restitution > kRebound)
     found.push_back("it rebounds " + number(restitution, 3) +
                     " times as fast as it came: the steps are too long for the contact");
+  if (const auto& rest = specimen.body.unstressed;
+      rest && !std::isnan(run.measures.get("effective_modulus")) && (!rest->part || rest->part(0) != rest->part(1)))
+    found.emplace_back(
+        "the modulus is of all forces, those of `rest` too, which comes with the load: `factor: 1` has it before");
   if (!specimen.contact) return found;
   double deepest = 0, speed = 0;
   for (const CurvePoint& row : run.curve) {

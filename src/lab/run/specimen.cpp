@@ -262,6 +262,8 @@ constexpr double kUnloadingError = 1e-6;
 /// Of the prestrain: a run that keeps less warns.
 constexpr double kMostLost = 0.5;
 
+constexpr const char* kInPlaceInstead = "; `prestrain_in_place` keeps a shape by lengths that need not fit together";
+
 /// A model of a specimen with another rest shape.
 struct Reshaped {
   Specimen specimen;
@@ -314,7 +316,8 @@ Run run_found(const Specimen& specimen, const StaticExperiment& experiment, cons
     return run;
   }
   const UnloadedShape found = find_unloaded(specimen.body, make, options.statics, say);
-  if (found.outcome != Outcome::converged) return fail(found.outcome, found.cause);
+  if (found.outcome != Outcome::converged)
+    return fail(found.outcome, found.cause + (found.outcome == Outcome::interrupted ? "" : kInPlaceInstead));
   Model& model = *make(with_rest_shape(specimen.body, found.rest));
   State state = state_at_rest(model.body());
   StaticResult back;

@@ -145,7 +145,8 @@ void check_rest_setup(const RestSetup& setup, const Material& material) {
         "states nothing; give swelling, growth, prestretch, thermal, regions, unloaded_from or prestrain_in_place");
   if (setup.along_fibres && !material.fibre) setup.along_place->fail("the material has no `fibre`");
   if (setup.along_place && !setup.growth && !setup.prestretch)
-    setup.along_place->fail("is the direction of `growth` or `prestretch`; give one of them");
+    setup.along_place->fail(setup.growths.empty() ? "is the direction of `growth` or `prestretch`; give one of them"
+                                                  : "goes with one factor; `growth` has three, along x, y and z");
   if (setup.around && setup.growths.empty())
     setup.place->fail("`around` goes with three factors, growth: [radius, circumference, axis]");
 }

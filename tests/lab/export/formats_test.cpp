@@ -108,7 +108,13 @@ TEST_CASE("A problem written for FEBio and read back has the same equilibrium", 
       {kLattice + "1}",
        "{law: transversely_isotropic, c1: 1 kPa, c4: 10, c5: 20 kPa, lambda_max: 1.1, direction: [1, 0, 2], "
        "bulk_modulus: 50 kPa}",
-       "transversely_isotropic"}};
+       "transversely_isotropic"},
+      {kLattice + "1}", "{youngs_modulus: 5 kPa, poissons_ratio: 0.3}", "neo_hookean_log\nrest: {swelling: 1.1}",
+       "{kind: tension, axis: z, displacement: 0 mm, fixed_grip: clamped, load_steps: 2}"},
+      {tetrahedra + "1}", "{youngs_modulus: 5 kPa, poissons_ratio: 0.3}",
+       "st_venant_kirchhoff\nrest: {regions: [{molecules: {box: {from: [-1 m, -1 m, -1 m], to: [1 m, 1 m, 5.1 mm]}}, "
+       "growth: [1.1, 1, 0.9]}]}",
+       "{kind: tension, axis: z, strain: 10 %}"}};
   for (const Problem& problem : problems) {
     INFO(problem.stiffness << " on " << problem.body << ", " << problem.experiment);
     const TemporaryFolder folder;
@@ -192,6 +198,15 @@ TEST_CASE("What a format cannot say is refused by name", "[export]") {
   CHECK_THAT(refusal({kLattice + "1}", "{youngs_modulus: 5 kPa}", "neo_hookean_log", kPull, "{displacements: small}"},
                      "febio"),
              Contains("large displacements alone"));
+  const auto with_rest = [](const std::string& rest) {
+    return Problem{.stiffness = "st_venant_kirchhoff\nrest: " + rest};
+  };
+  CHECK_THAT(refusal(with_rest("{growth: [1.1, 1, 1]}"), "calculix"), Contains("the same along all directions"));
+  CHECK_THAT(refusal(with_rest("{swelling: 1 + z / 1 m}"), "febio"), Contains("differs within a cell"));
+  CHECK_THAT(refusal(with_rest("{unloaded_from: loads}"), "febio"), Contains("`rest` that runs find"));
+  CHECK_THAT(
+      refusal({kLattice + "1}", rubber, "{strategy: mooney_rivlin, volume: none}\nrest: {swelling: 1.1}"}, "febio"),
+      Contains("no `rest` of 'mooney_rivlin'"));
   CHECK_THROWS_WITH(export_formats().find("calculx"), Contains("calculix"));
 }
 
@@ -228,6 +243,17 @@ TEST_CASE("CalculiX, where it is installed, finds what the same cells find", "[e
   REQUIRE(other.run.outcome == Outcome::converged);
   CHECK(other.run.measures.get("effective_modulus") ==
         Approx(run_of(*scene).measures.get("effective_modulus")).epsilon(1e-5));
+  // A bar that swells between grips that stay, a half of it more than the other.
+  const auto swelling = Problem{kLattice + "1}", "{youngs_modulus: 5 kPa, poissons_ratio: 0.3}",
+                                "st_venant_kirchhoff\nrest: {swelling: 1.0001, regions: [{swelling: 1.0003, molecules: "
+                                "{box: {from: [-1 m, -1 m, -1 m], to: [1 m, 1 m, 5.1 mm]}}}]}",
+                                "{kind: tension, axis: z, displacement: 0 mm}"}
+                            .load(folder);
+  const OtherRun pushed = run_calculix(*swelling, kCatalog, {}, {});
+  INFO(pushed.run.cause);
+  REQUIRE(pushed.run.outcome == Outcome::converged);
+  CHECK(pushed.run.measures.get("force") == Approx(run_of(*swelling).measures.get("force")).epsilon(1e-4));
+  CHECK(pushed.run.measures.get("force") < -5e3 * 1e-4 * 1e-4);
 }
 
 TEST_CASE("A comparison against CalculiX has its row, or says what to install", "[export][calculix]") {

@@ -71,6 +71,7 @@ TEST_CASE("a bar that is held at its length pushes with E A (factor - 1), as spr
       CHECK(force_of(bar(rest, "displacement: 0 mm", body, stiffness)) == Approx(-1e-4).epsilon(1e-3));
     }
   CHECK(force_of(bar("growth: [1.0001, 1, 1]")) == Approx(0).margin(1e-7));
+  CHECK(force_of(bar("swelling: 1.1, factor: [[0, 1], [1, 0]]")) == Approx(0).margin(1e-9));  // back to no stress
   CHECK(force_of(bar("swelling: 1.0001, factor: 0.5")) == Approx(0).margin(1e-9));  // acts before the load does
 }
 
@@ -213,6 +214,7 @@ TEST_CASE("what is wrong with a rest is said where it stands", "[scene][rest]") 
   CHECK_THAT(refused(bar("factor: 1")), Contains("states nothing"));
   CHECK_THAT(refused(bar("prestretch: 1.1, along: fibres")), Contains("rest.along") && Contains("no `fibre`"));
   CHECK_THAT(refused(bar("swelling: 1.1, along: z")), Contains("rest.along"));
+  CHECK_THAT(refused(bar("growth: [1.1, 1, 1], along: z")), Contains("rest.along") && Contains("one factor"));
   CHECK_THAT(refused(bar("swelling: 1.1, factor: {ramp: {duration: 1 s}}")), Contains("has no time"));
   CHECK_THAT(refused(bar("swelling: 1.1, factor: [[0, 1], [2, 1]]")), Contains("rest.factor"));
   CHECK_THAT(refused(bar("swelling: 1.1, unloaded_from: loads")), Contains("stands alone"));
@@ -234,4 +236,57 @@ TEST_CASE("loads that no unloaded shape has, or only another one, end with the c
   CHECK_THAT(heavy.cause, Contains("unloading: "));
   const Run none = hanging("0");
   CHECK_THAT(none.cause, Contains("no load acts"));
+}
+
+TEST_CASE("Newton's method finds unloaded shapes where mixing does not, or says up to which load there is one",
+          "[scene][rest]") {
+  const auto balloon = [](const std::string& divisions, const std::string& stiffness) {
+    return run_of(
+        "body: {sphere_octant: {radius: 10 mm, divisions: " + divisions +
+        "}}\nmaterial: {youngs_modulus: 1 MPa, poissons_ratio: 0.5, thickness: 0.2 mm}\nstiffness: " + stiffness +
+        "\nrest: {unloaded_from: loads}\nloads: [{pressure: 4 kPa}]\n"
+        "supports: [{symmetry: x}, {symmetry: y}, {symmetry: z}]\nexperiment: {kind: loads}\n");
+  };
+  for (const char* stiffness : {"neo_hookean_membrane", "standard", "lloyd", "divided"}) {
+    const Run run = balloon("4", stiffness);
+    INFO(stiffness << ": " << run.cause);
+    REQUIRE(run.outcome == Outcome::converged);
+    CHECK(run.measures.get("unloading_error") < 1e-8 * 0.01);
+    CHECK(run.measures.get("unloaded_displacement") > 5e-5);
+  }
+  // The height of a molecule amid triangles of size l changes their lengths by some (l/r)²/8: too little at 16
+  // divisions.
+  const Run none = balloon("16", "lloyd");
+  CHECK(none.outcome == Outcome::diverged);
+  CHECK_THAT(none.cause, Contains("% of the loads, and none close to it under more") && Contains("prestrain_in_place"));
+  for (const char* stiffness : {"standard", "neo_hookean_log"}) {  // which hangs sideways, bent by more than its height
+    const Run bent = run_of(
+        "body: {lattice: {kind: cubic, molecules: [4, 4, 7], spacing: 15 mm, order: 1}}\n"
+        "material: {youngs_modulus: 5 kPa, poissons_ratio: 0.3, density: 1060 kg/m3}\nstiffness: " +
+        std::string(stiffness) +
+        "\nrest: {unloaded_from: loads}\nloads: [{gravity: [0, -9.81 m/s2, 0]}]\n"
+        "supports: [{molecules: {side: z}}]\nexperiment: {kind: loads}\n");
+    INFO(stiffness << ": " << bent.cause);
+    REQUIRE(bent.outcome == Outcome::converged);
+    CHECK(bent.measures.get("largest_displacement") < 1e-8 * 0.1);
+    CHECK(bent.measures.get("unloaded_displacement") > 0.05);
+  }
+}
+
+TEST_CASE("a strip between clamps buckles where it has grown by Euler's strain, and not before", "[scene][rest]") {
+  // π² h²/(3 L²) of h = 1 mm, L = 40 mm; behind it the height (2 L/π) √(e − e_c) of the middle.
+  const double critical = std::pow(3.14159265358979 / 40, 2) / 3;
+  for (const double times : {0.95, 2.0}) {
+    const Run run = run_of(
+        "body: {lattice: {kind: cubic, molecules: [41, 3, 2], spacing: 1 mm, order: 2}}\n"
+        "material: {youngs_modulus: 100 kPa, poissons_ratio: 0}\nstiffness: neo_hookean\nrest: {growth: [" +
+        std::to_string(1 + times * critical) +
+        ", 1, 1]}\nsupports: [{molecules: {side: x}}, {molecules: {side: -x}}]\nexperiment: {kind: loads}\n");
+    INFO(times << ": " << run.cause);
+    REQUIRE(run.outcome == Outcome::converged);
+    CHECK(run.measures.get("largest_displacement") ==
+          Approx(times < 1 ? 0 : 80e-3 / 3.14159265358979 * std::sqrt((times - 1) * critical))
+              .epsilon(0.02)
+              .margin(1e-9));
+  }
 }

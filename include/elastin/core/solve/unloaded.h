@@ -18,7 +18,8 @@ struct UnloadedShape {
 };
 
 /// Finds the rest shape X from which loads bring the body to the shape that it has: X ← X − (x(X) − x), x(X) their
-/// equilibrium from X, and iterations mixed.                                 [Sellier 2011; Walker & Ni 2011]
+/// equilibrium from X, and iterations mixed; where that ends, by Newton's method, under all loads or more and more of
+/// them.                                                 [Sellier 2011; Walker & Ni 2011; Govindjee & Mihalic 1996]
 /// Molecules stay where supports fix them. Springs get the length of X times what they had of the given one's.
 /// @param given the body in its given shape, which it has under the loads
 /// @param make a model on another rest shape of this body, with its loads and supports; called for each step
