@@ -90,9 +90,9 @@ const Keys<ModulusWindow>& modulus_keys() {
 
 const Keys<DataTest>& data_test_keys() {
   using S = DataTest;
-  const auto is_relaxation = [](const S& test) { return test.kind->in_time; };
+  const auto is_relaxation = [](const S& test) { return test.kind->in_time && !test.kind->oscillates; };
   const auto curved = [](const S& test) { return !test.kind->in_time; };
-  const auto of_strain = [](const S& test) { return test.kind->in_time && !test.scene; };
+  const auto of_strain = [=](const S& test) { return is_relaxation(test) && !test.scene; };
   std::vector<std::pair<std::string, const DataTestKind*>> kinds;
   for (const DataTestKind& kind : data_test_kinds()) kinds.emplace_back(kind.name, &kind);
   static const Keys<S> keys{
@@ -150,8 +150,10 @@ const Keys<DataTest>& data_test_keys() {
            "of `specimen`: body, grips and load; the material is the fitted one. Of `relaxation`: the specimen whose "
            "load is kept, in the place of `held` and `strain`"},
           [](const Reader& value, S& test) { test.scene = value.source().other(beside(value)); })
-          .when([](const S& test) { return !test.kind->homogeneous; }),
-      key::choice("held", &S::held, homogeneous_names(), "of `relaxation`: the state that is kept").when(of_strain),
+          .when([](const S& test) { return !test.kind->homogeneous && !test.kind->oscillates; }),
+      key::choice("held", &S::held, homogeneous_names(),
+                  "of `relaxation`: the state that is kept; of a modulus over the frequency: in which it oscillates")
+          .when([](const S& test) { return test.kind->in_time && !test.scene; }),
       key::quantity("strain", &S::strain, dimension::none, "of `relaxation`: that is kept")
           .needed_when(of_strain, "needed for `relaxation` without `scene`"),
       key::quantity("ramp", &S::ramp, dimension::time, "of `relaxation`: time in which the strain grows", kNotNegative)
@@ -266,7 +268,11 @@ const std::vector<DataQuantity>& data_quantities() {
       {"force", dimension::force, "of what pulls or presses", false, {"force"}},
       {"torque", dimension::energy, "of torsion", false, {"torque"}},
       {"pressure", dimension::pressure, "of a gas or liquid", false, {"pressure"}},
-      {"height", dimension::length, "of a bubble's pole", false, {"height"}}};
+      {"height", dimension::length, "of a bubble's pole", false, {"height"}},
+      {"frequency", Dimension{0, 0, -1}, "of an oscillation, in Hz or rad/s", false},
+      {"storage_modulus", dimension::pressure, "E′ or G′, stress in phase over strain", false},
+      {"loss_modulus", dimension::pressure, "E″ or G″, stress a quarter of a period ahead over strain", false},
+      {"loss_tangent", dimension::none, "loss modulus over storage modulus", true}};
   return quantities;
 }
 
@@ -285,6 +291,8 @@ const std::vector<DataTestKind>& data_test_kinds() {
                {"compression", "uniaxial, pressed", strains, stresses, HomogeneousTest::uniaxial, false, true});
     all.push_back(
         {"relaxation", "stress over time at a strain that is kept", {"time"}, {"nominal_stress", "force"}, {}, true});
+    for (const char* name : {"storage_modulus", "loss_modulus", "loss_tangent"})
+      all.push_back({name, "of a small oscillation, over its frequency", {"frequency"}, {name}, {}, true, false, true});
     all.push_back({"specimen",
                    "the whole specimen in its grips, of a scene",
                    {"displacement", "angle", "pressure", "force", "nominal_strain", "shear"},
