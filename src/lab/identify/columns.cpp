@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <numbers>
 #include <string_view>
 
 namespace elastin::lab {
@@ -38,7 +39,12 @@ constexpr std::array kMachineNames{
     MachineNames{"nominal_stress", "tensile stress|engineering stress|eng stress|工程应力"},
     MachineNames{"nominal_stress", "compressive stress|druckspannung", true},
     MachineNames{"true_strain", "logarithmic strain|hencky strain|真应变"},
-    MachineNames{"true_stress", "cauchy stress|真应力"}, MachineNames{"torque", "axial torque|drehmoment|扭矩"},
+    MachineNames{"true_stress", "cauchy stress|真应力"},
+    MachineNames{"frequency", "freq|f|angular frequency|ang frequency|frequenz|kreisfrequenz|fréquence|频率|角频率"},
+    MachineNames{"storage_modulus", "e'|g'|e′|g′|speichermodul|module de conservation|储能模量"},
+    MachineNames{"loss_modulus", "e''|g''|e\"|g\"|e″|g″|verlustmodul|module de perte|损耗模量"},
+    MachineNames{"loss_tangent", "tan delta|tan|tan δ|loss factor|verlustfaktor|损耗因子"},
+    MachineNames{"torque", "axial torque|drehmoment|扭矩"},
     MachineNames{"angle", "rotation|twist|rotary position|drehwinkel|转角"}, MachineNames{"pressure", "druck"},
     // Nominal or true: not stated.
     MachineNames{"stress", "spannung|contrainte|应力|応力"}, MachineNames{"strain", "dehnung|déformation|应变"}};
@@ -187,6 +193,11 @@ class TableColumns {
     if (!below.empty() && (column.unit.empty() || !machine_unit(column.unit, quantity->unit))) column.unit = below;
     if (!column.unit.empty() || (quantity->ratio && quantity->name != "angle"))
       column.factor = machine_unit(column.unit, quantity->unit);
+    // An angular frequency is stated by its unit, else by its name.
+    const bool angular = simplified(head.name).find("ang") != std::string::npos || head.name == "Kreisfrequenz";
+    if (quantity->name == "frequency" && column.factor &&
+        (column.unit.starts_with("rad") || (angular && !column.unit.ends_with("Hz"))))
+      *column.factor /= 2 * std::numbers::pi;
     known_.push_back(std::move(column));
   }
 

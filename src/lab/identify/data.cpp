@@ -322,7 +322,7 @@ void check_times(const MeasuredData& data) {
   for (Eigen::Index i = 1; i < data.x.size(); ++i)
     if (data.x[i] < data.x[i - 1])
       throw InputError(SourceLocation{data.file, data.lines[i]},
-                       "time goes back: choose rows by `rows`, `from` and `to`, or sort them");
+                       data.along->name + " goes back: choose rows by `rows`, `from` and `to`, or sort them");
 }
 
 /// A test that pulls makes the material longer: else columns or signs are swapped.

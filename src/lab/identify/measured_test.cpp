@@ -1,6 +1,8 @@
 #include "lab/identify/measured_test.h"
 
 #include <cmath>
+#include <complex>
+#include <numbers>
 
 #include "lab/run/material_numbers.h"
 
@@ -27,6 +29,7 @@ std::unique_ptr<MeasuredTest> make_measured_test(const DataTest& test, const Cat
                                                  const std::string& strategy) {
   if (test.kind->homogeneous) return make_homogeneous_test(test, row, material);
   if (test.kind->layer) return make_layer_test(test, material);
+  if (test.kind->oscillates) return make_oscillation_test(test, row, material);
   if (test.kind->in_time && test.scene)
     return make_specimen_relaxation_test(test, catalog, material, overrides, strategy);
   if (test.kind->in_time) return make_relaxation_test(test, row, material);
@@ -176,6 +179,41 @@ class RelaxationTest final : public MeasuredTest {
   VectorX strains_;
 };
 
+/// Complex modulus of Prony terms over the frequency: E* = E (g₀ + Σ gᵢ iωτᵢ/(1 + iωτᵢ) + iωθ), E the slope of the law
+/// at rest.                                                                          [Ferry 1980, eq. 3.26, 3.27]
+class OscillationTest final : public MeasuredTest {
+ public:
+  OscillationTest(MeasuredData data, HomogeneousTest test, const Matrix3& axes)
+      : MeasuredTest(std::move(data)), test_(test), axes_(axes) {}
+
+  std::optional<Prediction> predict(const TestedMaterial& tested) override {
+    return by_differences(tested, [&](const Trial& trial) { return moduli(*tested.row, trial.material, data_.x); });
+  }
+  std::optional<VectorX> line(const TestedMaterial& tested, const VectorX& along) const override {
+    return moduli(*tested.row, tested.trial.material, along);
+  }
+
+ private:
+  std::optional<VectorX> moduli(const MaterialLaw& row, const Material& material, const VectorX& frequencies) const {
+    constexpr double small = 1e-4;
+    const auto elastic = homogeneous_stresses(row, material, test_, Eigen::Vector2d(-small, small), {}, axes_);
+    if (!elastic) return std::nullopt;
+    const double slope = (elastic->stresses[1] - elastic->stresses[0]) / (2 * small);
+    return frequencies.unaryExpr([&](double frequency) {
+      const double rate = 2 * std::numbers::pi * frequency;
+      std::complex<double> modulus(material.relaxation->long_term(), rate * material.relaxation->retardation);
+      for (const auto& [share, tau] : material.relaxation->terms)
+        modulus += share * (1. - 1. / std::complex<double>(1, rate * tau));
+      return data_.up->name == "loss_tangent"
+                 ? modulus.imag() / modulus.real()
+                 : slope * (data_.up->name == "loss_modulus" ? modulus.imag() : modulus.real());
+    });
+  }
+
+  HomogeneousTest test_;
+  Matrix3 axes_;
+};
+
 /// The force of a specimen that is kept in its grips, from its equilibria on the ramp as if it were elastic.
 class SpecimenRelaxationTest final : public MeasuredTest {
  public:
@@ -226,6 +264,14 @@ std::unique_ptr<MeasuredTest> make_relaxation_test(const DataTest& test, const M
   need_terms(test, material);
   return std::make_unique<RelaxationTest>(as_strain_and_stress(test, load_data(test)), test,
                                           axes_of_law(*row, material));
+}
+
+std::unique_ptr<MeasuredTest> make_oscillation_test(const DataTest& test, const MaterialLaw* row,
+                                                    const Material& material) {
+  need_law(test, row);
+  need_law_alone(test, material);
+  need_terms(test, material);
+  return std::make_unique<OscillationTest>(load_data(test), test.held, axes_of_law(*row, material));
 }
 
 std::unique_ptr<MeasuredTest> make_specimen_relaxation_test(const DataTest& test, const Catalog& catalog,

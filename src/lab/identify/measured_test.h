@@ -69,6 +69,10 @@ std::unique_ptr<MeasuredTest> make_layer_test(const DataTest& test, const Materi
 std::unique_ptr<MeasuredTest> make_relaxation_test(const DataTest& test, const MaterialLaw* row,
                                                    const Material& material);
 
+/// Storage modulus, loss modulus or loss tangent of a small oscillation about rest, over its frequency.
+std::unique_ptr<MeasuredTest> make_oscillation_test(const DataTest& test, const MaterialLaw* row,
+                                                    const Material& material);
+
 /// The specimen of a scene in its grips: one equilibrium a point, started from the one that the material before had
 /// there. Slopes by one linear solve a number, K dx = ∂f/∂θ at the positions kept, and the measure along dx. Where the
 /// load path counts (friction, multipliers of contact) or the load is sought (an indenter's force), each curve begins

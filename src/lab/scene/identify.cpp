@@ -110,13 +110,13 @@ void read_indenter(Reader reader, DataTest& test) {
 
 const Keys<DataTest>& data_test_keys() {
   using S = DataTest;
-  const auto is_relaxation = [](const S& test) { return test.kind->in_time; };
+  const auto is_relaxation = [](const S& test) { return test.kind->in_time && !test.kind->oscillates; };
   const auto curved = [](const S& test) { return !test.kind->in_time && !test.kind->points; };
   const auto a_curve = [](const S& test) { return !test.kind->points; };
   const auto of_layer = [](const S& test) { return test.kind->layer; };
   const auto with_zero = [](const S& test) { return !test.kind->in_time && !test.kind->points && !test.kind->layer; };
   const auto of_points = [](const S& test) { return test.kind->points; };
-  const auto of_strain = [](const S& test) { return test.kind->in_time && !test.scene; };
+  const auto of_strain = [=](const S& test) { return is_relaxation(test) && !test.scene; };
   std::vector<std::pair<std::string, const DataTestKind*>> kinds;
   for (const DataTestKind& kind : data_test_kinds()) kinds.emplace_back(kind.name, &kind);
   static const Keys<S> keys{
@@ -179,7 +179,7 @@ const Keys<DataTest>& data_test_keys() {
            "of `specimen`: body, grips and load; the material is the fitted one. Of `relaxation`: the specimen whose "
            "load is kept, in the place of `held` and `strain`"},
           [](const Reader& value, S& test) { test.scene = value.source().other(beside(value)); })
-          .when([](const S& test) { return !test.kind->homogeneous && !test.kind->layer; }),
+          .when([](const S& test) { return !test.kind->homogeneous && !test.kind->layer && !test.kind->oscillates; }),
       Key<S>(
           {"indenter", "map", "", "", "needed",
            "of `indentation`: `{sphere: {radius: 10 um}}`, `{cone: {half_angle: 35 deg}}` or `{flat: {radius: 1 mm}}`"},
@@ -205,7 +205,9 @@ const Keys<DataTest>& data_test_keys() {
                 "of `specimen`: which of the scene's measures the response is, such as `arm_reaction_x`")
           .when([](const S& test) { return test.kind->of_scene() && !test.kind->points; })
           .otherwise("the first one of this quantity"),
-      key::choice("held", &S::held, homogeneous_names(), "of `relaxation`: the state that is kept").when(of_strain),
+      key::choice("held", &S::held, homogeneous_names(),
+                  "of `relaxation`: the state that is kept; of a modulus over the frequency: in which it oscillates")
+          .when([](const S& test) { return test.kind->in_time && !test.scene; }),
       key::quantity("strain", &S::strain, dimension::none, "of `relaxation`: that is kept")
           .needed_when(of_strain, "needed for `relaxation` without `scene`"),
       key::quantity("ramp", &S::ramp, dimension::time, "of `relaxation`: time in which the strain grows", kNotNegative)
@@ -323,6 +325,10 @@ const std::vector<DataQuantity>& data_quantities() {
       {"torque", dimension::energy, "of torsion", false, {"torque"}},
       {"pressure", dimension::pressure, "of a gas or liquid", false, {"pressure"}},
       {"height", dimension::length, "of a bubble's pole", false, {"height"}},
+      {"frequency", Dimension{0, 0, -1}, "of an oscillation, in Hz or rad/s", false},
+      {"storage_modulus", dimension::pressure, "E′ or G′, stress in phase over strain", false},
+      {"loss_modulus", dimension::pressure, "E″ or G″, stress a quarter of a period ahead over strain", false},
+      {"loss_tangent", dimension::none, "loss modulus over storage modulus", true},
       {"load_factor", dimension::none, "part of the scene's load, 0 to 1", true}};
   return quantities;
 }
@@ -342,6 +348,8 @@ const std::vector<DataTestKind>& data_test_kinds() {
                {"compression", "uniaxial, pressed", strains, stresses, HomogeneousTest::uniaxial, false, true});
     all.push_back(
         {"relaxation", "stress over time at a strain that is kept", {"time"}, {"nominal_stress", "force"}, {}, true});
+    for (const char* name : {"storage_modulus", "loss_modulus", "loss_tangent"})
+      all.push_back({name, "of a small oscillation, over its frequency", {"frequency"}, {name}, {}, true, false, true});
     all.push_back({"specimen",
                    "the whole specimen in its grips, of a scene",
                    {"displacement", "angle", "pressure", "force", "nominal_strain", "shear", "load_factor"},

@@ -27,8 +27,9 @@ struct DataTestKind {
   std::string name, text;
   std::vector<std::string> along, up;  ///< quantities that it takes: of what is prescribed, and of the response
   std::optional<HomogeneousTest> homogeneous = {};  ///< every point in the same state
-  bool in_time = false;                             ///< at a strain that is kept
+  bool in_time = false;                             ///< at a strain that is kept, or that oscillates
   bool pressed = false;                             ///< whether strains and stresses are negative
+  bool oscillates = false;                          ///< a small strain about rest, over the frequency
   bool points = false;                              ///< of displacements of points of the body
   bool layer = false;                               ///< an indenter in a layer, by a closed form
   /// Whether it is of a body in a scene.

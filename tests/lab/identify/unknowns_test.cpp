@@ -180,3 +180,53 @@ TEST_CASE("relaxation of a clamped bar gives E and its Prony term from the force
   CHECK(answer.numbers[2].value == Approx(0.5).epsilon(2e-2));
   CHECK(answer.tests.front().relative_rms < 1e-3);
 }
+
+// E′ = E∞ + E₁ x²/(1 + x²), E″ = E₁ x/(1 + x²) with x = ωτ: the standard linear solid [Ferry 1980, ch. 3].
+TEST_CASE("storage and loss moduli over the frequency give the law and its Prony term", "[identify]") {
+  const TemporaryFolder folder;
+  constexpr double in_the_end = 12e3, relaxing = 18e3, tau = 0.05;
+  const auto data_over = [&](const std::string& head, double per_hertz) {
+    std::string data = head + ",E' (kPa),E'' (kPa),tan delta\n";
+    for (const double hertz : {0.1, 0.3, 1., 2., 3., 5., 10., 30.}) {
+      const double x = 2 * 3.14159265358979 * hertz * tau, storage = in_the_end + relaxing * x * x / (1 + x * x),
+                   loss = relaxing * x / (1 + x * x);
+      char line[120];
+      std::snprintf(line, sizeof line, "%.12g,%.12g,%.12g,%.12g\n", hertz * per_hertz, storage / 1e3, loss / 1e3,
+                    loss / storage);
+      data += line;
+    }
+    return data;
+  };
+  const auto fitted = [&](const std::string& held) {
+    std::string tests;
+    for (const std::string kind : {"storage_modulus", "loss_modulus", "loss_tangent"})
+      tests += "    - {file: data.csv, held: " + held + ", kind: " + kind + "}\n";
+    return identify(folder.write("scene.yaml",
+                                 "material: {law: yeoh, terms: [3 kPa], relaxation: {terms: [[0.3, 0.2 s]], moduli: "
+                                 "instantaneous}}\nidentify:\n  tests:\n" +
+                                     tests),
+                    kCatalog, {})
+        .front();
+  };
+  // E of an incompressible law of c₁ is 6 c₁, G is 2 c₁. Machines write Hz, or ω by its unit or its name.
+  struct Case {
+    std::string head, held;
+    double per_hertz, modulus_over_c;
+  };
+  for (const Case& c :
+       {Case{"frequency [Hz]", "uniaxial", 1, 6}, Case{"Angular frequency (rad/s)", "shear", 6.28318530717959, 2},
+        Case{"Angular frequency (1/s)", "uniaxial", 6.28318530717959, 6},
+        Case{"Frequency (rad/s)", "uniaxial", 6.28318530717959, 6}}) {
+    INFO(c.head);
+    folder.write("data.csv", data_over(c.head, c.per_hertz));
+    const Answer answer = fitted(c.held);
+    INFO(answer.cause);
+    REQUIRE(answer.outcome == FitOutcome::converged);
+    REQUIRE(answer.numbers.size() == 3);
+    CHECK(answer.numbers[0].value == Approx((in_the_end + relaxing) / c.modulus_over_c).epsilon(1e-5));
+    CHECK(answer.numbers[1].value == Approx(0.6).epsilon(1e-5));
+    CHECK(answer.numbers[2].value == Approx(tau).epsilon(1e-5));
+    REQUIRE(answer.tests.size() == 3);
+    for (const TestAnswer& test : answer.tests) CHECK(test.relative_rms < 1e-6);
+  }
+}
