@@ -72,6 +72,30 @@ def faults_of_commands(root, build, document, shown):
             COUNTS["command lines"] += 1
 
 
+def faults_of_features(root, build, python):
+    """Each cell of the table of features names what is there, or says after a dash why nothing is."""
+    read = lambda *paths: "\n".join(open(path, encoding="utf8").read() for path in paths)
+    text = read(f"{root}/include/elastin/README.md").split("## Features in each language")[1].split("\n## ")[0]
+    sources = [read(f"{root}/scenes/README.md"), read(*glob.glob(f"{root}/include/**/*.h", recursive=True), *glob.glob(f"{root}/src/core/**/*.h", recursive=True)),
+               read(f"{root}/tests/c/symbols.txt"), None, read(f"{root}/src/web/npm/index.d.ts")]
+    for row in re.findall(r"^\| (?!feature|-)(.*) \|$", text, re.M):
+        feature, *cells = row.split(" | ")
+        COUNTS["rows of features"] += 1
+        for column, (cell, source) in enumerate(zip(cells, sources)):
+            names = [] if cell.startswith("— ") else re.findall(r"`([^`]+)`", cell)
+            if not names and not re.match(r"— \w", cell) or len(cells) != len(sources):
+                yield f"features: {feature}: column {column + 1} neither names something nor says why not"
+            for name in names:
+                if source is None:
+                    if python and subprocess.run([python, "-c", f"import elastin; elastin.{name}"], capture_output=True, check=False,
+                                                 env=os.environ | {"PYTHONPATH": f"{build}/python"}).returncode:
+                        yield f"features: {feature}: Python has no {name}"
+                elif name.startswith("elastin "):
+                    yield from faults_of_commands(root, build, "features", [(feature, "", name + " ")])
+                elif not re.search(rf"\b{name}\b", source):
+                    yield f"features: {feature}: column {column + 1} has no {name}"
+
+
 def fault_of(what, root, build, command, suffix, text):
     with tempfile.NamedTemporaryFile("w", suffix=suffix, encoding="utf8") as stream:
         stream.write(text)
@@ -81,14 +105,14 @@ def fault_of(what, root, build, command, suffix, text):
     return [f"{what}: {(ended.stderr or ended.stdout)[-1500:]}"] if ended.returncode else []
 
 
-COUNTS = {"command lines": 0, "pieces of Python": 0, "pieces of C++": 0}
+COUNTS = {"rows of features": 0, "command lines": 0, "pieces of Python": 0, "pieces of C++": 0}
 
 
 def main(root, build, python):
     cache = open(f"{build}/CMakeCache.txt", encoding="utf8").read()
     compiler = re.search(r"^CMAKE_CXX_COMPILER:\w+=(.*)", cache, re.M).group(1)
     eigen = re.search(r"^Eigen3_DIR:\w+=(.*)/share/eigen3/cmake", cache, re.M)
-    faults, cpp = [], CPP_NAMES
+    faults, cpp = list(faults_of_features(root, build, python)), CPP_NAMES
     for document in DOCUMENTS:
         shown = blocks(f"{root}/{document}")
         faults += faults_of_commands(root, build, document, shown)
