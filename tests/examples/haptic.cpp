@@ -32,7 +32,7 @@ int main(int argc, char** argv) {
   Body body = cubic_lattice({10, 10, 6}, 4e-3, {.axis = true, .face = true});
   set_matter(body, 2e-3, 1000, 0, 0.036 * 0.036 * 0.020);
   Simulation tissue(std::move(body), built_in_catalog().find("lattice"), Material{.youngs_modulus = 10e3});
-  tissue.model().add(make_mass_damping(tissue.body(), 10));
+  tissue.add_load(*built_in_loads().find("rayleigh"), {.numbers = {{"mass", 10}}});
   for (int molecule = 0; molecule < 100; ++molecule) tissue.fix(molecule);  // the lowest layer
 
   const int touched = 555;

@@ -15,8 +15,8 @@ int main() {
 
   // A strategy by name turns the modulus of the whole piece into the stiffness of each connection.
   Simulation liver(std::move(body), built_in_catalog().find("lattice"), Material{.youngs_modulus = 6e3});
-  liver.model().add(make_gravity(liver.body(), {0, 0, -9.81}));
-  liver.model().add(make_mass_damping(liver.body(), 30));
+  liver.add_load(*built_in_loads().find("gravity"), {.vectors = {{"acceleration", {0, 0, -9.81}}}});
+  liver.add_load(*built_in_loads().find("rayleigh"), {.numbers = {{"mass", 30}}});
 
   // It lies on a table, where it sticks: its lowest layer is held and moved.
   const Positions& rest = liver.body().rest;

@@ -18,7 +18,7 @@ int main(int argc, char** argv) {
   set_matter(body, 2e-3, 1000, 0, 0.096 * 0.016 * 0.016);
   Simulation tissue(std::move(body), built_in_catalog().find("lattice"), Material{.youngs_modulus = 50e3},
                     {.integrator = {.scheme = "backward_euler", .parameters = {{"newton_iterations", 1}}}});
-  tissue.model().add(make_gravity(tissue.body(), {0, 0, -9.81}));
+  tissue.add_load(*built_in_loads().find("gravity"), {.vectors = {{"acceleration", {0, 0, -9.81}}}});
   for (int molecule = 0; molecule < tissue.body().size(); molecule += 25) tissue.fix(molecule);
 
   struct Picture {

@@ -23,6 +23,29 @@ class Stop(Exception):
 
 
 class Threads(unittest.TestCase):
+    def test_many_simulations_in_one_call(self):
+        """Each goes where its own steps bring it, to the last bit; one that fails is named, and the others go on."""
+        many, alone = [tissue(i) for i in range(5)], [tissue(i) for i in range(5)]
+        results = elastin.step_all(many, 1e-3, 20, threads=3)
+        self.assertTrue(all(results) and len(results) == 5)
+        for one, other in zip(many, alone):
+            other.step(1e-3, 20)
+            numpy.testing.assert_array_equal(one.positions, other.positions)
+        many[3].host_forces[7] = 1e300
+        with self.assertRaisesRegex(elastin.StepError, "simulation 3: ") as caught:
+            elastin.step_all(many, 1e-3, 2)
+        self.assertFalse(caught.exception.result)
+        self.assertAlmostEqual(many[4].time, 22e-3)
+        self.assertAlmostEqual(many[3].time, 20e-3)
+        self.assertRaises(elastin.InputError, elastin.step_all, [many[0], many[0]], 1e-3)
+        self.assertRaises(elastin.InputError, elastin.step_all, many, 1e-3, 0)
+
+    def test_ctrl_c_ends_many_simulations(self):
+        many = [tissue(i) for i in range(4)]
+        threading.Timer(0.3, os.kill, (os.getpid(), signal.SIGINT)).start()
+        with self.assertRaises(KeyboardInterrupt):
+            elastin.step_all(many, 1e-3, 10**9)
+
     def test_a_step_gives_the_interpreter_free(self):
         """The interpreter would not take it from a thread by itself: what the other thread does, it does in a step."""
         interval = sys.getswitchinterval()

@@ -1,6 +1,6 @@
 // The npm package of the core: node npm_test.js FOLDER, where its package.json is.
 'use strict';
-const assert = require('node:assert'), fs = require('node:fs'), path = require('node:path');
+const assert = require('node:assert'), child = require('node:child_process'), fs = require('node:fs'), path = require('node:path');
 const folder = path.resolve(process.argv[2]), {load, ElastinError, Body, Surface, Simulation, Elastin} = require(folder);
 const near = (value, expected, tolerance) => assert(Math.abs(value - expected) <= tolerance * Math.abs(expected), `${value} for ${expected}`);
 
@@ -139,11 +139,18 @@ function types() {
   }
 }
 
+/** The example of the package's page runs as it stands: 1000 molecules that hang from one side. */
+function example_of_the_page() {
+  const shown = fs.readFileSync(path.join(folder, 'README.md'), 'utf8').match(/(?:^ {4}.*\n|^\n)+/gm).find(text => text.includes('import {load}'));
+  const {status, stdout, stderr} = child.spawnSync('node', ['--input-type=module', '-e', shown], {cwd: folder, encoding: 'utf8'});
+  assert(status === 0 && /Float64Array\(3\)/.test(stdout) && /'lattice'/.test(stdout), stderr || stdout);
+}
+
 (async () => {
   const elastin = await load();
   assert.match(elastin.version, /^\d+\.\d+/);
   assert(elastin.rows('steppers').some(row => row.name === 'newmark'));
-  for (const check of [weight_on_a_spring, modulus_of_a_lattice, a_surface_that_is_drawn, a_cell_law_from_arrays, a_rest_of_its_own, wrong_input, poissons_ratio, warnings, types]) check(elastin);
+  for (const check of [weight_on_a_spring, modulus_of_a_lattice, a_surface_that_is_drawn, a_cell_law_from_arrays, a_rest_of_its_own, wrong_input, poissons_ratio, warnings, types, example_of_the_page]) check(elastin);
   const same = await import('file://' + path.join(folder, 'node.mjs'));
   assert.strictEqual(same.load, load);
 })().catch(problem => {

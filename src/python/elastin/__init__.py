@@ -35,6 +35,7 @@ from ._bodies import body, lattice, material, read_mesh
 from ._experiments import CLASSES as _experiments, Experiment, experiments
 from ._laboratory import Comparison, Laboratory, Verdicts, compare, gradient, identify, measure, run, strategies, verify
 from ._law import law, where
+from ._simulation import step_all
 from ._sweep import Sweep, sweep
 
 globals().update(_experiments)
@@ -43,4 +44,4 @@ __all__ = ["Body", "Catalog", "Comparison", "Experiment", "InputError", "Laborat
            "Row", "Simulation", "SimulationState", "StaticResult", "StepError", "StepResult", "Strategy", "Surface", "Sweep",
            "TopologyReport", "Verdicts", "body", "compare", "experiments", "gradient", "identify", "lattice", "law", "linear_solvers",
            "loads", "material", "material_laws", "measure", "measures", "numbered_in_space", "of_parts", "order_in_space", "read_mesh", "run",
-           "set_threads", "steppers", "strategies", "sweep", "threads", "verify", "where", *_experiments]
+           "set_threads", "step_all", "steppers", "strategies", "sweep", "threads", "verify", "where", *_experiments]

@@ -592,6 +592,11 @@ def body(description: Mapping[str, Any] | str, material: Material | None = None)
     "spacing": 1e-3}}), a dict or its YAML. Every shape of the scenes is there, with the same keys and messages;
     files are named from the working directory. The material gives it its mass, by default that with which the body
     is used. What makes results doubtful is a warning; how a file was read goes to the logger "elastin"."""
+def step_all(simulations: Iterable[Simulation], dt: float, count: int = 1, *, check: bool = True,
+             threads: int | None = None) -> list[StepResult]:
+    """Brings many simulations forward by dt [s], `count` times, at the same time: each goes on in one thread at a time,
+    of `threads`, by default one a core. Gives their last results in order, bitwise those of step(). One that fails
+    stops, and raises StepError when the others are done, unless check=False. Ctrl-C ends all within a step."""
 def order_in_space(positions: ArrayLike) -> Ints:
     """The order in which points (n, 3) lie along a curve that fills space, (n,): a large body whose molecules are
     numbered like this, positions[order], is passed over several times as fast as one numbered at random."""

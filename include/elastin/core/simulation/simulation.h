@@ -101,7 +101,7 @@ struct SimulationState {
 /// A body that moves: what a simulator embeds. Any number may run in as many threads, each in one at a time.
 ///
 ///   Simulation tissue(body, catalog.find("lattice"), material);
-///   tissue.model().add(make_gravity(tissue.body(), {0, 0, -9.81}));
+///   tissue.add_load(*built_in_loads().find("gravity"), {.vectors = {{"acceleration", {0, 0, -9.81}}}});
 ///   const CouplingId tool = tissue.couple(17, position, 200);
 ///   while (…) { tissue.move_coupling(tool, position); tissue.step(1e-3); push(-tissue.coupling_force(tool)); }
 ///
