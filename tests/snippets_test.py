@@ -4,6 +4,7 @@ tests/web/npm_test.js runs the example in JavaScript.
 
   snippets_test.py ROOT BUILD
 """
+import functools
 import glob
 import os
 import re
@@ -53,6 +54,11 @@ def blocks(path):
     return found
 
 
+@functools.lru_cache
+def help_of(program, command):
+    return subprocess.run([program, command, "--help"], capture_output=True, text=True, check=False)
+
+
 def faults_of_commands(root, build, document, shown):
     """A command line names a command, options and scenes that are there."""
     for start, _, text in shown:
@@ -60,7 +66,7 @@ def faults_of_commands(root, build, document, shown):
             asked = COMMAND.match(line)
             if not asked:
                 continue
-            told = subprocess.run([f"{build}/bin/elastin", asked[1], "--help"], capture_output=True, text=True, check=False)
+            told = help_of(f"{build}/bin/elastin", asked[1])
             if told.returncode:
                 yield f"{document}:{start}: there is no command '{asked[1]}'"
             for option in re.findall(r"(?<=\s)--[a-z][-a-z]*", asked[2].split("#")[0]):
@@ -78,6 +84,7 @@ def faults_of_features(root, build, python):
     text = read(f"{root}/include/elastin/README.md").split("## Features in each language")[1].split("\n## ")[0]
     sources = [read(f"{root}/scenes/README.md"), read(*glob.glob(f"{root}/include/**/*.h", recursive=True), *glob.glob(f"{root}/src/core/**/*.h", recursive=True)),
                read(f"{root}/tests/c/symbols.txt"), None, read(f"{root}/src/web/npm/index.d.ts")]
+    of_python = []
     for row in re.findall(r"^\| (?!feature|-)(.*) \|$", text, re.M):
         feature, *cells = row.split(" | ")
         COUNTS["rows of features"] += 1
@@ -87,13 +94,13 @@ def faults_of_features(root, build, python):
                 yield f"features: {feature}: column {column + 1} neither names something nor says why not"
             for name in names:
                 if source is None:
-                    if python and subprocess.run([python, "-c", f"import elastin; elastin.{name}"], capture_output=True, check=False,
-                                                 env=os.environ | {"PYTHONPATH": f"{build}/python"}).returncode:
-                        yield f"features: {feature}: Python has no {name}"
+                    of_python.append(name)
                 elif name.startswith("elastin "):
                     yield from faults_of_commands(root, build, "features", [(feature, "", name + " ")])
                 elif not re.search(rf"\b{name}\b", source):
                     yield f"features: {feature}: column {column + 1} has no {name}"
+    if python:
+        yield from fault_of("features: Python", root, build, [python], ".py", "import elastin\n" + "".join(f"elastin.{name}\n" for name in of_python))
 
 
 def fault_of(what, root, build, command, suffix, text):

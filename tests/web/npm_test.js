@@ -150,6 +150,9 @@ function example_of_the_page() {
   const elastin = await load();
   assert.match(elastin.version, /^\d+\.\d+/);
   assert(elastin.rows('steppers').some(row => row.name === 'newmark'));
+  const divisor = elastin.rows('strategies').find(row => row.name === 'divided').parameters[0], gravity = elastin.rows('loads')[0].parameters;
+  assert.deepStrictEqual([divisor.name, divisor.default, divisor.low, divisor.kind], ['divisor', 3.75, 1e-6, 'number']);
+  assert.deepStrictEqual([gravity[0].name, gravity[0].kind, gravity[0].unit], ['acceleration', 'vector', 'm/s^2']);
   for (const check of [weight_on_a_spring, modulus_of_a_lattice, a_surface_that_is_drawn, a_cell_law_from_arrays, a_rest_of_its_own, wrong_input, poissons_ratio, warnings, types, example_of_the_page]) check(elastin);
   const same = await import('file://' + path.join(folder, 'node.mjs'));
   assert.strictEqual(same.load, load);

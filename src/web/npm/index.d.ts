@@ -58,13 +58,25 @@ export interface Options {
   scheme_parameters?: Record<string, number>;
 }
 
+/** What a row of a table takes: its range with its ends, and the value where none is given. */
+export interface Parameter {
+  name: string;
+  unit: string;
+  text: string;
+  low: number;
+  high: number;
+  kind: 'number' | 'whole number' | 'vector' | 'direction' | 'molecules';
+  required: boolean;
+  default?: number;
+}
+
 /** @param wasm the bytes of elastin.wasm or its address; in node it is found beside this file. */
 export function load(options?: {wasm?: Uint8Array | string | URL}): Promise<Elastin>;
 
 export class Elastin {
   readonly version: string;
   /** What has a name: 'strategies', 'steppers', 'linear_solvers', 'loads' or 'material_laws'. */
-  rows(table: string): {name: string; summary: string}[];
+  rows(table: string): {name: string; summary: string; parameters: Parameter[]}[];
   /** A box of counts[0] × counts[1] × counts[2] molecules, `spacing` [m] apart, density [kg/m³]. */
   lattice(counts: [number, number, number], spacing: number | [number, number, number],
           options: {connections?: ('axis' | 'face' | 'space')[]; density: number}): Body;

@@ -69,12 +69,19 @@ class Elastin {
   rows(table) {
     const {module} = this, memory = new Memory(module);
     try {
-      const name = memory.text(table), at = memory.room(16);
+      const name = memory.text(table), at = memory.room(64), one = at + 16, text = word => module.UTF8ToString(module.HEAPU32[word]);
       const check = status => { if (status) throw new ElastinError(module.UTF8ToString(module._elastin_message())); };
       check(module._elastin_row_count(name, at));
       return Array.from({length: module.HEAPU32[at / 4]}, (_, row) => {
         check(module._elastin_row(name, row, at, at + 4, at + 8));
-        return {name: module.UTF8ToString(module.HEAPU32[at / 4]), summary: module.UTF8ToString(module.HEAPU32[at / 4 + 1])};
+        const parameters = Array.from({length: module.HEAPU32[at / 4 + 2]}, (_, number) => {
+          module.HEAPU32[one / 4] = 48;
+          check(module._elastin_row_parameter(name, row, number, one));
+          const [low, high, fallback] = module.HEAPF64.slice(one / 8 + 2, one / 8 + 5), word = one / 4;
+          return {name: text(word + 1), unit: text(word + 2), text: text(word + 3), low, high, kind: text(word + 10),
+                  required: module.HEAP32[word + 11] !== 0, ...(Number.isNaN(fallback) ? {} : {default: fallback})};
+        });
+        return {name: text(at / 4), summary: text(at / 4 + 1), parameters};
       });
     } finally {
       memory.release();
