@@ -258,7 +258,14 @@ FibreDirections read_fibre(const Element& element) {
               return turned_as_x_into((place.point - middle).normalized(), vector);
             }};
   }
-  element.refuse("type=\"" + type + "\"", "vector, local and spherical are");
+  if (type == "angles") {
+    element.allow({"theta", "phi"});
+    const double degree = EIGEN_PI / 180, theta = element.needed_number("theta") * degree,
+                 phi = element.needed_number("phi") * degree;
+    const Vector3 a(std::cos(theta) * std::sin(phi), std::sin(theta) * std::sin(phi), std::cos(phi));
+    return {true, [a](const PointPlace&) { return a; }};
+  }
+  element.refuse("type=\"" + type + "\"", "vector, local, spherical and angles are");
 }
 
 /// What every material has beside its own numbers.
@@ -564,13 +571,13 @@ void read_uncoupled_viscoelastic(const Element& element, Material& material, con
 /// The laws of <elastic> under a prestrain F_p = I + …, by the direction of fibres there.
 void set_prestrained(const Element& element, Material& material, const MaterialTime& time,
                      const std::optional<FibreDirections>& fibres,
-                     const std::function<Matrix3(const Vector3& fibre)>& prestrain) {
+                     const std::function<Matrix3(const Vector3& fibre, int cell)>& prestrain) {
   const Element elastic = element.at("elastic");
   const Material solid = read_material(elastic, time);
   if (solid.volume || solid.relaxation)
     elastic.refuse("type=\"" + elastic.attribute("type") + "\" in a material of type " + element.attribute("type"),
                    "it may be neither uncoupled nor viscoelastic");
-  material.even = solid.even && (!fibres || fibres->even);
+  material.even = solid.even && (!fibres || fibres->even) && !material.data;
   material.has_energy = solid.has_energy;
   material.youngs_modulus = solid.youngs_modulus;
   material.poissons_ratio = solid.poissons_ratio;
@@ -578,7 +585,8 @@ void set_prestrained(const Element& element, Material& material, const MaterialT
     const Vector3 fibre = fibres ? fibres->at(place) : Vector3(Vector3::UnitX());
     LawTerms all = terms(place);
     for (auto& term : all)
-      term = std::make_shared<PrestrainedTerm>(std::move(term), [prestrain, fibre] { return prestrain(fibre); });
+      term = std::make_shared<PrestrainedTerm>(
+          std::move(term), [prestrain, fibre, cell = place.cell] { return prestrain(fibre, cell); });
     return all;
   };
 }
@@ -616,7 +624,19 @@ void read_growth(const Element& element, Material& material, const MaterialTime&
   }
   const auto fibre = growth.find("fiber");
   set_prestrained(element, material, time, fibre ? std::optional(read_fibre(*fibre)) : std::nullopt,
-                  [metric](const Vector3& n) { return Matrix3(metric(n).inverse()); });
+                  [metric](const Vector3& n, int) { return Matrix3(metric(n).inverse()); });
+}
+
+/// Whether an element names <ElementData>, which the material then has.
+bool read_data(const Element& element, std::size_t numbers, const MaterialTime& time, Material& material) {
+  if (element.attribute("type").empty()) return false;
+  if (element.attribute("type") != "map") element.refuse("type=\"" + element.attribute("type") + "\"", "map is");
+  const auto found = time.data.find(element.text());
+  if (found == time.data.end()) element.fail("there is no <ElementData> '" + element.text() + "'");
+  for (const std::vector<double>& row : found->second.values)
+    if (row.size() != numbers) element.fail("needs " + std::to_string(numbers) + " numbers for each cell");
+  material.data = found->second;
+  return true;
 }
 
 void read_prestrain(const Element& element, Material& material, const MaterialTime& time) {
@@ -625,25 +645,55 @@ void read_prestrain(const Element& element, Material& material, const MaterialTi
   const std::string type = prestrain.needed_attribute("type");
   if (type == "prestrain gradient") {
     prestrain.allow({"ramp", "F0"});
-    const std::vector<double> numbers = prestrain.at("F0").numbers(9);
-    const Matrix3 change = Eigen::Map<const Matrix3>(numbers.data()).transpose() - Matrix3::Identity();
+    const Element F0 = prestrain.at("F0");
+    const std::vector<std::vector<double>> all =
+        read_data(F0, 9, time, material) ? material.data->values : std::vector<std::vector<double>>{F0.numbers(9)};
+    std::vector<Matrix3> changes;
+    for (const std::vector<double>& numbers : all)
+      changes.push_back(Eigen::Map<const Matrix3>(numbers.data()).transpose() - Matrix3::Identity());
     const auto ramp = prestrain.find("ramp");
-    set_prestrained(element, material, time, std::nullopt,
-                    [part = ramp ? ramp->value(time.controllers) : Value{1}, change, now = time.now](const Vector3&) {
-                      return Matrix3(Matrix3::Identity() + part.at(*now) * change);
-                    });
+    set_prestrained(
+        element, material, time, std::nullopt,
+        [part = ramp ? ramp->value(time.controllers) : Value{1}, changes, now = time.now](const Vector3&, int cell) {
+          return Matrix3(Matrix3::Identity() +
+                         part.at(*now) * changes[changes.size() > 1 ? static_cast<std::size_t>(cell) : 0]);
+        });
   } else if (type == "in-situ stretch") {
     prestrain.allow({"stretch", "isochoric"});
     const bool isochoric = prestrain.number("isochoric", 1) != 0;
-    set_prestrained(
-        element, material, time, read_fibre(element.at("elastic").at("fiber")),
-        [stretch = prestrain.at("stretch").value(time.controllers), isochoric, now = time.now](const Vector3& n) {
-          const double along = stretch.at(*now), across = isochoric ? 1 / std::sqrt(along) : 1;
-          return along_and_across(n, across, 1 + along - across);
-        });
+    const Element stretch = prestrain.at("stretch");
+    std::vector<Value> stretches;
+    if (read_data(stretch, 1, time, material))
+      for (const std::vector<double>& row : material.data->values) stretches.push_back({row[0]});
+    else
+      stretches.push_back(stretch.value(time.controllers));
+    set_prestrained(element, material, time, read_fibre(element.at("elastic").at("fiber")),
+                    [stretches, isochoric, now = time.now](const Vector3& n, int cell) {
+                      const double along =
+                                       stretches[stretches.size() > 1 ? static_cast<std::size_t>(cell) : 0].at(*now),
+                                   across = isochoric ? 1 / std::sqrt(along) : 1;
+                      return along_and_across(n, across, 1 + along - across);
+                    });
   } else {
     prestrain.refuse("type=\"" + type + "\"");
   }
+}
+
+/// c1 (I1 − 3) − 2 c1 ln J + k/2 ln² J, and fibres by the whole stretch.
+void read_coupled_trans_iso(const Element& element, Material& material, const MaterialTime&) {
+  allow_numbers(element, {"c1", "c2", "c3", "c4", "c5", "lam_max", "k", "fiber"});
+  if (element.number("c2", 0) != 0) element.at("c2").refuse("c2 other than 0");
+  const double mu = 2 * positive(element, "c1"), k = positive(element, "k");
+  set_along(material, element.at("fiber"), WholeStretchFibres{{}, read_toe_and_line(element, "lam_max")});
+  material.terms = [fibres = material.terms,
+                    matrix = term_of(SplitPoint<NeoHookean::Solid>{
+                        NeoHookean::Solid{0, mu}, {Volumetric::Form::logarithmic, k}})](const PointPlace& place) {
+    LawTerms all = fibres(place);
+    all.push_back(matrix);
+    return all;
+  };
+  material.youngs_modulus = mu * (3 * k + 2 * mu) / (k + mu);
+  material.poissons_ratio = k / (2 * (k + mu));
 }
 
 const std::map<std::string, Read>& readers() {
@@ -662,6 +712,7 @@ const std::map<std::string, Read>& readers() {
       {"uncoupled solid mixture", read_uncoupled_mixture},
       {"kinematic growth", read_growth},
       {"prestrain elastic", read_prestrain},
+      {"coupled trans-iso Mooney-Rivlin", read_coupled_trans_iso},
       {"viscoelastic", read_viscoelastic},
       {"uncoupled viscoelastic", read_uncoupled_viscoelastic},
   };
@@ -695,7 +746,7 @@ std::shared_ptr<const DomainLaws> laws_of(const Body& body, const CellBlock& blo
   const CellKind& kind = *block.kind;
   std::vector<LawTerms> points;
   for (int cell = 0; cell < (material.even ? 1 : block.size()); ++cell) {
-    PointPlace place{Vector3::Zero(), positions_of(body.rest, block.cell(cell))};
+    PointPlace place{Vector3::Zero(), positions_of(body.rest, block.cell(cell)), cell};
     for (Eigen::Index g = 0; g < (material.even ? 1 : kind.weights.size()); ++g) {
       place.point = place.nodes * kind.values.col(g);
       points.push_back(material.terms(place));

@@ -1,5 +1,6 @@
 #pragma once
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -27,6 +28,13 @@ using LawTerms = std::vector<std::shared_ptr<const LawTerm>>;
 struct PointPlace {
   Vector3 point;
   Eigen::MatrixXd nodes;  ///< of the cell [m], a column each
+  int cell = 0;           ///< its number in its domain
+};
+
+/// <ElementData>: numbers of each cell of a domain.
+struct CellData {
+  std::string domain;
+  std::vector<std::vector<double>> values;
 };
 
 /// A material of a model file.
@@ -37,7 +45,8 @@ struct Material {
   double density = 1;
   double youngs_modulus = 1, poissons_ratio = 0;  ///< at rest, of the matrix
   bool has_energy = true;
-  bool even = true;  ///< whether its laws are the same at all points
+  bool even = true;              ///< whether its laws are the same at all points
+  std::optional<CellData> data;  ///< of the only domain that it may have
   std::function<LawTerms(const PointPlace& place)> terms;
   /// U(J) of an uncoupled material; the terms are then its change of shape alone.
   std::optional<Volumetric> volume;
@@ -52,6 +61,7 @@ struct Material {
 struct MaterialTime {
   const LoadControllers& controllers;
   std::shared_ptr<const double> now;  ///< [s], as the steps set it
+  const std::map<std::string, CellData>& data;
 };
 
 /// Reads <material>, or <solid> of a mixture.

@@ -93,6 +93,7 @@ class ModelReader {
   static const Element& checked(const Element& root);
   void refuse_sections(const Element& owner, std::initializer_list<const char*> known) const;
   void read_controllers(const Element& data);
+  void read_data(const Element& section);
   void read_materials(const Element& section);
   void read_domains(const Element& section);
   void read_domain(const Element& domain);
@@ -127,6 +128,7 @@ class ModelReader {
   Element root_;
   MeshReader mesh_;
   LoadControllers controllers_;
+  std::map<std::string, CellData> data_;                        ///< by its name
   std::map<std::pair<int, int>, std::vector<int>> prescribed_;  // by molecule and axis, in which steps (-1: in all)
   std::vector<RigidComponent> rigid_;
   std::map<std::string, std::vector<int>> rigid_nodes_;  // molecules by the rigid material's name
@@ -223,6 +225,25 @@ Material read_rigid_material(const Element& element) {
   return material;
 }
 
+void ModelReader::read_data(const Element& section) {
+  section.allow({"ElementData"});
+  section.refuse_twice("name");
+  const std::map<std::string, std::size_t> counts{{"", 1}, {"scalar", 1}, {"vec3", 3}, {"mat3", 9}};
+  for (const Element& one : section.children()) {
+    one.allow_attributes({"name", "elem_set", "data_type"});
+    one.allow({"e"});
+    const auto count = counts.find(one.attribute("data_type"));
+    if (count == counts.end()) one.refuse("data_type=\"" + one.attribute("data_type") + "\"");
+    CellData& data = data_[one.needed_attribute("name")];
+    data.domain = one.needed_attribute("elem_set");
+    for (const Element& row : one.children()) {
+      if (row.whole_attribute("lid") != static_cast<int>(data.values.size()) + 1)
+        row.refuse("lid out of order", "1, 2, 3 … are");
+      data.values.push_back(row.numbers(count->second));
+    }
+  }
+}
+
 void ModelReader::read_materials(const Element& section) {
   section.allow({"material"});
   section.refuse_twice("id");
@@ -230,7 +251,7 @@ void ModelReader::read_materials(const Element& section) {
   for (const Element& one : section.children()) {
     built_->materials.push_back(one.attribute("type") == "rigid body"
                                     ? read_rigid_material(one)
-                                    : read_material(one, {controllers_, {setup_->clock, &setup_->clock->time}}));
+                                    : read_material(one, {controllers_, {setup_->clock, &setup_->clock->time}, data_}));
     if (built_->materials.back().name.empty()) one.fail("the attribute 'name' is missing");
   }
   // A rigid body moves without strain, whatever its material: that of a body that does strain.
@@ -268,6 +289,9 @@ void ModelReader::read_domain(const Element& domain) {
   names.clear();
   for (const Material& one : materials) names.push_back(one.name);
   if (material == materials.end()) domain.fail("there is no material '" + mat + "'" + suggestion(mat, names));
+  if (const auto& data = material->data;
+      data && (data->domain != name || static_cast<int>(data->values.size()) != mesh_.body().blocks[own->block].size()))
+    domain.fail("the <ElementData> of material '" + mat + "' are not of all its cells");
   const std::string type = domain.attribute("type"), points = domain.attribute("elem_type");
   if (material->rigid) {
     if (!type.empty() && type != "rigid-solid")
@@ -899,8 +923,9 @@ Body ModelReader::make_body() {
 std::unique_ptr<lab::Scene> ModelReader::read() {
   root_.allow_attributes({"version"});
   refuse_sections(root_, {"Module", "Control", "Globals", "Material", "Mesh", "MeshDomains", "Boundary", "Loads",
-                          "LoadData", "Step", "Output", "Discrete", "Constraints", "Rigid"});
+                          "LoadData", "MeshData", "Step", "Output", "Discrete", "Constraints", "Rigid"});
   if (const auto data = root_.find("LoadData")) read_controllers(*data);
+  if (const auto data = root_.find("MeshData")) read_data(*data);
   read_materials(root_.at("Material"));
   read_domains(root_.at("MeshDomains"));
   if (const auto boundary = root_.find("Boundary")) read_boundary(*boundary, -1);

@@ -130,6 +130,26 @@ TEST_CASE("what grows or is prestrained in FEBio goes where it is free of stress
                              "</elastic><prestrain " +
                              third + "</prestrain>"}) ==
         Approx(2 * std::abs((1 + elongation(0.1, 1)) / 1.25 - 1)).epsilon(1e-8));
+  CHECK(grown("type=\"fiber growth\"><multiplier lc=\"1\">1</multiplier><fiber type=\"angles\"><theta>30</theta>"
+              "<phi>0</phi></fiber>") == Approx(0.2).epsilon(1e-8));
+  // Numbers of each cell, and a law that without fibres is the neo-Hookean one of mu = 2 c1 and lambda = k.
+  const auto coupled = [](const std::string& fibres) {
+    return "<elastic type=\"coupled trans-iso Mooney-Rivlin\"><c1>0.1923076923076923</c1><k>0.5769230769230769</k>" +
+           fibres + "<fiber type=\"vector\"><vector>0,0,1</vector></fiber></elastic>";
+  };
+  const auto with_data = [&](const std::string& name, const std::string& set, const std::string& law) {
+    return Tower{.loads = kPull,
+                 .more = "<MeshData><ElementData name=\"F\" elem_set=\"" + set +
+                         "\" data_type=\"mat3\"><e lid=\"1\">1,0,0,0,1,0,0,0,1.25</e></ElementData></MeshData>",
+                 .material = "type=\"prestrain elastic\">" + law +
+                             "<prestrain type=\"prestrain gradient\"><F0 type=\"map\">" + name + "</F0></prestrain>"};
+  };
+  const double plain = norm_of(
+      {.loads = kPull, .material = "type=\"prestrain elastic\">" + elastic + "<prestrain " + third + "</prestrain>"});
+  CHECK(norm_of(with_data("F", "p1", coupled(""))) == Approx(plain).epsilon(1e-9));
+  CHECK(norm_of(with_data("F", "p1", coupled("<c3>1</c3><c4>2</c4><c5>3</c5><lam_max>1.1</lam_max>"))) > 1.1 * plain);
+  CHECK_THROWS_WITH(run_of(with_data("G", "p1", elastic)), Contains("there is no <ElementData> 'G'"));
+  CHECK_THROWS_WITH(run_of(with_data("F", "p2", elastic)), Contains("are not of all its cells"));
 }
 
 TEST_CASE("a tower of two materials: each cube as stiff as its own", "[febio]") {
