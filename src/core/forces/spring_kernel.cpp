@@ -80,28 +80,89 @@ struct PairOfPairs {
   }
 };
 
-/// The vectors of four springs from end to end, and their force densities.
-struct FourSprings {
-  Four xy_02, xy_13;  // of the springs 0 and 2, 1 and 3
-  Four z, force_densities;
+using Ends = const std::array<int, 2>*;
 
-  [[gnu::always_inline]] void set(const ListedSprings& springs, int first, const double* positions) {
-    const double *a[4], *b[4];
-    for (int i = 0; i < 4; ++i)
-      a[i] = positions + offset_of(springs.ends[first + i][0]),
-      b[i] = positions + offset_of(springs.ends[first + i][1]);
-    xy_02 = PairOfPairs(b[0], b[2]).all - PairOfPairs(a[0], a[2]).all;
-    xy_13 = PairOfPairs(b[1], b[3]).all - PairOfPairs(a[1], a[3]).all;
-    z = Four{b[0][2], b[1][2], b[2][2], b[3][2]} - Four{a[0][2], a[1][2], a[2][2], a[3][2]};
-    const Four x = __builtin_shufflevector(xy_02, xy_13, 0, 4, 2, 6),
-               y = __builtin_shufflevector(xy_02, xy_13, 1, 5, 3, 7);
-    const Four squares = x * x + y * y + z * z;
+/// Vectors of four connections.
+struct FourVectors {
+  Four xy_02, xy_13;  // of the connections 0 and 2, 1 and 3
+  Four z;
+
+  [[gnu::always_inline]] void set_xy(Four& x, Four& y) const {
+    x = __builtin_shufflevector(xy_02, xy_13, 0, 4, 2, 6), y = __builtin_shufflevector(xy_02, xy_13, 1, 5, 3, 7);
+  }
+  [[gnu::always_inline]] FourVectors times(const Four& factors) const {
+    return {xy_02 * __builtin_shufflevector(factors, factors, 0, 0, 2, 2),
+            xy_13 * __builtin_shufflevector(factors, factors, 1, 1, 3, 3), z * factors};
+  }
+  [[gnu::always_inline]] FourVectors plus(const FourVectors& other) const {
+    return {xy_02 + other.xy_02, xy_13 + other.xy_13, z + other.z};
+  }
+};
+
+/// From the ends numbered `from` to the others.
+[[gnu::always_inline]] inline FourVectors four_vectors(Ends ends, int from, const double* positions) {
+  const double *a[4], *b[4];
+  for (int i = 0; i < 4; ++i)
+    a[i] = positions + offset_of(ends[i][from]), b[i] = positions + offset_of(ends[i][1 - from]);
+  return {PairOfPairs(b[0], b[2]).all - PairOfPairs(a[0], a[2]).all,
+          PairOfPairs(b[1], b[3]).all - PairOfPairs(a[1], a[3]).all,
+          Four{b[0][2], b[1][2], b[2][2], b[3][2]} - Four{a[0][2], a[1][2], a[2][2], a[3][2]}};
+}
+
+struct Vector {
+  double x, y, z;
+  [[gnu::always_inline]] Vector times(double factor) const { return {x * factor, y * factor, z * factor}; }
+};
+[[gnu::always_inline]] inline Vector vector(const std::array<int, 2>& ends, int from, const double* positions) {
+  const double *a = positions + offset_of(ends[from]), *b = positions + offset_of(ends[1 - from]);
+  return {b[0] - a[0], b[1] - a[1], b[2] - a[2]};
+}
+
+/// Flows q d of springs on their first ends.
+struct SpringFlows {
+  const ListedSprings& springs;
+  const double* positions;
+
+  [[gnu::always_inline]] FourVectors four(int first) const {
+    const FourVectors d = four_vectors(springs.ends + first, 0, positions);
+    Four x, y;
+    d.set_xy(x, y);
+    const Four squares = x * x + y * y + d.z * d.z;
     double square[4], length[4];
     std::memcpy(square, &squares, sizeof squares);
     for (int i = 0; i < 4; ++i) length[i] = __builtin_sqrt(square[i]);
     Four l, k, rest;
     load(length, l), load(springs.constants + first, k), load(springs.rest_lengths + first, rest);
-    force_densities = l > Four{} ? k * (l - rest) / l : Four{};
+    return d.times(l > Four{} ? k * (l - rest) / l : Four{});
+  }
+  [[gnu::always_inline]] Vector one(int c) const {
+    const Vector d = vector(springs.ends[c], 0, positions);
+    return d.times(density(d.x, d.y, d.z, springs.constants[c], springs.rest_lengths[c]));
+  }
+};
+
+/// Changes q δ + 2 ∂q/∂s (d·δ) d of linearised springs, as Tangent has them for connections that are gathered.
+struct LinkFlows {
+  const ListedLinks& links;
+  const double *positions, *motion;
+
+  [[gnu::always_inline]] FourVectors four(int first) const {
+    const FourVectors d = four_vectors(links.ends + first, 0, positions);
+    const FourVectors delta = four_vectors(links.ends + first, 1, motion);
+    Four slopes, densities, x, y, delta_x, delta_y;
+    load(links.slopes + first, slopes);
+    d.set_xy(x, y), delta.set_xy(delta_x, delta_y);
+    const FourVectors along = d.times((slopes + slopes) * (x * delta_x + y * delta_y + d.z * delta.z));
+    if (!links.densities) return along;
+    load(links.densities + first, densities);
+    return delta.times(densities).plus(along);
+  }
+  [[gnu::always_inline]] Vector one(int c) const {
+    const Vector d = vector(links.ends[c], 0, positions), delta = vector(links.ends[c], 1, motion);
+    const Vector along = d.times(2 * links.slopes[c] * (d.x * delta.x + d.y * delta.y + d.z * delta.z));
+    if (!links.densities) return along;
+    const Vector across = delta.times(links.densities[c]);
+    return {across.x + along.x, across.y + along.y, across.z + along.z};
   }
 };
 
@@ -136,29 +197,25 @@ struct FlowSum {
 };
 
 /// The next four springs' roots and divisions are under way while the flows of these are added.
-[[gnu::always_inline]] inline void add_listed(const ListedSprings& springs, int first, int last, int begin, int end,
-                                              const double* positions, double* forces) {
+template <class Flows>
+[[gnu::always_inline]] inline void add_listed(const Flows& flows, Ends ends, int first, int last, int begin, int end,
+                                              double* forces) {
   FlowSum sum{forces, begin, end};
   int c = first;
-  FourSprings now, next;
-  if (c + 4 <= last) next.set(springs, c, positions);
+  FourVectors now, next;
+  if (c + 4 <= last) next = flows.four(c);
   while (c + 4 <= last) {
     now = next;
-    if (c + 8 <= last) next.set(springs, c + 4, positions);
-    const Four& q = now.force_densities;
-    const Four flow_02 = now.xy_02 * __builtin_shufflevector(q, q, 0, 0, 2, 2);
-    const Four flow_13 = now.xy_13 * __builtin_shufflevector(q, q, 1, 1, 3, 3), flow_z = q * now.z;
-    sum.add(springs.ends[c], __builtin_shufflevector(flow_02, flow_02, 0, 1), flow_z[0]);
-    sum.add(springs.ends[c + 1], __builtin_shufflevector(flow_13, flow_13, 0, 1), flow_z[1]);
-    sum.add(springs.ends[c + 2], __builtin_shufflevector(flow_02, flow_02, 2, 3), flow_z[2]);
-    sum.add(springs.ends[c + 3], __builtin_shufflevector(flow_13, flow_13, 2, 3), flow_z[3]);
+    if (c + 8 <= last) next = flows.four(c + 4);
+    sum.add(ends[c], __builtin_shufflevector(now.xy_02, now.xy_02, 0, 1), now.z[0]);
+    sum.add(ends[c + 1], __builtin_shufflevector(now.xy_13, now.xy_13, 0, 1), now.z[1]);
+    sum.add(ends[c + 2], __builtin_shufflevector(now.xy_02, now.xy_02, 2, 3), now.z[2]);
+    sum.add(ends[c + 3], __builtin_shufflevector(now.xy_13, now.xy_13, 2, 3), now.z[3]);
     c += 4;
   }
   for (; c < last; ++c) {
-    const double *a = positions + offset_of(springs.ends[c][0]), *b = positions + offset_of(springs.ends[c][1]);
-    const double dx = b[0] - a[0], dy = b[1] - a[1], dz = b[2] - a[2];
-    const double q = density(dx, dy, dz, springs.constants[c], springs.rest_lengths[c]);
-    sum.add(springs.ends[c], Pair{q * dx, q * dy}, q * dz);
+    const Vector flow = flows.one(c);
+    sum.add(ends[c], Pair{flow.x, flow.y}, flow.z);
   }
   sum.finish();
 }
@@ -179,9 +236,13 @@ struct FlowSum {
     }                                                                                                            \
     __VA_ARGS__ static void listed_flows(const ListedSprings& springs, int first, int last, int begin, int end,  \
                                          const double* positions, double* forces) {                              \
-      add_listed(springs, first, last, begin, end, positions, forces);                                           \
+      add_listed(SpringFlows{springs, positions}, springs.ends, first, last, begin, end, forces);                \
     }                                                                                                            \
-    static constexpr SpringKernel kernel{flows, in_row, force_densities, listed_flows};                          \
+    __VA_ARGS__ static void listed_changes(const ListedLinks& links, int first, int last, int begin, int end,    \
+                                           const double* positions, const double* motion, double* forces) {      \
+      add_listed(LinkFlows{links, positions, motion}, links.ends, first, last, begin, end, forces);              \
+    }                                                                                                            \
+    static constexpr SpringKernel kernel{flows, in_row, force_densities, listed_flows, listed_changes};          \
   };
 
 ELASTIN_VERSION(Plain, )

@@ -39,6 +39,16 @@ struct ListedSprings {
 using AddListedFlows = void (*)(const ListedSprings& springs, int first, int last, int begin, int end,
                                 const double* positions, double* forces);
 
+/// Linearised springs between any molecules: ∂q/∂s [N/m³] of each, and its force density [N/m] unless null.
+struct ListedLinks {
+  const std::array<int, 2>* ends;
+  const double *slopes, *densities;
+};
+/// As AddListedFlows of q δ + 2 ∂q/∂s (d·δ) d, with d from the first end to the second and δ the first's motion less
+/// the second's: adds the product of their stiffness with `motion` [m] to `forces`.
+using AddListedChanges = void (*)(const ListedLinks& links, int first, int last, int begin, int end,
+                                  const double* positions, const double* motion, double* forces);
+
 /// The same functions for each vector width that this processor has, the best one last. All give bitwise identical
 /// results.
 struct SpringKernel {
@@ -46,6 +56,7 @@ struct SpringKernel {
   AddInRowFlows add_in_row_flows;
   SetSpringForceDensities set_force_densities;
   AddListedFlows add_listed_flows;
+  AddListedChanges add_listed_changes;
 };
 std::span<const SpringKernel> spring_kernels();
 /// The best one.

@@ -4,6 +4,7 @@
 #include <array>
 
 #include "core/forces/graph.h"
+#include "core/forces/spring_kernel.h"
 #include "elastin/core/shapes/cell_shape.h"
 
 namespace elastin {
@@ -95,20 +96,19 @@ void Tangent::apply(const Positions& motion, Positions& result, ApplyWorkspace& 
 void Tangent::apply_links(const Positions& motion, Positions& result, ApplyWorkspace& workspace) const {
   const Connections& connections = model_.body().connections;
   const Graph& graph = *model_.graph_;
-  if (!coupled_ && !stressed_) {
-    graph.add_flows(result, [&](int c, int a, int b) -> Vector3 {
-      const Vector3 d = positions().col(b) - positions().col(a);
-      return (2 * slopes_[c] * d.dot(motion.col(a) - motion.col(b))) * d;
-    });
-    return;
-  }
   if (!coupled_) {
-    graph.add_flows(result, [&](int c, int a, int b) -> Vector3 {
-      const Link link = this->link(c);
-      const Vector3 delta = motion.col(a) - motion.col(b);
-      return link.density * delta + (link.slope * link.d.dot(delta)) * link.d;
+    if (graph.gathers())
+      return graph.gather(result, [&](int c, int a, int b) -> Vector3 {
+        const Vector3 d = positions().col(b) - positions().col(a), delta = motion.col(a) - motion.col(b);
+        const Vector3 along = (2 * slopes_[c] * (d.x() * delta.x() + d.y() * delta.y() + d.z() * delta.z())) * d;
+        if (!stressed_) return along;
+        return force_densities_[c] * delta + along;
+      });
+    return graph.for_each_range([&](const Graph::Range& range) {
+      spring_kernel().add_listed_changes(
+          {connections.ends.data(), slopes_.data(), stressed_ ? force_densities_.data() : nullptr}, range.first,
+          range.last, range.begin, range.end, positions().data(), motion.data(), result.data());
     });
-    return;
   }
   VectorX &squared_lengths = workspace.squared_lengths, &force_densities = workspace.force_densities;
   squared_lengths.resize(connections.size());

@@ -48,13 +48,9 @@ Pairs stabilisation() {
 
 /// How fast the values change along a vector in units of boxes.
 Corners slopes_along(const Eigen::Vector3f& at, const Eigen::Vector3f& d) {
-  Corners slopes;
-  for (int c = 0; c < kCorners; ++c) {
-    const float x = c % 2 ? at.x() : 1 - at.x(), y = c / 2 % 2 ? at.y() : 1 - at.y(), z = c / 4 ? at.z() : 1 - at.z();
-    slopes[c] =
-        (c % 2 ? d.x() : -d.x()) * y * z + (c / 2 % 2 ? d.y() : -d.y()) * x * z + (c / 4 ? d.z() : -d.z()) * x * y;
-  }
-  return slopes;
+  const Corners x = BoxGrid::values_along(0, at), y = BoxGrid::values_along(1, at), z = BoxGrid::values_along(2, at);
+  const auto slope = [&](int axis) { return BoxGrid::signs(axis) * d[axis]; };
+  return slope(0) * y * z + slope(1) * x * z + slope(2) * x * y;
 }
 
 /// How far apart neighbours are [m]: the median over the molecules of the mean of each one's three shortest
@@ -392,27 +388,53 @@ class Assembly {
     return body_.rest.col(b) - body_.rest.col(a);
   }
 
+  /// Connections of one stiffness in a box, and the sum of their corners' products.
+  struct AlikeLinks {
+    Eigen::Vector3f d;
+    float slope, density;
+    Pairs products;
+  };
+  /// Connections of a lattice come in a few directions: the products of those that are alike are added up first.
   void add_links(const Sorted& links, int box) {
+    constexpr float rounding = 1e-6F;
+    constexpr std::size_t most = 16;
+    std::array<AlikeLinks, most> kinds;
+    std::size_t known = 0;
     // xx, xy, xz, yy, yz, zz of each pair's block
     Pairs blocks[6];
     for (Pairs& block : blocks) block.setZero();
+    const auto add = [&](const AlikeLinks& alike) {
+      const float x = alike.d.x(), y = alike.d.y(), z = alike.d.z(), s = alike.slope, q = alike.density;
+      blocks[0] += (s * x * x + q) * alike.products;
+      blocks[1] += s * x * y * alike.products;
+      blocks[2] += s * x * z * alike.products;
+      blocks[3] += (s * y * y + q) * alike.products;
+      blocks[4] += s * y * z * alike.products;
+      blocks[5] += (s * z * z + q) * alike.products;
+    };
     for (const int c : links.of(box)) {
       const auto& [a, b] = body_.connections.ends[c];
       const Eigen::Vector3f at = grid_.at_in(box, (body_.rest.col(a) + body_.rest.col(b)) / 2);
       const Corners along = slopes_along(at, grid_.along(rest_vector(c)).cast<float>());
-      Pairs products;
+      const auto [d, density, slope] = tangent_.link(c);
+      AlikeLinks own{d.cast<float>(), static_cast<float>(slope), static_cast<float>(density), {}};
       for (int i = 0, p = 0; i < kCorners; ++i)
-        for (int j = i + 1; j < kCorners; ++j, ++p) products[p] = along[i] * along[j];
-      const auto& [d, density, slope] = tangent_.link(c);
-      const auto x = static_cast<float>(d.x()), y = static_cast<float>(d.y()), z = static_cast<float>(d.z()),
-                 s = static_cast<float>(slope), q = static_cast<float>(density);
-      blocks[0] += (s * x * x + q) * products;
-      blocks[1] += s * x * y * products;
-      blocks[2] += s * x * z * products;
-      blocks[3] += (s * y * y + q) * products;
-      blocks[4] += s * y * z * products;
-      blocks[5] += (s * z * z + q) * products;
+        for (int j = i + 1; j < kCorners; ++j, ++p) own.products[p] = along[i] * along[j];
+      const float size = rounding * own.d.cwiseAbs().maxCoeff();
+      const auto end = kinds.begin() + static_cast<std::ptrdiff_t>(known);
+      const auto found = std::find_if(kinds.begin(), end, [&](const AlikeLinks& kind) {
+        return (kind.d - own.d).cwiseAbs().maxCoeff() <= size &&
+               std::abs(kind.slope - own.slope) <= rounding * std::abs(own.slope) &&
+               std::abs(kind.density - own.density) <= rounding * std::abs(own.density);
+      });
+      if (found != end)
+        found->products += own.products;
+      else if (known < most)
+        kinds[known++] = own;
+      else
+        add(own);
     }
+    for (std::size_t kind = 0; kind < known; ++kind) add(kinds[kind]);
     constexpr int from[9] = {0, 1, 2, 1, 3, 4, 2, 4, 5};
     for (int e = 0; e < 9; ++e) result_.elements[box][e] += blocks[from[e]];
     stiffness_[box] -= double{(blocks[0] + blocks[3] + blocks[5]).sum()} / (1.5 * kCorners);

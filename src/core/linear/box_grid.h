@@ -21,12 +21,17 @@ class BoxGrid {
 
   /// One number for each corner of a box.
   using Corners = Eigen::Array<float, kCorners, 1>;
+  /// By an axis, the linear functions of a box's corners at a position in it, 1 − x and x.
+  static Corners values_along(int axis, const Eigen::Vector3f& at) { return 0.5F + signs(axis) * (at[axis] - 0.5F); }
+  /// The side of the box on which each corner is, −1 or 1.
+  static Eigen::Map<const Corners> signs(int axis) {
+    static constexpr float table[3][kCorners] = {
+        {-1, 1, -1, 1, -1, 1, -1, 1}, {-1, -1, 1, 1, -1, -1, 1, 1}, {-1, -1, -1, -1, 1, 1, 1, 1}};
+    return Eigen::Map<const Corners>(table[axis]);
+  }
   /// The functions of a box's corners at a position in it.
   static Corners values_at(const Eigen::Vector3f& at) {
-    Corners values;
-    for (int c = 0; c < kCorners; ++c)
-      values[c] = (c % 2 ? at.x() : 1 - at.x()) * (c / 2 % 2 ? at.y() : 1 - at.y()) * (c / 4 ? at.z() : 1 - at.z());
-    return values;
+    return values_along(0, at) * values_along(1, at) * values_along(2, at);
   }
 
   /// What a grid is laid over: a body's outline, and boxes of a size [m], taken larger where a body is so thin or bent

@@ -1,4 +1,5 @@
 #pragma once
+#include <array>
 #include <memory>
 #include <span>
 #include <vector>
@@ -56,10 +57,15 @@ class BoxMembers {
     parallel_for(
         grid.boxes(),
         [&](int box) {
-          Eigen::Matrix<float, 3, BoxGrid::kCorners> sum = Eigen::Matrix<float, 3, BoxGrid::kCorners>::Zero();
-          for (const Member& member : in(box))
-            sum += value(member.item) * BoxGrid::values_at(member.at).matrix().transpose();
-          of_boxes.middleCols<BoxGrid::kCorners>(BoxGrid::kCorners * box) = sum;
+          std::array<BoxGrid::Corners, 3> sums;
+          sums.fill(BoxGrid::Corners::Zero());
+          for (const Member& member : in(box)) {
+            const BoxGrid::Corners values = BoxGrid::values_at(member.at);
+            const Eigen::Vector3f of_item = value(member.item);
+            for (int k = 0; k < 3; ++k) sums[k] += of_item[k] * values;
+          }
+          for (int c = 0; c < BoxGrid::kCorners; ++c)
+            for (int k = 0; k < 3; ++k) of_boxes(k, BoxGrid::kCorners * box + c) = sums[k][c];
         },
         kFewBoxes);
     parallel_for(
@@ -77,10 +83,14 @@ class BoxMembers {
     parallel_for(
         grid.boxes(),
         [&](int box) {
-          Eigen::Matrix<float, 3, BoxGrid::kCorners> corners;
-          for (int c = 0; c < BoxGrid::kCorners; ++c) corners.col(c) = values.col(grid.corners(box)[c]);
-          for (const Member& member : in(box))
-            add(member.item, Eigen::Vector3f(corners * BoxGrid::values_at(member.at).matrix()));
+          std::array<BoxGrid::Corners, 3> corners;
+          for (int c = 0; c < BoxGrid::kCorners; ++c)
+            for (int k = 0; k < 3; ++k) corners[k][c] = values(k, grid.corners(box)[c]);
+          for (const Member& member : in(box)) {
+            const BoxGrid::Corners at = BoxGrid::values_at(member.at);
+            add(member.item,
+                Eigen::Vector3f((corners[0] * at).sum(), (corners[1] * at).sum(), (corners[2] * at).sum()));
+          }
         },
         kFewBoxes);
   }
@@ -110,6 +120,9 @@ class BoxLevel {
   void restrict_to(const BoxLevel& coarse, const Vectors& fine, Vectors& of_boxes, Vectors& result) const;
   /// fine += P coarse
   void prolong_from(const BoxLevel& coarse, const Vectors& values, Vectors& fine) const;
+
+  /// Zeros, of each point and one more: a vector is read as four numbers.
+  Vectors vectors() const { return Vectors::Zero(3, points() + 1); }
 
   /// residual = b − A x
   void set_residual(const Vectors& b, const Vectors& x, Vectors& residual) const;

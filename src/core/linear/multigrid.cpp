@@ -28,9 +28,9 @@ class Multigrid::CoarsestSolver {
   }
   bool positive() const { return factor_.positive(); }
   void solve(const BoxLevel::Vectors& b, BoxLevel::Vectors& x) {
-    right_ = Eigen::Map<const Eigen::VectorXf>(b.data(), b.size()).cast<double>();
+    right_ = Eigen::Map<const Eigen::VectorXf>(b.data(), b.size() - 3).cast<double>();
     factor_.solve(right_, spare_, solution_);
-    Eigen::Map<Eigen::VectorXf>(x.data(), x.size()) = solution_.cast<float>();
+    Eigen::Map<Eigen::VectorXf>(x.data(), x.size() - 3) = solution_.cast<float>();
   }
 
  private:
@@ -58,7 +58,7 @@ Multigrid::Multigrid(const Tangent& tangent, const std::vector<Support>& support
     levels_.push_back(levels_.back()->coarser(std::move(coarser)));
   }
   for (const auto& level : levels_) {
-    const BoxLevel::Vectors zero = BoxLevel::Vectors::Zero(3, level->points());
+    const BoxLevel::Vectors zero = level->vectors();
     workspaces_.push_back({zero, zero, zero, {}});
   }
   coarsest_ = std::make_unique<CoarsestSolver>(*levels_.back());

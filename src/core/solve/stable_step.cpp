@@ -1,9 +1,11 @@
 #include "elastin/core/solve/stable_step.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <utility>
 
 #include "core/parallel/parallel.h"
 #include "elastin/core/base/dense.h"
@@ -20,30 +22,70 @@ using Operator = std::function<void(const Positions& motion, Positions& result)>
 VectorX inverse_root_mass(const Body& body) { return body.mass.cwiseSqrt().cwiseInverse(); }
 
 /// Of all molecules of the whole.
-double norm_of(const Body& body, const Positions& vectors) {
-  if (!body.share) return ordered_norm(vectors);
-  return std::sqrt(sum_over(
-      body, ordered_sum(owned_molecules(body), [&](int molecule) { return vectors.col(molecule).squaredNorm(); })));
+double dot_of(const Body& body, const Positions& a, const Positions& b) {
+  if (!body.share) return ordered_dot(a, b);
+  return sum_over(
+      body, ordered_sum(owned_molecules(body), [&](int molecule) { return a.col(molecule).dot(b.col(molecule)); }));
 }
 
-/// Largest eigenvalue by size of a symmetric operator by Lanczos-free power iteration; `mode` is left at its vector.
+/// Largest eigenvalue of a symmetric operator: the best combination of a vector, what it misses and the last step;
+/// `mode`, of any length, is left at its vector.                                                    [Knyazev 2001]
 double largest_eigenvalue(const Body& body, const Operator& apply, Positions& mode) {
-  Positions image(3, mode.cols());
-  double value = 0;
-  mode /= std::max(norm_of(body, mode), std::numeric_limits<double>::min());
-  for (int iteration = 0; iteration < 500; ++iteration) {
-    apply(mode, image);
-    const double norm = norm_of(body, image), last = value;
-    value = norm;
-    if (!(norm > 0) || !std::isfinite(norm)) return 0;
-    mode = image / norm;
-    if (iteration > 20 && std::abs(value - last) <= 1e-6 * value) break;
+  constexpr int most = 200, least = 8;
+  constexpr double change = 1e-7, rounding = 1e-8;
+  std::array<Positions, 3> basis, images;
+  basis[0] = mode;
+  for (int k = 0; k < 3; ++k) images[k].setZero(3, mode.cols()), basis[k].resize(3, mode.cols());
+  /// Length 1 and at right angles to those before it, or zero where nothing is left.
+  const auto orthogonalise = [&](int k) {
+    const double before = dot_of(body, basis[k], basis[k]);
+    for (int other = 0; other < k; ++other) {
+      const double along = dot_of(body, basis[other], basis[k]);
+      basis[k] -= along * basis[other], images[k] -= along * images[other];
+    }
+    const double after = dot_of(body, basis[k], basis[k]);
+    const double scale = after > rounding * rounding * before ? 1 / std::sqrt(after) : 0;
+    basis[k] *= scale, images[k] *= scale;
+  };
+  orthogonalise(0);
+  apply(basis[0], images[0]);
+  double value = dot_of(body, basis[0], images[0]);
+  basis[2].setZero();
+  for (int iteration = 0; iteration < most; ++iteration) {
+    basis[1] = images[0] - value * basis[0];
+    images[1].setZero();
+    orthogonalise(1);
+    apply(basis[1], images[1]);
+    orthogonalise(2);
+    Matrix3 projected;
+    for (int row = 0; row < 3; ++row)
+      for (int column = 0; column <= row; ++column)
+        projected(row, column) = projected(column, row) = dot_of(body, basis[row], images[column]);
+    if (!projected.allFinite()) return 0;
+    const SymmetricEigen3 eigen = symmetric_eigen3(projected);
+    Eigen::Index largest = 0;
+    const double last = std::exchange(value, eigen.values.maxCoeff(&largest));
+    const Vector3 part = eigen.vectors.col(largest);
+    for (auto* vectors : {&basis, &images}) {
+      auto& [own, missed, step] = *vectors;
+      step = part[1] * missed + part[2] * step;
+      own = part[0] * own + step;
+    }
+    if (iteration > least && std::abs(value - last) <= change * value) break;
   }
-  return value;
+  mode = basis[0];
+  return std::max(0., value);
 }
 
+/// √ of the largest eigenvalue of blockᵀ block, by an angle                                             [Smith 1961]
 double spectral_norm(const Matrix3& block) {
-  return std::sqrt(symmetric_eigenvalues3(Matrix3(block.transpose() * block)).maxCoeff());
+  Matrix3 deviator = block.transpose() * block;
+  const double mean = deviator.trace() / 3;
+  deviator.diagonal().array() -= mean;
+  const double size = std::sqrt(deviator.squaredNorm() / 6);
+  if (!(size > 0)) return std::sqrt(mean);
+  const double angle = std::acos(std::clamp((deviator / size).determinant() / 2, -1., 1.)) / 3;
+  return std::sqrt(mean + 2 * size * std::cos(angle));
 }
 
 /// Row sums of the norms of the blocks that `visit` hands over, over the molecules' masses. Of a share the largest that

@@ -62,10 +62,13 @@ const ExperimentInfo& ExperimentCatalog::find(const std::string& name) const {
   throw InputError("'" + name + "' is not known here" + suggested_word(name, names));
 }
 
-ExperimentCatalog built_in_experiments() {
-  ExperimentCatalog catalog;
-  for (const auto& row : kRows) catalog.add(row());
-  return catalog;
+const ExperimentCatalog& built_in_experiments() {
+  static const ExperimentCatalog all = [] {
+    ExperimentCatalog catalog;
+    for (const auto& row : kRows) catalog.add(row());
+    return catalog;
+  }();
+  return all;
 }
 
 MeasureList measures_of(const ExperimentCatalog& catalog) {

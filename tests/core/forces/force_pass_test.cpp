@@ -206,6 +206,40 @@ TEST_CASE("springs of a list: every vector width adds them one after the other, 
   }
 }
 
+TEST_CASE("springs: every vector width adds the changes of connections one after the other", "[force_pass]") {
+  constexpr int molecules = 20;
+  std::mt19937_64 generator(5);
+  const auto number = [&] { return 1e-3 * static_cast<double>(generator() % 2000) - 1; };
+  Positions positions(3, molecules), motion(3, molecules);
+  for (Positions* vectors : {&positions, &motion})
+    for (double& one : vectors->reshaped()) one = number();
+  std::vector<std::array<int, 2>> ends;
+  for (int a = 0; a < molecules; ++a)
+    for (int b = a + 1; b < std::min(molecules, a + 2 + a % 6); ++b) ends.push_back({a, b});
+  const int count = static_cast<int>(ends.size());
+  std::vector<double> slopes, densities;
+  for (int c = 0; c < count; ++c) slopes.push_back(number()), densities.push_back(number());
+  for (const bool stressed : {false, true}) {
+    Positions expected = Positions::Constant(3, molecules, 0.1);
+    for (int c = 0; c < count; ++c) {
+      const auto& [a, b] = ends[c];
+      const Vector3 d = positions.col(b) - positions.col(a), delta = motion.col(a) - motion.col(b);
+      const Vector3 along = (2 * slopes[c] * (d.x() * delta.x() + d.y() * delta.y() + d.z() * delta.z())) * d;
+      const Vector3 flow = stressed ? Vector3(densities[c] * delta + along) : along;
+      if (a >= 4 && a < 15) expected.col(a) += flow;
+      if (b >= 4 && b < 15) expected.col(b) -= flow;
+    }
+    const int last = static_cast<int>(
+        std::find_if(ends.begin(), ends.end(), [](const auto& of) { return of[0] >= 15; }) - ends.begin());
+    for (const SpringKernel& kernel : spring_kernels()) {
+      Positions forces = Positions::Constant(3, molecules, 0.1);
+      kernel.add_listed_changes({ends.data(), slopes.data(), stressed ? densities.data() : nullptr}, 0, last, 4, 15,
+                                positions.data(), motion.data(), forces.data());
+      CHECK(forces == expected);
+    }
+  }
+}
+
 TEST_CASE("forces are bitwise identical on any number of threads", "[force_pass][threads]") {
   const Body lattice = large_lattice(), list = without_grid(lattice), mixed = shuffled(lattice);
   Body block = tetrahedral_block(BlockKind::kuhn, {21, 21, 21}, {0.21, 0.21, 0.21});  // 55 566 cells

@@ -102,6 +102,39 @@ TEST_CASE("simulation: a load that is set at every step leaves steps and bits as
   }
 }
 
+namespace {
+
+/// No force; counts the products with the stiffness that somebody asks for.
+struct CountsProducts final : Load {
+  explicit CountsProducts(int& count) : count_of(count) {}
+  void add_forces(const State&, Positions&) const override {}
+  double energy(const State&) const override { return 0; }
+  bool changes() const override { return true; }
+  bool feels_velocity() const override { return false; }
+  void add_change(const State&, const Positions&, const Positions&, Positions&) const override { ++count_of; }
+  int& count_of;
+};
+
+}  // namespace
+
+TEST_CASE("simulation: the longest step takes few products with the stiffness, and a load that resists nothing none") {
+  Simulation tissue = simulation_of(tissue_cube(9));
+  int products = 0;
+  tissue.model().add(std::make_unique<CountsProducts>(products));
+  run(tissue, 1);
+  CHECK(products > 0);
+  CHECK(products < 150);
+  const int before = products;
+  const auto along = [](double z) { return LoadValues{.vectors = {{"acceleration", Vector3(0, 0, z)}}}; };
+  const LoadId load = tissue.add_load(*built_in_loads().find("gravity"), along(-10));
+  run(tissue, 1);
+  tissue.set_load(load, along(5));
+  run(tissue, 1);
+  tissue.remove_load(load);
+  run(tissue, 1);
+  CHECK(products == before);
+}
+
 TEST_CASE("simulation: one spring under its weight; tension, reaction and settle are m g") {
   Body pair = listed_body({{0, 0, 0}, {0, 0, -0.1}}, {{0, 1}});
   pair.mass = VectorX::Constant(2, 0.2);

@@ -61,7 +61,7 @@ class ExperimentCatalog {
 };
 
 /// The experiments that come with Elastin.
-ExperimentCatalog built_in_experiments();
+const ExperimentCatalog& built_in_experiments();
 
 /// The measures of all experiments of a catalog and of their runs; of several with one name the first.
 MeasureList measures_of(const ExperimentCatalog& catalog);
