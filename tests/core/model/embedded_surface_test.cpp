@@ -104,7 +104,7 @@ TEST_CASE("embedded surface: what cannot be carried is refused, and what is outs
   CHECK(beyond < 2e-3);
   CHECK_THROWS_WITH(EmbeddedSurface(body, inside, {{0, 0, 1}}), Contains("the point 1; it has points 0 to 0"));
   CHECK_THROWS_WITH(EmbeddedSurface(body, Positions::Constant(3, 1, std::numeric_limits<double>::quiet_NaN()), {}),
-                    Contains("point 0 of the surface is not finite"));
+                    Contains("point 0 is not finite"));
   CHECK_THROWS_WITH(drawn(EmbeddedSurface(body, inside, {}), Positions::Zero(3, 5)), Contains("5 positions"));
   Body springs = body;
   springs.tetrahedra.clear(), springs.cubes.clear(), springs.blocks.clear();
