@@ -60,7 +60,9 @@ class Formula {
   Value any_value() {
     const Value value = sum();
     skip();
-    if (at_ < text_.size()) fail("'" + std::string(text_.substr(at_)) + "' is not expected there");
+    if (const std::string_view left = text_.substr(at_); !left.empty())
+      fail("'" + std::string(left) + "' is not expected there" +
+           (left == "K" ? "; temperatures are plain numbers, in kelvin: leave it out" : ""));
     return value;
   }
 

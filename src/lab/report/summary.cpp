@@ -289,21 +289,25 @@ Summary summarise(const std::vector<Record>& records) {
 
 Table scatter_table(const std::vector<Record>& records) {
   const std::vector<std::string> measures = scattered_measures(records);
-  std::vector<std::string> head{"experiment"};
-  for (const Record& record : records)
-    if (!measures.empty())
-      found_or_added(
-          head, [&](const auto& name) { return name == record.run.strategy; }, record.run.strategy);
+  if (measures.empty()) return Table({"experiment"});
+  auto strategies = grouped(records, [](const Record& record) { return record.run.strategy; });
+  std::stable_sort(strategies.begin(), strategies.end(), [](auto& a, auto& b) { return a.size() > b.size(); });
+  std::vector<std::string> head{"experiment", "nearest", "its error"};
+  for (const auto& runs : strategies) head.push_back(runs.front()->run.strategy);
   Table table(head);
   for (const auto& runs : grouped(records, [](const Record& record) { return record.path; })) {
     if (scattered_measures({*runs.front()}).empty()) continue;
-    std::vector<TableCell> row{{runs.front()->scene}};
-    for (std::size_t column = 1; column < head.size(); ++column) {
+    std::vector<TableCell> cells;
+    TableCell nearest{"none"}, least;
+    for (std::size_t column = 3; column < head.size(); ++column) {
       const auto run =
           std::find_if(runs.begin(), runs.end(), [&](const Record* r) { return r->run.strategy == head[column]; });
-      row.push_back(run == runs.end() ? TableCell{} : scatter_cell(**run, measures));
+      cells.push_back(run == runs.end() ? TableCell{} : scatter_cell(**run, measures));
+      if (std::isfinite(cells.back().value) && !(cells.back().value >= least.value))
+        nearest = {head[column]}, least = cells.back();
     }
-    table.add(std::move(row));
+    cells.insert(cells.begin(), {{runs.front()->scene}, nearest, least});
+    table.add(std::move(cells));
   }
   return table;
 }

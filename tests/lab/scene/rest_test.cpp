@@ -211,6 +211,7 @@ TEST_CASE("what is wrong with a rest is said where it stands", "[scene][rest]") 
   CHECK_THAT(refused(bar("growth: [1, 2, -3]")), Contains("rest.growth[2]"));
   CHECK_THAT(refused(bar("thermal: {expansion: 0.1, change: -20}")), Contains("must be above 0"));
   CHECK_THAT(refused(bar("thermal: {expansion: 0.1}")), Contains("change"));
+  CHECK_THAT(refused(bar("thermal: {expansion: 0.1, change: 10 K}")), Contains("temperatures are plain numbers"));
   CHECK_THAT(refused(bar("sweling: 1.1")), Contains("did you mean 'swelling'"));
   CHECK_THAT(refused(bar("factor: 1")), Contains("states nothing"));
   CHECK_THAT(refused(bar("prestretch: 1.1, along: fibres")), Contains("rest.along") && Contains("no `fibre`"));
