@@ -11,10 +11,12 @@ try() {  # way, folder of which the size counts, function
   local begin=$EPOCHREALTIME log=$work/log
   mkdir -p -- "$work/empty" && cd -- "$work/empty"
   "$3" >"$log" 2>&1 || { echo "$1: failed"; tail -n 20 -- "$log"; exit 1; }
-  printf '%-28s %6.1f s %8s  works\n' "$1" "$(bc <<<"$EPOCHREALTIME - $begin")" "$(du -sLh -- "$2" | cut -f1)"
+  printf '%-28s %6.1f s %8s  works\n' "$1" "$(awk "BEGIN {print $EPOCHREALTIME - $begin}")" "$(du -sLh -- "$2" | cut -f1)"
   cd / && rm -rf -- "$work/empty"
 }
 prefix=$work/prefix
+CMAKE_GENERATOR=$(sed -n 's/^CMAKE_GENERATOR:[A-Z]*=//p' "$build/CMakeCache.txt")  # make may be missing
+export CMAKE_GENERATOR LC_ALL=C
 export LD_LIBRARY_PATH='' CMAKE_PREFIX_PATH=$prefix PKG_CONFIG_PATH=$prefix/lib/pkgconfig:$prefix/lib64/pkgconfig
 
 installed() {
