@@ -81,7 +81,9 @@ class RestByNewton {
       return found;
     };
     for (int step = 0; step < kMostNewtons && trials_ <= kMostTrials; ++step, ++found.steps) {
-      const auto [model, forces] = left_from(found.rest, part);
+      const auto left = left_from(found.rest, part);
+      const std::shared_ptr<Model>& model = left.first;
+      const Positions& forces = left.second;
       if (!model) return end(Outcome::inverted, "a cell of the unloaded shape is flat or inverted");
       const State state = state_at_rest(given_);
       Responses responses(*model, state, options_);
@@ -102,8 +104,8 @@ class RestByNewton {
       for (const double size = ordered_norm(now.motion);; fraction /= 2) {
         if (options_.stop && options_.stop()) return end(Outcome::interrupted, "");
         if (fraction < kLeastFraction) return end(Outcome::diverged, "no step leads nearer to the given shape");
-        const Positions left = left_from(found.rest - fraction * change, part).second;
-        if (left.size() > 0 && ordered_norm(motion(left).motion) < (1 - 1e-3 * fraction) * size) break;
+        const Positions other = left_from(found.rest - fraction * change, part).second;
+        if (other.size() > 0 && ordered_norm(motion(other).motion) < (1 - 1e-3 * fraction) * size) break;
       }
       found.rest -= fraction * change;
     }
