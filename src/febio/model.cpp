@@ -493,8 +493,8 @@ Vector3 ModelReader::centre_of(const Element& where, const Material& rigid) cons
 void ModelReader::drive_rigid_bodies() {
   const bool in_steps = std::any_of(rigid_.begin(), rigid_.end(), [](const auto& one) { return one.step >= 0; });
   for (const auto& [name, nodes] : rigid_nodes_) {
-    const auto own =
-        std::find_if(built_->materials.begin(), built_->materials.end(), [&](const auto& m) { return m.name == name; });
+    const auto own = std::find_if(built_->materials.begin(), built_->materials.end(),
+                                  [&name = name](const auto& m) { return m.name == name; });
     const Element where = root_.find("Rigid").value_or(root_);
     for (int step = in_steps ? 0 : -1; step < (in_steps ? static_cast<int>(setup_->steps.size()) : 0); ++step) {
       std::array<std::optional<Value>, 6> motion;  // the last; what is prescribed counts before what is fixed

@@ -5,6 +5,7 @@
 #include <limits>
 #include <utility>
 
+#include "core/base/rows.h"
 #include "core/geometry/box_tree.h"
 #include "core/parallel/parallel.h"
 #include "elastin/core/base/error.h"

@@ -9,6 +9,7 @@
 #include "config/scene_text.h"
 #include "core/model/carried_points.h"
 #include "core/solve/responses.h"
+#include "elastin/core/base/text.h"
 #include "lab/identify/measured_test.h"
 #include "lab/run/load_path.h"
 #include "lab/scene/scene.h"
