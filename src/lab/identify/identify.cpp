@@ -421,10 +421,10 @@ Answer identify_one(const IdentifyTask& task, const Catalog& catalog, const Iden
     FitOptions own_options = options;
     const std::string key = request.journal ? key_of({content, unknown.label, strategy}) : "";
     if (request.journal) own_options.known = request.journal->find(key);
-    for (WeightedTest& test : tests) test.noise = 1;
     Fit fit = fit_material(unknown, tests, own_options);
     constexpr int most = 4;
-    for (int again = 0; again < most && !fit.predictions.empty() && weigh_by_noise(tests, fit); ++again) {
+    const bool first = all.empty();  // the laws that are compared with it have the same weights
+    for (int again = 0; first && again < most && !fit.predictions.empty() && weigh_by_noise(tests, fit); ++again) {
       own_options.known = fit, own_options.known->converged = false, own_options.starts = 1;
       fit = fit_material(unknown, tests, own_options);
     }
