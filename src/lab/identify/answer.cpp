@@ -200,8 +200,15 @@ void warn_of_numbers(const Answer& answer, std::vector<std::string>& warnings) {
     std::string together;
     for (std::size_t j = 0; j < answer.numbers.size(); ++j) {
       const double both = answer.correlation(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j));
-      if (i != j && std::abs(both) > kTogether)
-        together += fmt::format("{}{} ({:+.3f})", together.empty() ? "" : ", ", answer.numbers[j].name, both);
+      if (i == j || std::abs(both) <= kTogether) continue;
+      const FoundNumber& other = answer.numbers[j];
+      together += fmt::format("{}{} ({:+.3f})", together.empty() ? "" : ", ", other.name, both);
+      // Where both grow alike, what one is of the other may be known.
+      const double own = number.deviation / number.value, its = other.deviation / other.value,
+                   of_ratio = 2 * std::sqrt(std::max(0., own * own + its * its - 2 * both * own * its));
+      if (number.unit == other.unit && of_ratio < kProfiled)
+        together += fmt::format(", and {} / {} is {:.3g} ± {:.2g} %", other.name, number.name,
+                                other.value / number.value, 100 * of_ratio);
     }
     const std::string interval = std::isfinite(number.high - number.low)
                                      ? ": its 95 % interval is " + readable(number.low, number.unit, 3) + " … " +

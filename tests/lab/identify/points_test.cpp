@@ -154,6 +154,11 @@ TEST_CASE("a cruciform's points and forces hold the constants that made them, ea
   CHECK(answer.tests[2].noise / answer.tests[0].noise > 5);
   CHECK_THAT(identify_page({answer}, ""), Contains("Where points are missed"));
   CHECK_THAT(points_csv(answer), Contains("camera,load_factor,"));
+  // Without any force the scale is lost in the scatter, and the ratio is what is left.
+  const Answer alone = identify(scene, kCatalog, {.tests = {"camera"}}).front();
+  CHECK_FALSE(alone.numbers[0].determined);
+  REQUIRE_FALSE(alone.warnings.empty());
+  CHECK_THAT(alone.warnings.front(), Contains("and c2 / c1 is"));
 }
 
 TEST_CASE("points that are missed alike where they are neighbours are a warning", "[identify][points]") {
