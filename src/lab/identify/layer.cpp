@@ -154,7 +154,12 @@ class LayerTest final : public MeasuredTest {
   }
 
   std::optional<Prediction> predict(const TestedMaterial& tested) override {
-    return by_differences(tested, [&](const Trial& trial) { return curve(trial, data_.x); });
+    return by_differences(tested, [&](const Trial& trial) {
+      const std::optional<VectorX> found = curve(trial, data_.x);
+      if (found->allFinite()) return found;
+      why_ = fmt::format("the contact is wider than {:.0f} thicknesses of the layer", kWidest);
+      return std::optional<VectorX>();
+    });
   }
   std::optional<VectorX> line(const TestedMaterial& tested, const VectorX& along) const override {
     return curve(tested.trial, along);

@@ -146,6 +146,11 @@ TEST_CASE("an indentation without its indenter, or of none, is refused", "[ident
     CHECK_THROWS_WITH(identify(scene, kCatalog, {}), Contains(message));
   };
   refused("", "indenter");
+  const std::string thin =
+      folder.write("thin.yaml",
+                   "material: {youngs_modulus: 1 kPa, poissons_ratio: 0.5}\nidentify:\n  tests:\n    - {kind: "
+                   "indentation, file: bead.csv, indenter: {flat: {radius: 5 um}}, thickness: 50 nm}\n");
+  CHECK_THAT(identify(thin, kCatalog, {}).front().cause, Contains("wider than 8 thicknesses of the layer"));
   refused(", indenter: {ball: {radius: 5 um}}", "write {sphere: {radius: 10 um}}");
   refused(", indenter: {sphere: {radius: -5 um}}", "radius");
   refused(", indenter: {sphere: {radius: 5 um, angle: 3}}", "angle");
