@@ -53,6 +53,12 @@ void write_scene(const std::string& out, const std::vector<std::string>& overrid
   scene = moved_scene(scene, folder, out);
   for (const auto& [key, value] : answer.keys)
     scene = with_value(scene, key, key.ends_with(".file") ? file_from(out, value) : value);
+  if (answer.field) {
+    const std::string file = "{file: " + path_text(std::filesystem::path(path_of(out, answer)).filename().string()) +
+                             "-field.vtu, data: stiffness, length_unit: m}";
+    const std::string with = with_value(scene, "material.fields.stiffness", file);
+    scene = with != scene ? with : with_value(scene, "material.fields", "{stiffness: " + file + "}");
+  }
   write_whole(path_of(out, answer) + ".yaml", scene);
 }
 
@@ -64,6 +70,7 @@ void write_files(const Output& output, const std::vector<Answer>& answers) {
     const std::string name = path_of(output.out, answer);
     write_whole(name + "-points.csv", points_csv(answer));
     write_whole(name + "-fit.svg", svg_text(fit_plot(answer), 760, true));
+    if (answer.field) write_whole(name + "-field.vtu", field_vtu(answer));
   }
 }
 

@@ -7,6 +7,7 @@
 
 #include "core/base/named.h"
 #include "elastin/core/base/error.h"
+#include "elastin/core/base/text.h"
 #include "elastin/core/simulation/parts.h"
 #include "elastin/core/simulation/saved_state.h"
 #include "elastin/core/solve/sensitivity.h"
@@ -343,11 +344,17 @@ void add_derivatives(Class& simulation) {
   simulation
       .def(
           "jvp",
-          [](Moving& self, const py::object& forces, const py::object& displacement) {
-            const Positions by = given_or_zero(forces, "forces", self),
-                            moved = given_or_zero(displacement, "displacement", self);
+          [](Moving& self, const py::object& forces, const py::object& displacement,
+             const std::vector<VectorX>& stiffness) {
+            Positions by = given_or_zero(forces, "forces", self);
+            const Positions moved = given_or_zero(displacement, "displacement", self);
             Positions reactions = Positions::Zero(3, by.cols());
             const StaticResponse found = with_sensitivity(self, [&](Simulation& s, Sensitivity& sensitivity) {
+              const auto& laws = s.model().elasticity();
+              if (stiffness.size() > laws.size())
+                throw InputError("stiffness: the body has " + counted(std::ssize(laws), "law"));
+              for (std::size_t law = 0; law < stiffness.size(); ++law)
+                if (stiffness[law].size() > 0) by += sensitivity.forces_by_stiffness(*laws[law], stiffness[law]);
               StaticResponse response = sensitivity.forward(by, moved);
               for (std::size_t i = 0; i < s.model().supports.size(); ++i)
                 reactions.col(s.model().supports[i].molecule) =
@@ -358,8 +365,10 @@ void add_derivatives(Class& simulation) {
             return py::make_tuple(Rows(found.motion.transpose()), Rows(reactions.transpose()));
           },
           py::kw_only(), py::arg("forces") = py::none(), py::arg("displacement") = py::none(),
+          py::arg("stiffness") = std::vector<VectorX>(),
           "How positions and reactions, each (n, 3), of the equilibrium that settle() has found change with forces on "
-          "all molecules and displacements of fixed ones, (n, 3): a derivative along these.")
+          "all molecules and displacements of fixed ones, (n, 3), and the logarithms of the stiffness of all elements, "
+          "a list as vjp() gives it: a derivative along these.")
       .def(
           "vjp",
           [](Moving& self, const py::object& positions, const py::object& reactions) {

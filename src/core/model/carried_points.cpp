@@ -7,6 +7,7 @@
 
 #include "core/base/rows.h"
 #include "core/geometry/box_tree.h"
+#include "core/model/solid_cells.h"
 #include "core/parallel/parallel.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/base/text.h"
@@ -17,26 +18,6 @@ namespace {
 constexpr int kNewtonSteps = 30;
 constexpr double kInside = 1e-9;  ///< of a reference cell: what counts as within it
 constexpr int kCarriedThreshold = 100;
-
-/// The solid cells of a body, by the tables of their shapes.
-struct SolidCells {
-  struct Cell {
-    const CellKind* kind;
-    std::vector<int> nodes;
-  };
-  std::vector<Cell> cells;
-
-  explicit SolidCells(const Body& body) {
-    for (const CellBlock& block : body.blocks)
-      for (int c = 0; c < block.size() && block.kind->dimensions == 3; ++c)
-        cells.push_back({block.kind, {block.cell(c).begin(), block.cell(c).end()}});
-    if (cells.empty())
-      for (const auto& [a, b, c, d] : body.tetrahedra) cells.push_back({&cell_kind("tetrahedron4"), {a, b, c, d}});
-    if (cells.empty())
-      for (const auto& [a, b, c, d, e, f, g, h] : body.cubes)  // which count x first
-        cells.push_back({&cell_kind("hexahedron8"), {a, b, d, c, e, f, h, g}});
-  }
-};
 
 /// How far outside of the reference cell ξ lies, in its units, by the planes of its faces; 0 or below is within.
 double outside(const CellKind& kind, const VectorX& at) {
@@ -66,13 +47,13 @@ VectorX local_position(const CellKind& kind, const Positions& nodes, const Vecto
 }  // namespace
 
 CarriedPoints::CarriedPoints(const Body& body, const Positions& points) {
-  const SolidCells solid(body);
-  if (solid.cells.empty())
+  const std::vector<SolidCell> solid = solid_cells_of(body);
+  if (solid.empty())
     throw InputError("the body has no solid cells to carry points: tetrahedra, hexahedra, prisms or a lattice's cubes");
-  const auto nodes_of = [&](const SolidCells::Cell& cell) -> Positions { return body.rest(Eigen::all, cell.nodes); };
+  const auto nodes_of = [&](const SolidCell& cell) -> Positions { return body.rest(Eigen::all, cell.nodes); };
   std::vector<Box> boxes;
-  boxes.reserve(solid.cells.size());
-  for (const SolidCells::Cell& cell : solid.cells) {
+  boxes.reserve(solid.size());
+  for (const SolidCell& cell : solid) {
     const Positions nodes = nodes_of(cell);
     boxes.push_back({nodes.rowwise().minCoeff(), nodes.rowwise().maxCoeff()});
   }
@@ -86,7 +67,7 @@ CarriedPoints::CarriedPoints(const Body& body, const Positions& points) {
       [&](int p) {
         const Vector3 point = points.col(p);
         nearest[p] = tree.nearest(point, [&](int item) {
-          const SolidCells::Cell& cell = solid.cells[item];
+          const SolidCell& cell = solid[item];
           const VectorX at = local_position(*cell.kind, nodes_of(cell), point);
           if (!at.allFinite()) return std::numeric_limits<double>::infinity();
           const double out = outside(*cell.kind, at);
@@ -100,7 +81,7 @@ CarriedPoints::CarriedPoints(const Body& body, const Positions& points) {
     if (found < 0)
       throw InputError("point " + std::to_string(p) + " at (" + number(point[0]) + ", " + number(point[1]) + ", " +
                        number(point[2]) + ") m lies so far outside that no cell of the body can be continued to it");
-    const SolidCells::Cell& cell = solid.cells[found];
+    const SolidCell& cell = solid[found];
     const VectorX own = cell.kind->functions(local_position(*cell.kind, nodes_of(cell), point));
     molecules.insert(molecules.end(), cell.nodes.begin(), cell.nodes.end());
     weights.insert(weights.end(), own.begin(), own.end());

@@ -6,10 +6,11 @@
 #include <utility>
 #include <vector>
 
-#include "core/parallel/parallel.h"
 #include "core/solve/newton.h"
 #include "core/solve/responses.h"
-#include "elastin/core/laws/local.h"
+#include "core/solve/stiffness_slopes.h"
+#include "elastin/core/base/error.h"
+#include "elastin/core/base/text.h"
 
 namespace elastin {
 namespace {
@@ -153,21 +154,18 @@ Adjoint Sensitivity::adjoint(const Positions& of_positions, const Positions& of_
 
 VectorX Sensitivity::by_stiffness(const Elasticity& law, const Adjoint& adjoint) const {
   const LocalElasticity* local = law.local();
-  if (!local) return {};
+  return local ? StiffnessSlopes(*local, impl_->responses.tangent().positions()).work(adjoint.forces) : VectorX();
+}
+
+Positions Sensitivity::forces_by_stiffness(const Elasticity& law, const VectorX& changes) const {
+  const LocalElasticity* local = law.local();
+  if (!local || changes.size() != local->elements())
+    throw InputError("changes of the stiffness are " + std::to_string(changes.size()) + "; the law has " +
+                     counted(local ? local->elements() : 0, "element"));
   const Positions& at = impl_->responses.tangent().positions();
-  VectorX result(local->elements());
-  parallel_for(local->elements(), [&](int element) {
-    double sum = 0;
-    const auto molecules = local->molecules_of(element);
-    for (std::size_t node = 0; node < molecules.size(); ++node) {
-      LocalBlock block;
-      const LocalSlot slot{element, static_cast<int>(node)};
-      local->add_blocks(at, {&slot, 1}, block);
-      sum -= block.gradient.dot(adjoint.forces.col(molecules[node]));
-    }
-    result[element] = sum;
-  });
-  return result;
+  Positions forces = Positions::Zero(3, at.cols());
+  StiffnessSlopes(*local, at).add_forces(changes, forces);
+  return forces;
 }
 
 }  // namespace elastin

@@ -405,6 +405,45 @@ Answer make_answer(const UnknownMaterial& unknown, std::vector<WeightedTest>& te
   return answer;
 }
 
+namespace {
+
+void warn_of_field(const FoundField& field, const Material& material, std::vector<std::string>& warnings) {
+  if (!field.converged) warnings.push_back("the search for the field ran out of steps, or was stopped");
+  if (field.only_ratios)
+    warnings.push_back(
+        "these data do not determine a common factor of the stiffness: only ratios between cells are found, and their "
+        "mean is the material's E; add a test of forces");
+  if (field.misfit > kBeyondNoise * kBeyondNoise)
+    warnings.push_back(
+        fmt::format("no field leaves less than {:.3g} times the stated sigma (rms): the scene, its grips "
+                    "or the law lacks something, or the cells are too coarse",
+                    std::sqrt(field.misfit)));
+  const auto open = (field.deviations.array() > 0.5).count();
+  if (open > 0)
+    warnings.push_back(fmt::format("{} of {} cells are hardly determined: their deviation is more than half of E ({})",
+                                   open, field.factors.size(), readable(material.youngs_modulus, dimension::pressure)));
+}
+
+}  // namespace
+
+Answer make_answer(const UnknownMaterial& unknown, const std::vector<WeightedTest>& tests, FoundField field) {
+  Answer answer;
+  answer.law = unknown.row ? unknown.row->name : "";
+  answer.outcome = field.converged ? FitOutcome::converged : FitOutcome::not_converged;
+  answer.seconds = field.seconds, answer.starts = answer.agreeing = 1;
+  Fit fit;
+  fit.trial = unknown.trial;
+  for (VectorX& readings : field.readings) fit.predictions.push_back({std::move(readings), {}});
+  answer.tests = test_answers(unknown, tests, fit);
+  answer.material = material_yaml(unknown.row, unknown.trial, unknown.plain) + unknown.kept;
+  for (const TestAnswer& test : answer.tests)
+    for (const std::string& warning : test.data.warnings) answer.warnings.push_back(test.data.file + ": " + warning);
+  warn_of_field(field, unknown.trial.material, answer.warnings);
+  warn_of_shape(answer, answer.warnings);
+  answer.field = std::move(field);
+  return answer;
+}
+
 double whole_rms(const Answer& answer) {
   double squares = 0, count = 0;
   for (const TestAnswer& test : answer.tests)

@@ -45,7 +45,7 @@ class DataFile {
     }
     data.x = Eigen::Map<const VectorX>(x.data(), static_cast<Eigen::Index>(x.size()));
     data.y = Eigen::Map<const VectorX>(y.data(), static_cast<Eigen::Index>(y.size()));
-    if (data.x.size() < 2)
+    if (data.x.size() < (test_.kind->of_scene() ? 1 : 2))
       test_.fail(data.file + " has " + counted(data.x.size(), "point") +
                  (test_.from || test_.to ? " between `from` and `to`" : "") + "; a curve needs two or more");
     note_recognised(data);
@@ -309,6 +309,7 @@ void average(MeasuredData& data, Eigen::Index groups) {
 }
 
 void check_points(const MeasuredData& data) {
+  if (data.x.size() == 1) return;  // of a specimen
   const int first = data.lines.front();
   if ((data.x.array() == data.x[0]).all())
     throw InputError(SourceLocation{data.file, first},

@@ -406,9 +406,21 @@ void put_published(const ParameterValues& published, const IdentifyTask& task, A
     if (const auto found = published.find(number.name); found != published.end()) number.published = found->second;
 }
 
+Answer identify_field(const IdentifyTask& task, const Catalog& catalog, const IdentifyRequest& request,
+                      const std::string& strategy, std::vector<WeightedTest>& tests) {
+  if (!task.laws.empty() || !task.unknowns.empty())
+    task.field->fail("a field is found alone: leave out unknowns and laws");
+  const MaterialLaw* row = row_of(catalog, task.material);
+  const UnknownMaterial unknown{label_of(row, task.material), row, trial_of(task), {}, task.kept, task.plain};
+  Answer answer = make_answer(unknown, tests, find_field(*task.field, tests, {request.progress, request.stop}));
+  answer.scene = task.name, answer.title = task.title, answer.strategy = strategy;
+  return answer;
+}
+
 Answer identify_one(const IdentifyTask& task, const Catalog& catalog, const IdentifyRequest& request,
                     const std::string& strategy) {
   std::vector<WeightedTest> tests = make_tests(task, catalog, request, strategy);
+  if (task.field) return identify_field(task, catalog, request, strategy, tests);
   const bool slow = has_specimen(task);
   FitOptions options;
   options.starts = task.starts > 0 ? task.starts : slow ? 1 : 8;

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "lab/identify/fit.h"
+#include "lab/identify/field.h"
 #include "lab/report/plot.h"
 #include "lab/study/journal.h"
 
@@ -74,6 +74,7 @@ struct Answer {
   std::string material;  ///< the block of a scene with the numbers put in, YAML
   /// What else its own scene has then, by key: data files, the strategy, friction (see with_value).
   std::vector<std::pair<std::string, std::string>> keys;
+  std::optional<FoundField> field = {};  ///< in the place of numbers
   double criterion = 0, condition = 1, seconds = 0;
   int starts = 0, agreeing = 0, freedom = 0;
   bool succeeded() const {
@@ -86,6 +87,9 @@ struct Answer {
 /// @param stop called before each of these, which are then left as they are; may be empty
 Answer make_answer(const UnknownMaterial& unknown, std::vector<WeightedTest>& tests, const Fit& fit, bool profiles,
                    const std::function<bool()>& stop = {});
+
+/// The same of a field.
+Answer make_answer(const UnknownMaterial& unknown, const std::vector<WeightedTest>& tests, FoundField field);
 
 /// Of all tests that count together.
 double whole_rms(const Answer& answer);
@@ -140,6 +144,9 @@ std::string identify_json(const std::vector<Answer>& answers);
 
 /// One HTML page that needs no other file: data with fits, residuals, intervals, correlation, laws, warnings.
 std::string identify_page(const std::vector<Answer>& answers, const std::string& command);
+
+/// The cells with their factors for ParaView, and for `material.fields.stiffness` of a scene.
+std::string field_vtu(const Answer& answer);
 
 /// Data and fits; the residuals of each point.
 Plot fit_plot(const Answer& answer);

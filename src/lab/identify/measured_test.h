@@ -1,4 +1,5 @@
 #pragma once
+#include <Eigen/SparseCore>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -13,6 +14,24 @@ namespace elastin::lab {
 struct Prediction {
   VectorX values;  ///< SI, as data.y
   MatrixX slopes;  ///< ∂value/∂θ of each change of the material, points × changes
+};
+
+/// How readings change with the positions of molecules and the reactions of supports, to first order.
+struct ReadingSlopes {
+  Eigen::SparseMatrix<double> of_positions;  ///< readings × 3n; empty: they do not
+  MatrixX of_reactions;                      ///< readings × 3 supports; empty: they do not
+  /// What small turns and shifts of the frame change, readings × those: it goes where the weighted readings are nearest
+  /// to the measured ones, so that none of this is left of any change. Empty: it stays.
+  MatrixX of_frame;
+};
+
+/// One equilibrium of a specimen.
+struct SpecimenStep {
+  const std::vector<Eigen::Index>& rows;  ///< of the data, that were read there
+  Model& model;
+  const State& state;
+  VectorX readings;
+  std::function<ReadingSlopes()> slopes;  ///< throws InputError where readings are not of that form
 };
 
 /// A trial of a test, with what the test needs of it.
@@ -44,6 +63,14 @@ class MeasuredTest {
   /// Keys of its scene, except the material, with the trial put in: keys with their values.
   virtual std::vector<std::pair<std::string, std::string>> scene_keys(const Trial& /*trial*/, bool /*plain*/) const {
     return {};
+  }
+  /// The body at rest of a specimen; null: the test is of none.
+  virtual const Body* body() const { return nullptr; }
+  /// Changes the specimen's body and visits its equilibria, one at each load. What is returned keeps the models that
+  /// were visited; null where there is no equilibrium.
+  virtual std::shared_ptr<const void> visit_equilibria(const std::function<void(Body&)>& /*change*/,
+                                                       const std::function<void(const SpecimenStep&)>& /*visit*/) {
+    return nullptr;
   }
   const std::string& why() const { return why_; }
 

@@ -7,6 +7,8 @@
 #include <nlohmann/json.hpp>
 
 #include "core/base/named.h"
+#include "elastin/core/base/text.h"
+#include "lab/report/files.h"
 #include "lab/report/machine.h"
 #include "lab/report/page.h"
 #include "lab/report/table.h"
@@ -15,6 +17,8 @@ namespace elastin::lab {
 namespace {
 
 using Json = nlohmann::ordered_json;
+
+std::vector<double> numbers_of(const VectorX& values) { return {values.begin(), values.end()}; }
 
 std::string percent_of(double ratio) { return std::isfinite(ratio) ? fmt::format("{:.3g} %", 100 * ratio) : ""; }
 
@@ -40,6 +44,87 @@ Table number_table(const Answer& answer) {
     table.add(std::move(row));
   }
   return table;
+}
+
+/// What was found of a field: its range over the cells, with the E of the material.
+Table field_table(const FoundField& field) {
+  Table table({"factor of the stiffness", "", "deviation", "at x, y, z"});
+  Eigen::Index low = 0, high = 0;
+  field.factors.minCoeff(&low), field.factors.maxCoeff(&high);
+  for (const auto& [name, cell] : {std::pair{"lowest", low}, {"highest", high}}) {
+    const Vector3 at = 1e3 * field.middles.col(cell);
+    table.add({{name},
+               number_cell(fmt::format("{:.4g}", field.factors[cell]), field.factors[cell]),
+               number_cell(percent_of(field.deviations[cell]), field.deviations[cell]),
+               {fmt::format("{:.4g}, {:.4g}, {:.4g} mm", at.x(), at.y(), at.z()), Tone::faint}});
+  }
+  return table;
+}
+
+std::string field_text(const FoundField& field) {
+  const double mean = std::exp(field.factors.array().log().mean());
+  return fmt::format("{}, geometric mean {:.4g}; smoothness {:.3g}: {}{}", counted(field.factors.size(), "cell"), mean,
+                     field.smoothness, field.chosen_by,
+                     field.misfit > 0 ? fmt::format("; differences {:.3g} sigma (rms)", std::sqrt(field.misfit)) : "") +
+         fmt::format("; {} and {}", counted(field.equilibria, "equilibrium", "equilibria"),
+                     counted(field.linear_solves, "linear solve"));
+}
+
+/// Where the cells lie in the plane in which they spread most, by their factors.
+Plot field_plot(const FoundField& field) {
+  const Vector3 spread = field.middles.rowwise().maxCoeff() - field.middles.rowwise().minCoeff();
+  int least = 0;
+  spread.minCoeff(&least);
+  const int right = least == 0 ? 1 : 0, up = least == 2 ? 1 : 2;
+  Plot plot;
+  plot.title = "Factor of the stiffness in each cell";
+  plot.x = {std::string(1, "xyz"[right]), "mm", false}, plot.y = {std::string(1, "xyz"[up]), "mm", false};
+  const double low = std::log(field.factors.minCoeff()), high = std::log(field.factors.maxCoeff());
+  constexpr int classes = 5;
+  for (int i = 0; i < classes; ++i) {
+    const double from = std::exp(low + (high - low) * i / classes),
+                 to = std::exp(low + (high - low) * (i + 1) / classes);
+    PlotSeries marks{fmt::format("{:.3g} to {:.3g}", from, to), i, PlotSeries::Kind::marks, {}};
+    for (Eigen::Index cell = 0; cell < field.factors.size(); ++cell)
+      if (const double f = field.factors[cell]; (f >= from || i == 0) && (f < to || i == classes - 1))
+        marks.points.push_back(
+            {1e3 * field.middles(right, cell), 1e3 * field.middles(up, cell), fmt::format("{:.3g}", f)});
+    if (!marks.points.empty()) plot.series.push_back(std::move(marks));
+  }
+  return plot;
+}
+
+/// What each smoothness leaves of the squares, over how uneven its field is.
+Plot trade_off_plot(const FoundField& field) {
+  Plot plot;
+  plot.title = "Differences over unevenness";
+  plot.x = {"unevenness of ln E", "", true}, plot.y = {"sum of squares", "", true};
+  PlotSeries all{"smoothness tried", 0, PlotSeries::Kind::marks, {}}, taken{"taken", 1, PlotSeries::Kind::marks, {}};
+  for (const auto& [smoothness, squares, unevenness] : field.tried)
+    if (unevenness > 0)
+      (smoothness == field.smoothness ? taken : all)
+          .points.push_back({unevenness, squares, fmt::format("smoothness {:.3g}", smoothness)});
+  for (PlotSeries* series : {&all, &taken})
+    if (!series->points.empty()) plot.series.push_back(std::move(*series));
+  return plot;
+}
+
+Json field_json(const FoundField& field) {
+  Json tried = Json::array();
+  for (const auto& [smoothness, squares, unevenness] : field.tried)
+    tried.push_back({{"smoothness", smoothness}, {"squares", squares}, {"unevenness", unevenness}});
+  Json middles = Json::array();
+  for (const auto& middle : field.middles.colwise()) middles.push_back({middle.x(), middle.y(), middle.z()});
+  return {{"smoothness", field.smoothness},
+          {"chosen_by", field.chosen_by},
+          {"mean_square_over_sigma", field.misfit > 0 ? Json(field.misfit) : Json()},
+          {"only_ratios", field.only_ratios},
+          {"equilibria", field.equilibria},
+          {"linear_solves", field.linear_solves},
+          {"tried", tried},
+          {"stiffness", numbers_of(field.factors)},
+          {"deviation", numbers_of(field.deviations)},
+          {"middles", middles}};
 }
 
 std::string scale_text(const TestAnswer& test) {
@@ -152,8 +237,6 @@ std::string head_text(const Answer& answer) {
   return text + fmt::format("; {}", readable_seconds(answer.seconds));
 }
 
-std::vector<double> numbers_of(const VectorX& values) { return {values.begin(), values.end()}; }
-
 Json moduli_json(const TestAnswer& test) {
   Json list = Json::array();
   for (const WindowModulus& found : test.moduli)
@@ -181,6 +264,7 @@ Json json_of(const Answer& answer) {
                                   {"interval", number.profiled ? "profile" : "linear"},
                                   {"determined", number.determined},
                                   {"published", number.published}});
+  if (answer.field) json["field"] = field_json(*answer.field);
   if (!answer.published_source.empty()) json["published_source"] = answer.published_source;
   json["correlation"] = Json::array();
   for (const auto& row : answer.correlation.rowwise()) json["correlation"].push_back(numbers_of(row.transpose()));
@@ -325,6 +409,13 @@ std::string answer_html(const Answer& answer) {
              figure_html(points_plot(test), "Displacements of points", answer.scene + "-" + test.name) +
              figure_html(missed_plot(test), "Where points are missed", answer.scene + "-" + test.name + "-missed") +
              "</div>\n";
+  if (answer.field)
+    out += "<div class=\"pair\">" +
+           figure_html(field_plot(*answer.field), "Stiffness by cell", answer.scene + "-field") +
+           figure_html(trade_off_plot(*answer.field), "Choice of the smoothness", answer.scene + "-smoothness") +
+           "</div>\n" +
+           card_html("Stiffness by cell", field_table(*answer.field).html() + "<p class=\"note\">" +
+                                              escaped(field_text(*answer.field)) + "</p>");
   if (!answer.numbers.empty())
     out += card_html("Numbers of the law",
                      interval_html(answer) + number_table(answer).html() +
@@ -356,7 +447,12 @@ std::string answer_text(const Answer& answer, bool colours) {
   const auto add = [&](const Table& table) {
     if (!table.empty()) out += "\n" + table.text(colours);
   };
-  add(number_table(answer));
+  if (answer.field) {
+    add(field_table(*answer.field));
+    out += field_text(*answer.field) + "\n";
+  } else {
+    add(number_table(answer));
+  }
   if (!answer.published_source.empty()) out += "published: " + answer.published_source + "\n";
   add(test_table(answer));
   for (const std::string& note : data_notes(answer)) out += "  " + note + "\n";
@@ -388,6 +484,11 @@ std::string identify_page(const std::vector<Answer>& answers, const std::string&
            card_html("All fits", strategy_table(answers).html());
   for (const Answer& answer : answers) out += answer_html(answer);
   return out + page_end(this_machine().text(), command);
+}
+
+std::string field_vtu(const Answer& answer) {
+  const FoundField& field = *answer.field;
+  return cells_vtu_text(*field.shape, {{"stiffness", field.factors}, {"deviation", field.deviations}});
 }
 
 Plot fit_plot(const Answer& answer) {

@@ -47,14 +47,32 @@ class SeenPoints {
   /// turn and shift of the whole body that bring them nearest to the measured ones.
   VectorX readings(const std::vector<Eigen::Index>& rows, const Positions& positions) const {
     const auto count = static_cast<Eigen::Index>(rows.size());
-    Positions at(3, count);
-    for (Eigen::Index i = 0; i < count; ++i)
-      at.col(i) = rotation_.transpose() * carried_.at(positions, static_cast<int>(rows[i]));
+    Positions at = seen_at(rows, positions);
     if (!fixed_) move_frame(rows, at);
     VectorX shown(count);
     for (Eigen::Index i = 0; i < count; ++i)
       shown[i] = at(data_.axes[rows[i]], i) - data_.places(data_.axes[rows[i]], rows[i]);
     return shown;
+  }
+
+  /// How these readings change with the positions.
+  ReadingSlopes slopes(const std::vector<Eigen::Index>& rows, const Positions& positions) const {
+    Positions at = seen_at(rows, positions);
+    ReadingSlopes found;
+    Matrix3 turn = rotation_.transpose();
+    if (!fixed_) {
+      turn = move_frame(rows, at) * turn;
+      found.of_frame = frame_slopes(rows, at);
+    }
+    std::vector<Eigen::Triplet<double>> entries;
+    for (std::size_t i = 0; i < rows.size(); ++i)
+      for (int j = carried_.starts[rows[i]]; j < carried_.starts[rows[i] + 1]; ++j)
+        for (int axis = 0; axis < 3; ++axis)
+          entries.emplace_back(static_cast<int>(i), 3 * carried_.molecules[j] + axis,
+                               carried_.weights[j] * turn(data_.axes[rows[i]], axis));
+    found.of_positions.resize(static_cast<Eigen::Index>(rows.size()), positions.size());
+    found.of_positions.setFromTriplets(entries.begin(), entries.end());
+    return found;
   }
 
  private:
@@ -70,34 +88,53 @@ class SeenPoints {
     return rotation * data.places;
   }
 
-  /// Gauss and Newton's steps for a shift in the directions that are measured, and turns of these into each other.
-  void move_frame(const std::vector<Eigen::Index>& rows, Positions& at) const {
-    constexpr int most = 50;
-    constexpr double enough = 1e-14;  // of the body's size
-    const Eigen::Index count = at.cols();
+  Positions seen_at(const std::vector<Eigen::Index>& rows, const Positions& positions) const {
+    Positions at(3, static_cast<Eigen::Index>(rows.size()));
+    for (std::size_t i = 0; i < rows.size(); ++i)
+      at.col(static_cast<Eigen::Index>(i)) = rotation_.transpose() * carried_.at(positions, static_cast<int>(rows[i]));
+    return at;
+  }
+
+  /// What turns, of a size that moves points by about the body's, and shifts change of readings at these places.
+  MatrixX frame_slopes(const std::vector<Eigen::Index>& rows, const Positions& at) const {
     Vector3 measured = Vector3::Zero(), turned;
     for (const Eigen::Index row : rows) measured[data_.axes[row]] = 1;
     for (int axis = 0; axis < 3; ++axis) turned[axis] = measured[(axis + 1) % 3] * measured[(axis + 2) % 3];
-    MatrixX slopes(count, 6);
-    VectorX missing(count);
+    const Vector3 middle = at.rowwise().mean();
+    const double size = (at.colwise() - middle).norm();
+    MatrixX slopes(at.cols(), 6);
+    for (Eigen::Index i = 0; i < at.cols(); ++i) {
+      const Vector3 direction = Vector3::Unit(data_.axes[rows[i]]), arm = at.col(i) - middle;
+      slopes.row(i) << arm.cross(direction).cwiseProduct(turned).transpose() / size, direction.transpose();
+    }
+    return slopes;
+  }
+
+  /// Gauss and Newton's steps for a shift in the directions that are measured, and turns of these into each other.
+  /// Returns the turn.
+  Matrix3 move_frame(const std::vector<Eigen::Index>& rows, Positions& at) const {
+    constexpr int most = 50;
+    constexpr double enough = 1e-14;  // of the body's size
+    Matrix3 whole = Matrix3::Identity();
+    VectorX missing(at.cols()), weights = VectorX::Ones(at.cols());
+    if (data_.deviations.size() > 0) weights = data_.deviations(rows).cwiseInverse();
     for (int step = 0; step < most; ++step) {
       const Vector3 middle = at.rowwise().mean();
       const double size = (at.colwise() - middle).norm();
-      for (Eigen::Index i = 0; i < count; ++i) {
+      for (Eigen::Index i = 0; i < at.cols(); ++i) {
         const int axis = data_.axes[rows[i]];
-        const double weight = data_.deviations.size() > 0 ? 1 / data_.deviations[rows[i]] : 1;
-        const Vector3 arm = at.col(i) - middle;
-        slopes.row(i) << weight * arm.cross(Vector3::Unit(axis)).cwiseProduct(turned).transpose() / size,
-            weight * Vector3::Unit(axis).transpose();
-        missing[i] = weight * (data_.y[rows[i]] + data_.places(axis, rows[i]) - at(axis, i));
+        missing[i] = weights[i] * (data_.y[rows[i]] + data_.places(axis, rows[i]) - at(axis, i));
       }
+      const MatrixX slopes = weights.asDiagonal() * frame_slopes(rows, at);
       const VectorX change = slopes.completeOrthogonalDecomposition().solve(missing);
       const Vector3 turn = change.head<3>() / size;
       const Matrix3 rotation =
           turn.norm() > 0 ? Eigen::AngleAxisd(turn.norm(), turn.normalized()).toRotationMatrix() : Matrix3::Identity();
       at = (rotation * (at.colwise() - middle)).colwise() + (middle + change.tail<3>());
-      if (change.norm() <= enough * size) return;
+      whole = rotation * whole;
+      if (change.norm() <= enough * size) break;
     }
+    return whole;
   }
 
   const MeasuredData& data_;
@@ -131,6 +168,8 @@ class SpecimenTest final : public MeasuredTest {
                                                contact::default_contact_stiffness(specimen.body, own_.youngs_modulus);
     if (test.kind->points) see_points(test);
     curve_.emplace(load_factors(test), options_.statics);
+    if (data_.deviations.size() == 0 && test.deviation)
+      data_.deviations = VectorX::Constant(data_.y.size(), test.deviation(data_.up->unit));
     has_history_ =
         specimen.contact && (specimen.contact->friction > 0 || specimen.contact->penetration > 0 || along_ == "force");
   }
@@ -183,7 +222,56 @@ class SpecimenTest final : public MeasuredTest {
     return keys;
   }
 
+  const Body* body() const override { return &scene_->specimen.body; }
+
+  std::shared_ptr<const void> visit_equilibria(const std::function<void(Body&)>& change,
+                                               const std::function<void(const SpecimenStep&)>& visit) override {
+    if (has_history_) throw InputError(scene_->source.path() + ": its states depend on how they were reached");
+    change(scene_->specimen.body);
+    std::optional<Tried> tried = model(own_);
+    if (!tried) return nullptr;
+    Model& own = tried->model();
+    const StaticRig& rig = tried->rig();
+    const Start start = start_at(own);
+    why_.clear();
+    const bool solved =
+        curve_->solve(own, tried->rig(), [&](std::size_t step, const State& state, StaticResult& found) {
+          const std::vector<Eigen::Index>& rows = levels_[step];
+          VectorX read = readings(rows, rig, start, state, found);
+          if (!read.allFinite()) return false;
+          visit({rows, own, state, std::move(read), [&] {
+                   return seen_ ? seen_->slopes(rows, state.positions)
+                                : slopes_of_measure(rows, rig, start, state, found);
+                 }});
+          return true;
+        });
+    if (!solved && !curve_->cause().empty()) why_ = "no equilibrium of the specimen: " + curve_->cause();
+    return solved ? std::make_shared<Tried>(std::move(*tried)) : nullptr;
+  }
+
  private:
+  /// Of a measure that is a sum of reactions, by what a newton more of each makes of it.
+  ReadingSlopes slopes_of_measure(const std::vector<Eigen::Index>& rows, const StaticRig& rig, const Start& start,
+                                  const State& state, const StaticResult& solved) const {
+    StaticResult changed = solved;
+    const auto read = [&](const State& at) { return readings(rows, rig, start, at, changed); };
+    const VectorX here = read(state);
+    ReadingSlopes slopes;
+    slopes.of_reactions.resize(here.size(), solved.reactions.size());
+    const double size = std::max(solved.reactions.norm(), 1e-300);
+    for (Eigen::Index i = 0; i < solved.reactions.size(); ++i) {
+      const double before = solved.reactions.data()[i];
+      changed.reactions.data()[i] = before + size;
+      slopes.of_reactions.col(i) = (read(state) - here) / size;
+      changed.reactions.data()[i] = before;
+    }
+    const VectorX sum =
+        slopes.of_reactions * Eigen::Map<const VectorX>(solved.reactions.data(), solved.reactions.size());
+    if ((sum - here).norm() > 1e-9 * here.norm())
+      throw InputError(scene_->source.path() + ": its " + up_ + " is no sum of the supports' forces");
+    return slopes;
+  }
+
   /// Slopes by one linear solve each at every equilibrium.
   std::optional<Prediction> curve_of(const TestedMaterial& tested) {
     const std::optional<Tried> tried = model(tested.trial);

@@ -367,6 +367,21 @@ std::string vtu_text(const Body& body, const Snapshot& shot, const VectorX& cons
   return out;
 }
 
+std::string cells_vtu_text(const Body& body, const std::vector<std::pair<std::string, VectorX>>& of_cells) {
+  std::string out = vtu_head(body.size(), static_cast<int>(cells_in_blocks(body))) + "<Points>\n";
+  VtuArrays arrays(out);
+  arrays.add("positions", "Float64", 3, body.size(), [&](int i, int k) { return body.rest(k, i); });
+  out += "</Points>\n<CellData Scalars=\"" + of_cells.front().first + "\">\n";
+  for (const auto& [name, values] : of_cells)
+    arrays.add(name.c_str(), "Float64", 1, values.size(),
+               [&values = values](Eigen::Index i, int) { return values[i]; });
+  out += "</CellData>\n";
+  add_cells(arrays, out, body);
+  out += kVtuEnd;
+  arrays.flush();
+  return out;
+}
+
 void write_pieces(const std::string& folder, const std::string& name, const Body& share, const Run& run) {
   const Piece piece = piece_of(share);
   const Processes& processes = *share.share->processes;

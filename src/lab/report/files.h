@@ -25,6 +25,9 @@ std::string vtu_text(const Body& body, const Snapshot& shot, const VectorX& cons
 /// The body in a shape alone, at these positions [m].
 std::string shape_vtu_text(const Body& body, const Positions& positions);
 
+/// The blocks of a body at rest with numbers of their cells, one or more.
+std::string cells_vtu_text(const Body& body, const std::vector<std::pair<std::string, VectorX>>& of_cells);
+
 /// Of a body of which several processes have shares, called by all: each writes what it computes of each state as
 /// NAME-000.p1.vtu, the first also NAME-000.pvtu, which names these, and the collection NAME.pvd.
 void write_pieces(const std::string& folder, const std::string& name, const Body& share, const Run& run);

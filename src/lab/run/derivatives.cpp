@@ -33,6 +33,10 @@ constexpr int kLargerSteps = 3;
 /// Of all forces, and of what the positions' last digits make of them: differences below these are rounding.
 constexpr double kRounding = 1e-13, kCalibratedRounding = 1e-8, kRoundedPositions = 4;
 
+/// Of whole runs: the step over the number; the slope over m/p below which m does not change with p; doubt of a slope
+/// that asks for a shorter step, and that leaves none.
+constexpr double kWholeStep = 1e-4, kInsensitive = 1e-6, kDoubtful = 1e-3, kNoSlope = 0.03;
+
 /// A state at rest: velocities are there, and zero, where a force depends on them.
 State still(const Model& model, const Positions& positions, const State& like) {
   State state = like;
@@ -64,6 +68,12 @@ void leave_out_rounding(const Model& model, double rounding, Positions& change) 
 double relative(const Positions& change, const Positions& whole) {
   const double size = whole.norm();
   return size > 0 ? change.norm() / size : 0;
+}
+
+void put_gradient(Gradients& gradients, const std::string& measure, const std::string& key, double value) {
+  auto row = std::find_if(gradients.begin(), gradients.end(), [&](const auto& one) { return one.first == measure; });
+  if (row == gradients.end()) row = gradients.insert(row, {measure, {}});
+  row->second.emplace_back(key, value);
 }
 
 /// Weighted sums of measures: of those that all of them have.
@@ -194,18 +204,14 @@ Derivatives::~Derivatives() = default;
 void Derivatives::check(const Specimen& specimen, const Experiment& experiment, const StrategyChoice& choice,
                         const RunOptions& options) const {
   const auto& contact = specimen.contact;
-  const StaticExperiment* at_rest = experiment.at_rest();
-  bool grows = at_rest;
-  for (int step = 2; grows && step <= at_rest->load_steps(); ++step)
-    grows = at_rest->load_factor(step) >= at_rest->load_factor(step - 1);
   const std::string why =
-      !at_rest                           ? "the experiment '" + experiment.name() + "' runs in time"
-      : identification_of(experiment)    ? "the experiment finds a material"
-      : options.statics.engine           ? "solver.engine: they are taken by one process; write engine: threads"
-      : contact && contact->friction > 0 ? "contact.friction: what slipped depends on the way there"
+      identification_of(experiment)              ? "the experiment finds a material"
+      : !options.restart.empty()                 ? "a run that goes on from a file does not know how it came there"
+      : options.time && options.time->budget > 0 ? "time.budget: the steps depend on the clock"
+      : options.statics.engine                   ? "solver.engine: they are taken by one process; write engine: threads"
+      : contact && contact->friction > 0         ? "contact.friction: what slipped depends on the way there"
       : contact && contact->penetration > 0
           ? "contact.penetration: its multipliers depend on the way there; leave it out, or write a stiffness"
-      : choice.name.softened && !grows ? "'" + choice.label + "' has a history once the load falls"
       : choice.name.calibrated && experiment.apparent() && !specimen.calibration
           ? "'" + choice.label + "' is calibrated to a computed reference"
       : choice.name.fitted ? "'" + choice.label + "' is fitted by steps that end within a tolerance; write calibrated:"
@@ -213,11 +219,85 @@ void Derivatives::check(const Specimen& specimen, const Experiment& experiment, 
   if (!why.empty()) throw InputError("no derivatives of these measures: " + why);
 }
 
-void Derivatives::start(Model& model, const StaticRig& rig, const Start& start, const RunOptions& options) {
-  if (rig.seeks_load())
-    throw InputError(
-        "no derivatives of these measures: the load is sought until a force or a volume is met; "
-        "prescribe the displacement or pressure that the run found");
+bool Derivatives::by_whole_runs(const Experiment& experiment, Rig& rig, const StrategyChoice& choice) {
+  const StaticExperiment* at_rest = experiment.at_rest();
+  if (!at_rest || rig.at_rest()->seeks_load()) return true;
+  bool falls = false;
+  for (int step = 2; step <= at_rest->load_steps(); ++step)
+    falls |= at_rest->load_factor(step) < at_rest->load_factor(step - 1);
+  return choice.name.softened && falls;
+}
+
+void Derivatives::of_whole_runs(const RunOptions& options, Run& run) const {
+  RunOptions whole = options;
+  whole.derivatives = nullptr, whole.keep_snapshots = false, whole.checkpoint = {};
+  whole.statics.tolerance = std::min(whole.statics.tolerance, 1e-13);
+  const bool even = run.time && std::abs(run.time->shortest_step - run.time->last_step) < 1e-9 * run.time->last_step;
+  for (const Number& number : numbers_) {
+    const SceneNumber& of = number.of;
+    const auto run_at = [&](double value) {
+      const VariedProblem problem = of.at(value);
+      RunOptions own = whole;
+      own.time = problem.time;
+      if (even && !of.key.starts_with("time."))  // steps that follow the number would make its differences uneven
+        own.time->choice = StepChoice::fixed, own.time->step = run.time->last_step;
+      Run varied = run_strategy(*problem.specimen, *problem.experiment, problem.choice, own);
+      if (varied.outcome != Outcome::converged || varied.curve.size() != run.curve.size())
+        throw InputError("no derivative by " + of.key + ": a little beside its value the run ends otherwise" +
+                         (varied.cause.empty() ? "" : ": " + varied.cause));
+      return varied;
+    };
+    struct Slope {
+      double value, doubt;  ///< difference of the slopes over one and two steps, over the larger one of them
+    };
+    using Row = std::vector<std::pair<std::string, Slope>>;
+    const auto slopes_over = [&](double step) {
+      const Run low2 = run_at(of.value - 2 * step), low = run_at(of.value - step), high = run_at(of.value + step),
+                high2 = run_at(of.value + 2 * step);
+      const auto slopes = [&](const Measures& own, const auto& measures_of) {
+        Row row;
+        for (const auto& [name, value] : own.all()) {
+          const auto at = [&, &name = name](const Run& one) { return measures_of(one).get(name); };
+          const double near = (at(high) - at(low)) / (2 * step), far = (at(high2) - at(low2)) / (4 * step),
+                       best = (4 * near - far) / 3,
+                       size = std::max(std::abs(best), kInsensitive * std::abs(value / of.value));
+          if (is_smooth(name) && std::isfinite(best))
+            row.emplace_back(name, Slope{best, size > 0 ? std::abs(near - far) / size : 0});
+        }
+        return row;
+      };
+      std::vector<Row> rows;
+      for (std::size_t i = 0; i < run.curve.size(); ++i)
+        rows.push_back(slopes(
+            run.curve[i].measures, [i](const Run& one) -> auto& { return one.curve[i].measures; }));
+      rows.push_back(slopes(
+          run.measures, [](const Run& one) -> auto& { return one.measures; }));
+      return rows;
+    };
+    const double step = kWholeStep * std::max(std::abs(of.value), of.step / kWholeStep);
+    const std::vector<Row> rows = slopes_over(step);
+    std::optional<std::vector<Row>> finer;
+    const auto doubted = [](const Row& row) {
+      return std::any_of(row.begin(), row.end(), [](const auto& one) { return one.second.doubt > kDoubtful; });
+    };
+    if (std::any_of(rows.begin(), rows.end(), doubted)) finer = slopes_over(step / 10);
+    for (std::size_t i = 0; i < rows.size(); ++i)
+      for (std::size_t j = 0; j < rows[i].size(); ++j) {
+        const auto& [name, first] = rows[i][j];
+        const bool takes_finer =
+            finer && (*finer)[i].size() == rows[i].size() && (*finer)[i][j].second.doubt < first.doubt;
+        const Slope best = takes_finer ? (*finer)[i][j].second : first;
+        const bool last = i + 1 == rows.size();
+        if (best.doubt < kNoSlope)
+          put_gradient(last ? run.gradients : run.curve[i].gradients, name, of.key, best.value);
+        else if (last)
+          run.warnings.push_back("no derivative of " + name + " by " + of.key +
+                                 ": it jumps there, or too few of its digits are known; try shorter time steps");
+      }
+  }
+}
+
+void Derivatives::start(Model& model, const StaticRig&, const Start& start, const RunOptions& options) {
   if (start.positions == model.body().rest && start.reactions.isZero(0)) return;
   const State state = still(model, start.positions, {});
   const State about = options.statics.linear ? still(model, model.body().rest, {}) : state;
@@ -272,11 +352,7 @@ Gradients Derivatives::at(Model& model, const StaticExperiment& experiment, cons
                  (side ? 0.5 : -0.5) / number.of.step);
     }
     for (const auto& [name, value] : slopes.taken()) {
-      if (!is_smooth(name)) continue;
-      const auto same = [&name = name](const auto& one) { return one.first == name; };
-      auto row = std::find_if(gradients.begin(), gradients.end(), same);
-      if (row == gradients.end()) row = gradients.insert(row, {name, {}});
-      row->second.emplace_back(number.of.key, value);
+      if (is_smooth(name)) put_gradient(gradients, name, number.of.key, value);
     }
   }
   return gradients;

@@ -1,6 +1,7 @@
 #pragma once
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -16,6 +17,7 @@ struct VariedProblem {
   const Specimen* specimen = nullptr;
   const Experiment* experiment = nullptr;
   StrategyChoice choice;
+  std::optional<TimeOptions> time = {};  ///< of a run in time
 };
 
 /// A number of a scene by which measures are differentiated.
@@ -33,15 +35,19 @@ struct SceneNumber {
 ///   K dx/dp = ∂f/∂p,  dm/dp = ∂m/∂p + ∂m/∂x dx/dp + ∂m/∂R dR/dp
 /// with ∂f/∂p and ∂m/∂p from two problems p ± h at the same displacements x and reactions R, and the rest from measures
 /// a little along the motion. No equilibrium is sought again.
+/// Of a run in time, with a history or under a load that is sought they are differences of four whole runs a number.
 class Derivatives {
  public:
   explicit Derivatives(std::vector<SceneNumber> numbers);
   ~Derivatives();
 
-  /// Throws InputError where derivatives would not be those of the run: in time, with a history, under a load that is
-  /// sought by solving again.
+  /// Throws InputError where derivatives would not be those of the run.
   void check(const Specimen& specimen, const Experiment& experiment, const StrategyChoice& choice,
              const RunOptions& options) const;
+  /// Whether they are differences of whole runs.
+  static bool by_whole_runs(const Experiment& experiment, Rig& rig, const StrategyChoice& choice);
+  /// Adds them to such a run. A measure that jumps, or of which too few digits are known, is a warning instead.
+  void of_whole_runs(const RunOptions& options, Run& run) const;
   /// Takes the state at which measuring starts.
   void start(Model& model, const StaticRig& rig, const Start& start, const RunOptions& options);
   /// At the equilibrium under a part of the load; `last`: with what is measured once, at the last of several load

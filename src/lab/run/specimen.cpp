@@ -416,6 +416,9 @@ Run run_strategy(const Specimen& specimen, const Experiment& experiment, const S
   const bool whole = !share || share->processes->count() == 1;
   if (whole && !experiment.stiffened_by_load() && !(specimen.material.bending_rigidity > 0)) count_modes(model, run);
 
+  std::shared_ptr<Derivatives> of_whole_runs;
+  if (options.derivatives && Derivatives::by_whole_runs(experiment, *held->rig, choice))
+    of_whole_runs = std::exchange(options.derivatives, nullptr);
   const Stopwatch solve;
   if (TimedRig* timed = held->rig->in_time())
     run_in_time(model, *experiment.in_time(), *timed, specimen, options, run);
@@ -423,6 +426,7 @@ Run run_strategy(const Specimen& specimen, const Experiment& experiment, const S
     solve_load_curve(model, *experiment.at_rest(), *held->rig->at_rest(), at_work.material, options, run,
                      specimen.start);
   run.solve_seconds = solve.seconds();
+  if (of_whole_runs && run.outcome == Outcome::converged) of_whole_runs->of_whole_runs(options, run);
   measure_law(at_work, experiment, choice, options, run);
   for (std::string& finding : findings_at_end(specimen, run)) run.warnings.push_back(std::move(finding));
   if (run.identified) note_identified(*run.identified, run);

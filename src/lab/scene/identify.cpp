@@ -169,6 +169,9 @@ const Keys<DataTest>& data_test_keys() {
                 [](Reader item) { return item.set_section("identify.tests.moduli"), modulus_keys().read(item); })
           .when([](const S& test) { return test.kind->homogeneous.has_value(); }),
       key::quantity("weight", &S::weight, dimension::none, "of its squares; 0: predicted and not fitted", kNotNegative),
+      later_key("sigma", &S::deviation, "the response's", "none",
+                "standard deviation of each reading of a body in a scene, where the file has no such column")
+          .when([](const S& test) { return test.kind->of_scene(); }),
       residuals_key(&S::residuals, "of this test").when(a_curve).otherwise("as above"),
       key::quantity("cross_section", &S::cross_section, dimension::area, "of a homogeneous test", kPositive)
           .otherwise("needed with `force`"),
@@ -247,6 +250,18 @@ std::vector<UnknownChoice> read_unknowns(const Reader& reader) {
   return unknowns;
 }
 
+const Keys<FieldChoice>& field_keys_of_identify() {
+  using S = FieldChoice;
+  static const Keys<S> keys{
+      key::quantity("smoothness", &S::smoothness, dimension::none,
+                    "weight α of ∫ |∇ ln E|² dV / V^(1/3) beside Σ (difference / sigma)²", kPositive)
+          .otherwise("the largest at which the differences are no more than sigma; without sigma that of the "
+                     "least generalised cross-validation"),
+      key::quantity("low", &S::low, dimension::none, "least factor of the material's stiffness", {1e-12, 1, false}),
+      key::quantity("high", &S::high, dimension::none, "largest factor", {1, 1e12, false})};
+  return keys;
+}
+
 struct IdentifySetup : IdentifyTask {
   ResidualScale residuals = ResidualScale::automatic;  ///< of tests that do not state it
 };
@@ -286,6 +301,15 @@ const Keys<IdentifySetup>& identify_map_keys() {
            "`friction`"},
           [](const Reader& value, S& task) { task.unknowns = read_unknowns(value); }),
       key::texts("fixed", &S::fixed, "names of numbers that stay as the material states them"),
+      Key<S>({"field", "map", "", "", "none",
+              "in the place of numbers: how many times as stiff as the material each cell is, below; `{}` for all as "
+              "it is without a word"},
+             [](const Reader& value, S& task) {
+               Reader own = value;
+               own.set_section("identify.field");
+               task.field = field_keys_of_identify().read(own);
+               task.field->fail = failure_at(value);
+             }),
       Key<S>("published",
              {{"published", "map", "", "", "none",
                "numbers of the material that others found, by name, and the `source`: shown next to those found"},
@@ -410,6 +434,7 @@ std::vector<KeySection> identify_keys() {
        "homogeneous tests alone needs no body, stiffness and experiment.",
        identify_map_keys().rows()},
       {"identify.unknowns", "", "Each of `unknowns` may have:", unknown_keys().rows()},
+      {"identify.field", "", "`field` may have:", field_keys_of_identify().rows()},
       {"identify.tests", "",
        "Each of `tests` is a file with two columns, whose names, or a row below them, state what they hold with its "
        "unit, such as `force [N]`, of " +

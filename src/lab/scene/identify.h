@@ -72,6 +72,7 @@ struct DataTest {
   std::vector<std::pair<std::string, std::string>> columns;  ///< what heads of the file mean: "force [N]"
   LaterQuantity from, to;                                    ///< range of what is prescribed; empty = all of it
   double weight = 1;                                         ///< of its squares; 0 = predicted and not fitted
+  LaterQuantity deviation;  ///< standard deviation of each reading, of a body in a scene; empty: not stated
   ResidualScale residuals = ResidualScale::automatic;
   char decimal = 0;              ///< mark of decimals; 0: as recognised
   int block = 0;                 ///< of the file, from 1; 0: the only one with the columns
@@ -111,6 +112,13 @@ struct PublishedNumber {
   std::function<void(const std::string&)> fail;
 };
 
+/// A factor of the material's stiffness in each cell that is to be found, in the place of numbers.
+struct FieldChoice {
+  double smoothness = 0;  ///< weight of ∫ |∇ ln E|² dV / V^(1/3) beside the squares; 0: chosen
+  double low = 1e-3, high = 1e3;
+  std::function<void(const std::string&)> fail;  ///< throws InputError at its place
+};
+
 /// The `identify:` section of a scene with the material from which it starts.
 struct IdentifyTask {
   SceneSource source;
@@ -122,6 +130,7 @@ struct IdentifyTask {
   std::vector<DataTest> tests;
   std::vector<UnknownChoice> unknowns;  ///< empty = all numbers of the law but those in `fixed`
   std::vector<std::string> fixed;
+  std::optional<FieldChoice> field;
   std::vector<PublishedNumber> published;  ///< of the material's own law, shown beside those found
   std::string published_source;
   int starts = 0;                 ///< 0 = 8 of homogeneous tests, 1 of specimens

@@ -443,11 +443,7 @@ std::unique_ptr<Scene> read_scene(const SceneSource& source, const Catalog& cata
   if (auto study = reader.find("study")) scene->study = read_study(*study, known);
   if (auto steppers = reader.find("steppers")) scene->steppers = read_stepper_study(*steppers, catalog.steppers);
   if (auto engines = reader.find("engines")) scene->engines = read_engine_study(*engines);
-  if (const auto uncertainty = reader.find("uncertainty")) {
-    if (timed)
-      uncertainty->fail("a " + scene->experiment->name() + " experiment runs in time; derivatives are of equilibria");
-    read_uncertainty(*uncertainty, overrides, *scene);
-  }
+  if (const auto uncertainty = reader.find("uncertainty")) read_uncertainty(*uncertainty, overrides, *scene);
   if (const auto identify = reader.find("identify")) check_identify(*identify);
   reader.finish();
   scene->build_seconds = watch.seconds();

@@ -43,7 +43,7 @@ std::shared_ptr<Derivatives> derivatives_by(const std::vector<std::string>& keys
         const StrategyChoice its = choose_strategy(*varied, catalog, label);
         varied->specimen.references = references;
         prepare(varied->specimen, its.strategy);
-        return {varied, &varied->specimen, varied->experiment.get(), its};
+        return {varied, &varied->specimen, varied->experiment.get(), its, varied->time};
       } catch (const InputError& error) {
         throw InputError("no derivative by " + key + ": " + error.what());
       }

@@ -368,7 +368,8 @@ class Simulation:
         arrays, one a law: by the logarithm of each element's stiffness, which is k dm/dk of a spring, and of a cell
         E dm/dE. An array is empty where a law is no sum of elements."""
     def jvp(self, *, forces: ArrayLike | None = None,
-            displacement: ArrayLike | None = None) -> tuple[Floats, Floats]:
+            displacement: ArrayLike | None = None,
+            stiffness: Sequence[ArrayLike] = ...) -> tuple[Floats, Floats]:
         """How positions and reactions, each (n, 3), of the equilibrium that settle() has found change with forces on
         all molecules and displacements of fixed ones, (n, 3): a derivative along these."""
     def couple(self, molecule: int, position: ArrayLike, stiffness: float, damping: float = 0.0) -> int:

@@ -96,6 +96,16 @@ TEST_CASE("what all parameters make of one function is what each makes of it: fo
       REQUIRE(forward.result.outcome == Outcome::converged);
       const Adjoint adjoint = sensitivity.adjoint(of_positions, of_reactions);
       REQUIRE(adjoint.result.outcome == Outcome::converged);
+      if (const auto& law = *pulled.model->elasticity().front(); law.local()) {
+        const VectorX stiffer = Eigen::Map<const VectorX>(of_reactions.data(), law.local()->elements());
+        const StaticResponse by = sensitivity.forward(sensitivity.forces_by_stiffness(law, stiffer), 0 * moved);
+        double change = product(of_positions, by.motion);
+        for (std::size_t i = 0; i < pulled.model->supports.size(); ++i)
+          change += of_reactions.col(pulled.model->supports[i].molecule).dot(by.result.reactions.col(i));
+        const VectorX each = sensitivity.by_stiffness(law, adjoint);
+        CHECK(std::abs(change - each.dot(stiffer)) < 1e-12 * each.norm() * stiffer.norm());
+        CHECK_THROWS_AS(sensitivity.forces_by_stiffness(law, VectorX::Ones(3)), InputError);
+      }
       double one = product(of_positions, forward.motion), size = of_positions.norm() * forward.motion.norm();
       for (std::size_t i = 0; i < pulled.model->supports.size(); ++i)
         one += of_reactions.col(pulled.model->supports[i].molecule).dot(forward.result.reactions.col(i));
