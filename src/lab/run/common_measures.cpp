@@ -1,5 +1,8 @@
 #include "lab/run/common_measures.h"
 
+#include <set>
+#include <string>
+
 #include "elastin/core/model/share.h"
 
 namespace elastin::lab {
@@ -114,7 +117,9 @@ MeasureList measures_of(const Experiment& experiment) {
 }
 
 bool is_smooth(const std::string& measure) {
-  return measure != "reaction_balance" && measure != "contacts" && measure != "sticking";
+  static const std::set<std::string> rough{"reaction_balance", "contacts", "sticking", "energy_balance",
+                                           "energy_drift"};
+  return rough.count(measure) == 0;
 }
 
 const MeasureList& common_measures() {

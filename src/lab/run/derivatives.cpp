@@ -281,6 +281,7 @@ void Derivatives::of_whole_runs(const RunOptions& options, Run& run) const {
       return std::any_of(row.begin(), row.end(), [](const auto& one) { return one.second.doubt > kDoubtful; });
     };
     if (std::any_of(rows.begin(), rows.end(), doubted)) finer = slopes_over(step / 10);
+    std::string without;
     for (std::size_t i = 0; i < rows.size(); ++i)
       for (std::size_t j = 0; j < rows[i].size(); ++j) {
         const auto& [name, first] = rows[i][j];
@@ -291,9 +292,11 @@ void Derivatives::of_whole_runs(const RunOptions& options, Run& run) const {
         if (best.doubt < kNoSlope)
           put_gradient(last ? run.gradients : run.curve[i].gradients, name, of.key, best.value);
         else if (last)
-          run.warnings.push_back("no derivative of " + name + " by " + of.key +
-                                 ": it jumps there, or too few of its digits are known; try shorter time steps");
+          without += (without.empty() ? "" : ", ") + name;
       }
+    if (!without.empty())
+      run.warnings.push_back("no derivatives by " + of.key + " of " + without +
+                             ": they jump there, or too few of their digits are known");
   }
 }
 

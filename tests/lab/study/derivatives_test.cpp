@@ -230,15 +230,58 @@ TEST_CASE("derivatives are refused by name where they would not be those of the 
   CHECK_THAT(refusal(scene, "stiffness"), Contains("'stiffness' is 'lattice', and no number"));
   CHECK_THAT(refusal(scene, "material"), Contains("those in it are material.youngs_modulus, material.poissons_ratio"));
   CHECK_THAT(refusal(scene, "body.lattice.molecules.0"), Contains("is not a whole number"));
-  RunWatch watch;
-  watch.derivatives_by = {"material.youngs_modulus"};
-  CHECK_THROWS_WITH(Laboratory(std::string(ELASTIN_SOURCE_DIR) + "/scenes/dynamics/relaxation.yaml").run("", watch),
-                    Contains("the experiment 'relaxation' runs in time"));
   const std::string pressed =
       kRough + kSoft +
       "stiffness: neo_hookean\nexperiment: {kind: indentation, axis: z, indenter: {sphere: {radius: "
       "8 mm}}, depth: 0.5 mm}\ncontact: {friction: 0.3}\n";
   CHECK_THAT(refusal(pressed, "material.youngs_modulus"), Contains("contact.friction"));
+}
+
+TEST_CASE("derivatives of a history are those of its closed forms", "[derivatives]") {
+  const std::string block = "body: {tetrahedra: {kind: body_centred, cubes: [2, 2, 3], size: [10 mm, 10 mm, 15 mm]}}\n";
+  SECTION("a relaxing force") {
+    const LaboratoryResult result =
+        run(block +
+                "material: {youngs_modulus: 10 kPa, poissons_ratio: 0.3, density: 1e-3 kg/m3, relaxation: {terms: [[1, "
+                "0.5 s]]}}\nstiffness: prony:neo_hookean\nexperiment: {kind: relaxation, ramp: 0.2 s, fixture: {kind: "
+                "tension, axis: z, displacement: 0.3 um}}\ntime: {duration: 1 s, integrator: backward_euler, step: "
+                "5 ms, frames: 10}\n",
+            {}, {"material.relaxation.terms.0.1", "material.youngs_modulus"});
+    // F = E A e (1 + tau/T (exp(T/tau) - 1) exp(-t/tau)) behind the ramp T, of small strain e.
+    const auto force = [](double tau, double t) {
+      return 10e3 * 1e-4 * 2e-5 * (1 + tau / 0.2 * (std::exp(0.2 / tau) - 1) * std::exp(-t / tau));
+    };
+    const double closed = (force(0.501, 1) - force(0.499, 1)) / 0.002;
+    CHECK(gradient_of(result, "force", "material.relaxation.terms.0.1") == Approx(closed).epsilon(0.02));
+    CHECK(gradient_of(result, "force", "material.youngs_modulus") == Approx(force(0.5, 1) / 10e3).epsilon(2e-3));
+  }
+  SECTION("a free motion, that only E over density and time moves on") {
+    const Settings by{"material.youngs_modulus", "material.density"};
+    for (const std::string steps : {"integrator: newmark, step: 2 ms", "integrator: velocity_verlet"}) {
+      INFO(steps);
+      const LaboratoryResult result = run(
+          block + kSoft +
+              "stiffness: neo_hookean\nexperiment: {kind: release, fixture: {kind: tension, axis: z, strain: 1 %}}\n"
+              "time: {duration: 40 ms, frames: 8, " +
+              steps + "}\n",
+          {}, by);
+      const double own = 9e3 * gradient_of(result, "elongation", by[0]),
+                   other = 1e3 * gradient_of(result, "elongation", by[1]);
+      CHECK(std::abs(own) > 1e-6);
+      CHECK(own == Approx(-other).epsilon(1e-6));
+    }
+  }
+  SECTION("a load that is sought") {
+    const Settings by{"material.youngs_modulus", "experiment.force"};
+    const LaboratoryResult result =
+        run(block + kSoft +
+                "stiffness: neo_hookean\nexperiment: {kind: indentation, axis: z, indenter: {sphere: {radius: 8 mm}}, "
+                "force: 5 mN}\ncontact: {friction: 0}\n",
+            {}, by);
+    const double own = 9e3 * gradient_of(result, "depth", by[0]), other = 5e-3 * gradient_of(result, "depth", by[1]);
+    CHECK(own < -1e-5);
+    CHECK(own == Approx(-other).epsilon(1e-6));
+  }
 }
 
 TEST_CASE("the deviation of a measure is that of runs with normally distributed numbers", "[derivatives]") {
