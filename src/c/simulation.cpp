@@ -1,7 +1,10 @@
+#include <algorithm>
 #include <tuple>
 
 #include "c/handles.h"
+#include "elastin/core/laws/local.h"
 #include "elastin/core/simulation/saved_state.h"
+#include "elastin/core/solve/sensitivity.h"
 
 namespace elastin::c {
 namespace {
@@ -32,6 +35,22 @@ void require_molecule(const Simulation& simulation, int molecule) {
 void write(const Vector3& vector, double numbers[3], const char* name) {
   given(numbers, name);
   for (int axis = 0; axis < 3; ++axis) numbers[axis] = vector[axis];
+}
+
+/// Of a law that is a sum of elements; else 0.
+int elements_of(const Elasticity& law) { return law.local() ? law.local()->elements() : 0; }
+
+Positions columns_or_zero(const double* numbers, const Simulation& simulation) {
+  const int molecules = simulation.body().size();
+  return numbers ? Positions(Eigen::Map<const Positions>(numbers, 3, molecules)) : Positions::Zero(3, molecules);
+}
+
+void copy_out(const Positions& values, double* numbers) {
+  if (numbers) std::copy(values.data(), values.data() + values.size(), numbers);
+}
+
+void check_solve(const StaticResult& result) {
+  if (result.outcome != Outcome::converged) throw InputError("no derivative at this equilibrium: " + result.cause);
 }
 
 std::unique_ptr<elastin_simulation> simulate(const elastin_body& body, const char* name,
@@ -93,6 +112,52 @@ elastin_status elastin_settle(elastin_simulation* simulation, elastin_step_resul
     elastin_simulation& handle = given(simulation, "simulation");
     if (result) elastin::c::checked_copy(result, "elastin_step_result");
     return elastin::c::reported(handle.simulation.settle(), 1, result);
+  });
+}
+
+elastin_status elastin_stiffness_count(const elastin_simulation* simulation, size_t* count) {
+  return guarded([&] {
+    const auto& laws = given(simulation, "simulation").simulation.model().elasticity();
+    given(count, "count") = 0;
+    for (const auto& law : laws) *count += static_cast<size_t>(elastin::c::elements_of(*law));
+  });
+}
+
+elastin_status elastin_vjp(elastin_simulation* simulation, const double* of_positions, const double* of_reactions,
+                           double* by_forces, double* by_displacement, double* by_stiffness) {
+  return guarded([&] {
+    elastin::Simulation& own = given(simulation, "simulation").simulation;
+    elastin::Sensitivity sensitivity = own.sensitivity();
+    const elastin::Adjoint found = sensitivity.adjoint(elastin::c::columns_or_zero(of_positions, own),
+                                                       elastin::c::columns_or_zero(of_reactions, own));
+    elastin::c::check_solve(found.result);
+    elastin::c::copy_out(found.forces, by_forces), elastin::c::copy_out(found.displacement, by_displacement);
+    for (const auto& law : own.model().elasticity())
+      if (by_stiffness && elastin::c::elements_of(*law) > 0) {
+        const elastin::VectorX slopes = sensitivity.by_stiffness(*law, found);
+        by_stiffness = std::copy(slopes.begin(), slopes.end(), by_stiffness);
+      }
+  });
+}
+
+elastin_status elastin_jvp(elastin_simulation* simulation, const double* forces, const double* displacement,
+                           const double* stiffness, double* positions, double* reactions) {
+  return guarded([&] {
+    elastin::Simulation& own = given(simulation, "simulation").simulation;
+    elastin::Sensitivity sensitivity = own.sensitivity();
+    elastin::Positions by = elastin::c::columns_or_zero(forces, own);
+    for (const auto& law : own.model().elasticity())
+      if (const int count = elastin::c::elements_of(*law); stiffness && count > 0) {
+        by += sensitivity.forces_by_stiffness(*law, Eigen::Map<const elastin::VectorX>(stiffness, count));
+        stiffness += count;
+      }
+    const elastin::StaticResponse found = sensitivity.forward(by, elastin::c::columns_or_zero(displacement, own));
+    elastin::c::check_solve(found.result);
+    elastin::c::copy_out(found.motion, positions);
+    elastin::Positions of_molecules = elastin::Positions::Zero(3, by.cols());
+    for (std::size_t i = 0; i < own.model().supports.size(); ++i)
+      of_molecules.col(own.model().supports[i].molecule) = found.result.reactions.col(static_cast<Eigen::Index>(i));
+    elastin::c::copy_out(of_molecules, reactions);
   });
 }
 

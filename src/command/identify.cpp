@@ -74,6 +74,31 @@ void write_files(const Output& output, const std::vector<Answer>& answers) {
   }
 }
 
+/// Adds the files of "FOLDER" or "TEST=FOLDER" in order of their names, each as --data takes it; a file adds itself.
+void add_files(const std::string& given, std::vector<std::string>& files) {
+  const std::size_t equals = given.find('=');
+  const std::string test = equals == std::string::npos ? "" : given.substr(0, equals + 1),
+                    folder = given.substr(test.size());
+  if (!std::filesystem::exists(folder)) throw InputError("--each " + given + ": there is no such folder or file");
+  if (!std::filesystem::is_directory(folder)) return files.push_back(given);
+  std::vector<std::string> found;
+  for (const auto& entry : std::filesystem::directory_iterator(folder))
+    if (entry.is_regular_file() && !entry.path().filename().string().starts_with("."))
+      found.push_back(test + entry.path().string());
+  if (found.empty()) throw InputError("--each " + given + ": there is no file in this folder");
+  std::sort(found.begin(), found.end());
+  files.insert(files.end(), found.begin(), found.end());
+}
+
+/// Of many curves: the table, JSON, and a page of the first ones.
+void write_numbers(const Output& output, const std::vector<Answer>& answers) {
+  constexpr std::size_t shown = 12;
+  std::filesystem::create_directories(output.out);
+  write_whole(output.out + "/identify.json", identify_json(answers));
+  write_whole(output.out + "/numbers.csv", numbers_csv(answers));
+  write_whole(output.out + "/report.html", identify_page(answers, output.command, shown));
+}
+
 /// Fits the material of each scene to its measured tests; prints tables, and with --out writes the page, JSON, every
 /// point, and the scene with the numbers found.
 struct IdentifyCommand {
@@ -81,12 +106,19 @@ struct IdentifyCommand {
   Output output;
   IdentifyRequest request;
   std::string resumed;
+  std::vector<std::string> each;
 
   void add_to(Options& options) {
     scene.add_to(options);
     options
         .add("--data", "FILE", into(request.data),
              "CSV file instead of the scene's own: FILE, or TEST=FILE. May be repeated")
+        .repeated = true;
+    options
+        .add(
+            "--each", "FOLDER", [this](const std::string& given) { add_files(given, each); },
+            "One answer, a row of a table, for each file of a folder in the place of the scene's own: FOLDER, or "
+            "TEST=FOLDER; or a file. May be repeated")
         .repeated = true;
     options
         .add("--tests", "NAMES", each_of(into(request.tests)),
@@ -118,6 +150,14 @@ struct IdentifyCommand {
     std::vector<Answer> all;
     for (const SceneSource& source : sources) {
       if (interrupted()) break;
+      if (!each.empty()) {
+        for (const std::string& file : each) {
+          if (interrupted()) break;
+          progress.set(file);
+          add_curve(source, call.catalog, file, all);
+        }
+        continue;
+      }
       std::vector<Answer> answers = identify(source, call.catalog, request);
       progress.pause();
       print(answers);
@@ -127,6 +167,10 @@ struct IdentifyCommand {
       if (!output.out.empty()) write_files(output, all);
     }
     progress.pause();
+    if (!each.empty()) {
+      if (output.to_screen()) fmt::print("{}", answers_text(all, colours_on(STDOUT_FILENO)));
+      if (!output.out.empty()) write_numbers(output, all);
+    }
     if (output.json == "-")
       fmt::print("{}", identify_json(all));
     else if (!output.json.empty())
@@ -135,11 +179,26 @@ struct IdentifyCommand {
     return !interrupted() && std::all_of(all.begin(), all.end(), succeeded) ? 0 : 1;
   }
 
+  /// A curve that cannot be read is an answer, too.
+  void add_curve(const SceneSource& source, const Catalog& catalog, const std::string& file, std::vector<Answer>& all) {
+    IdentifyRequest own = request;
+    own.data = {file};
+    std::vector<Answer> answers;
+    try {
+      answers = identify(source, catalog, own);
+    } catch (const InputError& error) {
+      answers.emplace_back().cause = error.what();
+    }
+    for (Answer& answer : answers)
+      answer.scene = std::filesystem::path(file.substr(file.find('=') + 1)).stem().string();
+    std::move(answers.begin(), answers.end(), std::back_inserter(all));
+  }
+
   void print(const std::vector<Answer>& answers) const {
     if (!output.to_screen()) return;
     const bool colours = colours_on(STDOUT_FILENO);
     for (const Answer& answer : answers) fmt::print("{}", answer_text(answer, colours));
-    fmt::print("{}", strategies_text(answers, colours));
+    if (answers.size() > 1) fmt::print("{}", answers_text(answers, colours));
   }
 };
 

@@ -312,16 +312,10 @@ void add_hands(Class& simulation) {
           py::arg("coupling"));
 }
 
-/// About the equilibrium that the simulation stands in: what is left of it unbalanced must be small.
 template <class Act>
 auto with_sensitivity(Moving& self, const Act& act) {
   return self.in_turn([&](Simulation& s) {
-    Positions free = s.forces();
-    const double all = free.norm() + s.tensions().norm();
-    keep_free(s.model().supports, free);
-    if (free.norm() > 1e-6 * all)
-      throw InputError("derivatives are those of an equilibrium, and this state is none: call settle() first");
-    Sensitivity sensitivity(s.model(), s.state());
+    Sensitivity sensitivity = s.sensitivity();
     return act(s, sensitivity);
   });
 }

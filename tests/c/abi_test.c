@@ -253,6 +253,33 @@ static void rests(void) {
   elastin_body_free(body);
 }
 
+/* What one function makes of all inputs is what each input makes of it. */
+static void derivatives(void) {
+  const elastin_value weight[] = {{"acceleration_z", -9.81}};
+  double in[3][400], out[5][400], one = 0, other = 0;
+  size_t count = 0, i;
+  int molecule;
+  elastin_simulation* simulation = tissue(NULL);
+  OK(elastin_add(simulation, "gravity", weight, 1));
+  for (molecule = 0; molecule < 9; ++molecule) OK(elastin_fix(simulation, molecule, 0));
+  REFUSED(elastin_vjp(simulation, NULL, NULL, out[0], NULL, NULL), "call settle() first");
+  OK(elastin_settle(simulation, NULL));
+  OK(elastin_stiffness_count(simulation, &count));
+  CHECK(count > 36 && count <= 400);
+  for (i = 0; i < 400; ++i)
+    in[0][i] = sin(1.0 + (double)i), in[1][i] = i < 27 ? 1e-3 * cos(3.0 * (double)i) : 0, in[2][i] = sin(7.0 * (double)i);
+  /* m = sum of sin(i) x_i and 1e-3 cos(3 i) R_i */
+  OK(elastin_vjp(simulation, in[0], in[1], out[0], out[1], out[2]));
+  OK(elastin_jvp(simulation, in[2], in[1], in[2], out[3], out[4]));
+  for (i = 0; i < 108; ++i) one += in[0][i] * out[3][i] + in[1][i] * out[4][i];
+  for (i = 0; i < 108; ++i) other += out[0][i] * in[2][i] + out[1][i] * in[1][i];
+  for (i = 0; i < count; ++i) other += out[2][i] * in[2][i];
+  CHECK(fabs(one) > 0 && fabs(one - other) < 1e-9 * fabs(one));
+  OK(elastin_vjp(simulation, NULL, NULL, NULL, NULL, out[2]));
+  CHECK(out[2][0] == 0);
+  elastin_simulation_free(simulation);
+}
+
 static void stepping(void) {
   static twin_run twin, run;
   const elastin_value weight[] = {{"acceleration_z", -9.81}}, damping[] = {{"mass", 20}};
@@ -624,6 +651,7 @@ int main(void) {
   bodies();
   drawing();
   rests();
+  derivatives();
   stepping();
   refusals();
   preparing();

@@ -18,6 +18,12 @@ function weight_on_a_spring(elastin) {
   near(tissue.positions[5], -0.1 - 0.5 * 9.81 / 200, 1e-9);
   near(tissue.reaction(0)[2], 0.5 * 9.81 + 9.81, 1e-6);
   near(tissue.tensions[0], 0.5 * 9.81, 1e-6);
+  // z = -m g / k: dz/d(ln k) = m g / k, dz/dF = 1 / k.
+  assert.strictEqual(tissue.stiffness_count, 1);
+  const by = tissue.vjp({positions: [0, 0, 0, 0, 0, 1]});
+  near(by.stiffness[0], 0.5 * 9.81 / 200, 1e-6), near(by.forces[5], 1 / 200, 1e-9), near(by.displacement[2], 1, 1e-9);
+  near(tissue.jvp({stiffness: [1]}).positions[5], 0.5 * 9.81 / 200, 1e-6);
+  assert.throws(() => tissue.vjp({positions: [1]}), /positions has 1 numbers; it needs 6/);
   tissue.free();
   body.free();
 }

@@ -264,6 +264,18 @@ ELASTIN_API elastin_status elastin_iteration_error(elastin_simulation*, double d
 ELASTIN_API elastin_status elastin_settle(elastin_simulation* simulation, elastin_step_result* result);
 ELASTIN_API elastin_status elastin_time(const elastin_simulation* simulation, double* time); /* [s] */
 
+/* Derivatives about the equilibrium that elastin_settle has found, by one linear solve each. `molecules` arrays have
+ * 3 numbers a molecule, `stiffness` ones elastin_stiffness_count of them: the logarithm of the stiffness of each
+ * connection or cell, law after law. Inputs that are null are zero, outputs that are null are not wanted.
+ * vjp: from dm/dx and dm/dR of a function m of positions and of reactions of held molecules, that by forces on all
+ * molecules, by displacements of held ones, and by stiffness. jvp: how positions and reactions change along changes of
+ * these. */
+ELASTIN_API elastin_status elastin_stiffness_count(const elastin_simulation*, size_t* count);
+ELASTIN_API elastin_status elastin_vjp(elastin_simulation*, const double* of_positions, const double* of_reactions,
+                                       double* by_forces, double* by_displacement, double* by_stiffness);
+ELASTIN_API elastin_status elastin_jvp(elastin_simulation*, const double* forces, const double* displacement,
+                                       const double* stiffness, double* positions, double* reactions);
+
 /* Views: one address as long as the simulation lives and its topology stays; `count` numbers, may be null. */
 ELASTIN_API elastin_status elastin_positions(const elastin_simulation*, const double** values, size_t* count); /* [m] */
 /* Puts the molecules there [m], 3 * molecules numbers, between steps: a body may begin elsewhere than at rest.

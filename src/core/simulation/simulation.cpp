@@ -16,6 +16,7 @@
 #include "elastin/core/forces/volume.h"
 #include "elastin/core/simulation/fibres.h"
 #include "elastin/core/simulation/parts.h"
+#include "elastin/core/solve/sensitivity.h"
 
 namespace elastin {
 namespace {
@@ -304,6 +305,15 @@ StepResult Simulation::step(double dt) noexcept {
       observer.see(*this);
     }
   return result;
+}
+
+Sensitivity Simulation::sensitivity() {
+  Positions free = forces();
+  const double all = free.norm() + tensions().norm();
+  keep_free(model().supports, free);
+  if (free.norm() > 1e-6 * all)
+    throw InputError("derivatives are those of an equilibrium, and this state is none: call settle() first");
+  return Sensitivity(model(), state());
 }
 
 StaticResult Simulation::settle(const StaticOptions& options) {

@@ -61,7 +61,8 @@ struct LawAnswer {
 
 /// What was found of one scene.
 struct Answer {
-  std::string scene, title, law, strategy;
+  std::string scene;  ///< its name, or that of the file of data, of many
+  std::string title, law, strategy;
   std::string published_source;  ///< of the published numbers, where there are any
   FitOutcome outcome = FitOutcome::failed;
   std::string cause;
@@ -135,15 +136,20 @@ std::vector<Answer> identify(const SceneSource& scene, const Catalog& catalog, c
 /// The tables of the terminal: numbers with intervals, tests, laws, warnings, the material.
 std::string answer_text(const Answer& answer, bool colours);
 
-/// What each strategy makes of the same curve: its numbers, its misfit and its time; "" of one answer.
-std::string strategies_text(const std::vector<Answer>& answers, bool colours);
+/// What each strategy makes of the same curve, or one of many curves: numbers, misfit and time, a row each.
+std::string answers_text(const std::vector<Answer>& answers, bool colours);
+
+/// The same for a spreadsheet, SI: of each number its value and the ends of its interval.
+std::string numbers_csv(const std::vector<Answer>& answers);
 
 /// {"law", "parameters": [{name, value, unit, low, high}], "correlation": [[…]], "relative_rms": {test: …}, "warnings":
 /// [], …} of one answer; of several {"identifications": [{…}, …]}. SI units; what is not finite is null.
 std::string identify_json(const std::vector<Answer>& answers);
 
 /// One HTML page that needs no other file: data with fits, residuals, intervals, correlation, laws, warnings.
-std::string identify_page(const std::vector<Answer>& answers, const std::string& command);
+/// @param shown how many of the answers it shows in full
+std::string identify_page(const std::vector<Answer>& answers, const std::string& command,
+                          std::size_t shown = std::numeric_limits<std::size_t>::max());
 
 /// The cells with their factors for ParaView, and for `material.fields.stiffness` of a scene.
 std::string field_vtu(const Answer& answer);

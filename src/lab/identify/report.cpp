@@ -464,8 +464,33 @@ std::string answer_text(const Answer& answer, bool colours) {
   return out + "\n";
 }
 
-std::string strategies_text(const std::vector<Answer>& answers, bool colours) {
-  return answers.size() > 1 ? strategy_table(answers).text(colours) + "\n" : "";
+std::string answers_text(const std::vector<Answer>& answers, bool colours) {
+  return answers.empty() ? "" : strategy_table(answers).text(colours) + "\n";
+}
+
+std::string numbers_csv(const std::vector<Answer>& answers) {
+  std::vector<std::string> names;
+  for (const Answer& answer : answers)
+    for (const FoundNumber& number : answer.numbers)
+      if (const std::string name = number.name + " [" + si_unit(number.unit) + "]";
+          std::find(names.begin(), names.end(), name) == names.end())
+        names.push_back(name);
+  std::string out = "curve";
+  for (const std::string& name : names) out += "," + name + "," + name + " from," + name + " to";
+  out += ",rms,outcome,cause\n";
+  for (const Answer& answer : answers) {
+    out += csv_field(answer.scene);
+    for (const std::string& name : names) {
+      const auto found = std::find_if(answer.numbers.begin(), answer.numbers.end(), [&](const FoundNumber& number) {
+        return name == number.name + " [" + si_unit(number.unit) + "]";
+      });
+      for (double FoundNumber::*value : {&FoundNumber::value, &FoundNumber::low, &FoundNumber::high})
+        out += "," + (found == answer.numbers.end() ? "" : csv_number((*found).*value));
+    }
+    out += fmt::format(",{},{},{}\n", answer.tests.empty() ? "" : csv_number(whole_rms(answer)),
+                       name_of(answer.outcome), csv_field(answer.cause));
+  }
+  return out;
 }
 
 std::string identify_json(const std::vector<Answer>& answers) {
@@ -475,14 +500,18 @@ std::string identify_json(const std::vector<Answer>& answers) {
   return Json{{"identifications", list}}.dump(1) + "\n";
 }
 
-std::string identify_page(const std::vector<Answer>& answers, const std::string& command) {
+std::string identify_page(const std::vector<Answer>& answers, const std::string& command, std::size_t shown) {
   std::string out =
       page_begin(answers.empty() ? "" : answers.front().title, "Elastin · from a measured curve to the material");
   out += "</header>\n<main class=\"scene\">\n";
   if (answers.size() > 1)
     out += figure_html(strategy_plot(answers), "Misfit over time of the fit", "strategies") +
            card_html("All fits", strategy_table(answers).html());
-  for (const Answer& answer : answers) out += answer_html(answer);
+  for (const Answer& answer : answers)
+    if (shown-- > 0)
+      out += answer_html(answer);
+    else
+      break;
   return out + page_end(this_machine().text(), command);
 }
 

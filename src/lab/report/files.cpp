@@ -19,24 +19,23 @@
 #include "lab/run/cell_stress.h"
 
 namespace elastin::lab {
-namespace {
 
-/// A number with all its digits, or nothing: files never hold NaN.
-std::string cell(double value) { return std::isfinite(value) ? fmt::format("{}", value) : ""; }
+std::string csv_number(double value) { return std::isfinite(value) ? fmt::format("{}", value) : ""; }
 
-/// "elongation [m]"
-std::string headed(const MeasureInfo& info) {
-  const std::string unit = info.unit_text();
-  return info.name + (unit.empty() ? "" : " [" + unit + "]");
-}
-
-/// What a spreadsheet would take for a formula begins with an apostrophe, its sign for text.
 std::string csv_field(std::string text) {
   if (!text.empty() && std::string_view("=+-@").find(text[0]) != std::string_view::npos) text.insert(0, 1, '\'');
   if (text.find_first_of(",\"\n") == std::string::npos) return text;
   std::string out = "\"";
   for (const char c : text) out += c == '"' ? std::string("\"\"") : std::string(1, c);
   return out + "\"";
+}
+
+namespace {
+
+/// "elongation [m]"
+std::string headed(const MeasureInfo& info) {
+  const std::string unit = info.unit_text();
+  return info.name + (unit.empty() ? "" : " [" + unit + "]");
 }
 
 /// "body.lattice.molecules=[5, 5, 5]; …": what a study has changed.
@@ -169,13 +168,13 @@ std::string csv_text(const std::vector<Record>& records) {
     const Run& run = record.run;
     out += fmt::format("{},{},{},{},{},{},{},{}", csv_field(record.scene), csv_field(run.strategy), run.solver,
                        outcome_name(run), record.molecules, record.connections, record.cells, record.threads);
-    for (const MeasureInfo& info : measures) out += "," + cell(run.measures.get(info.name));
-    for (const std::string& name : errors) out += "," + cell(record.error(name));
+    for (const MeasureInfo& info : measures) out += "," + csv_number(run.measures.get(info.name));
+    for (const std::string& name : errors) out += "," + csv_number(record.error(name));
     std::string notes = run.cause;
     for (const std::string& warning : record.warnings) notes += (notes.empty() ? "" : "; ") + warning;
-    out += fmt::format(",{},{},{},{},{},{},{},{},{},{}\n", cell(run.build_seconds), cell(run.solve_seconds),
-                       std::max<std::size_t>(1, record.repeats.size()), cell(record.median_seconds()),
-                       variant_field(record), run.newton_iterations, run.linear_iterations, cell(run.residual),
+    out += fmt::format(",{},{},{},{},{},{},{},{},{},{}\n", csv_number(run.build_seconds), csv_number(run.solve_seconds),
+                       std::max<std::size_t>(1, record.repeats.size()), csv_number(record.median_seconds()),
+                       variant_field(record), run.newton_iterations, run.linear_iterations, csv_number(run.residual),
                        run.zero_energy_modes, csv_field(notes));
   }
   return out;
@@ -189,11 +188,11 @@ std::string curve_csv_text(const Record& record) {
   out += in_time ? ",step [s],steps,newton_iterations,linear_iterations\n"
                  : ",newton_iterations,linear_iterations,residual\n";
   for (const CurvePoint& row : record.run.curve) {
-    out += cell(in_time ? row.time : row.load_factor);
-    for (const MeasureInfo* info : columns) out += "," + cell(row.measures.get(info->name));
-    if (in_time) out += fmt::format(",{},{}", cell(row.step), row.steps);
+    out += csv_number(in_time ? row.time : row.load_factor);
+    for (const MeasureInfo* info : columns) out += "," + csv_number(row.measures.get(info->name));
+    if (in_time) out += fmt::format(",{},{}", csv_number(row.step), row.steps);
     out += fmt::format(",{},{}{}\n", row.newton_iterations, row.linear_iterations,
-                       in_time ? "" : "," + cell(row.residual));
+                       in_time ? "" : "," + csv_number(row.residual));
   }
   return out;
 }

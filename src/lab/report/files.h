@@ -9,6 +9,11 @@ namespace elastin::lab {
 /// Writes a whole file or none: to a neighbour first, then in its place. Throws InputError naming the path.
 void write_whole(const std::string& path, const std::string& text);
 
+/// A number with all its digits, or nothing: files never hold NaN.
+std::string csv_number(double value);
+/// What a spreadsheet would take for a formula begins with an apostrophe, its sign for text.
+std::string csv_field(std::string text);
+
 /// One row a run; columns scene, strategy, …, every measure there is, so that files of several scenes can be joined,
 /// every error, seconds.
 std::string csv_text(const std::vector<Record>& records);

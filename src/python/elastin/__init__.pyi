@@ -371,7 +371,8 @@ class Simulation:
             displacement: ArrayLike | None = None,
             stiffness: Sequence[ArrayLike] = ...) -> tuple[Floats, Floats]:
         """How positions and reactions, each (n, 3), of the equilibrium that settle() has found change with forces on
-        all molecules and displacements of fixed ones, (n, 3): a derivative along these."""
+        all molecules and displacements of fixed ones, (n, 3), and the logarithms of the stiffness of all elements, a
+        list as vjp() gives it: a derivative along these."""
     def couple(self, molecule: int, position: ArrayLike, stiffness: float, damping: float = 0.0) -> int:
         """A spring [N/m] and damper [N s/m] between a molecule and a position [m]: a tool. Gives the coupling's number."""
     def move_coupling(self, coupling: int, position: ArrayLike, velocity: ArrayLike = ...) -> None:

@@ -132,6 +132,16 @@ export class Simulation {
   step(dt: number): void;
   /** Goes to the equilibrium of all that acts now. */
   settle(): void;
+  /** Connections and cells with a stiffness each, law after law. */
+  readonly stiffness_count: number;
+  /** About the equilibrium that settle() has found: from the derivatives of a function by positions and by reactions of held
+   *  molecules, three numbers a molecule, those by forces on all molecules, by displacements of held ones, and by the
+   *  logarithm of each stiffness. */
+  vjp(of: {positions?: ArrayLike<number>, reactions?: ArrayLike<number>}):
+    {forces: Float64Array, displacement: Float64Array, stiffness: Float64Array};
+  /** How positions and reactions change along changes of these. */
+  jvp(along: {forces?: ArrayLike<number>, displacement?: ArrayLike<number>, stiffness?: ArrayLike<number>}):
+    {positions: Float64Array, reactions: Float64Array};
   /** Holds a molecule where it is, but for the axes that are free. */
   fix(molecule: number, free?: Axis | Axis[]): void;
   release(molecule: number): void;

@@ -226,6 +226,39 @@ class Simulation extends ElastinSimulation {
   get tensions() { return this.view('tensions'); }
   get host_forces() { return this.view('host_forces'); }
 
+  /** Copies of the arrays of these lengths that a function of the C API fills; what it is given has other lengths. */
+  filled(name, given, lengths) {
+    let rooms;
+    call(this.module, name, memory => {
+      const takes = Object.entries(given).map(([what, [values, length]]) => {
+        if (values && values.length !== length) throw new ElastinError(`${what} has ${values.length} numbers; it needs ${length}`);
+        return array(memory, values, what);
+      });
+      rooms = lengths.map(length => memory.room(8 * length));
+      return [this.handle, ...takes, ...rooms];
+    });
+    return rooms.map((at, i) => this.module.HEAPF64.slice(at / 8, at / 8 + lengths[i]));
+  }
+
+  get stiffness_count() {
+    this.check(this.module._elastin_stiffness_count(this.handle, this.scratch));
+    return this.module.HEAPU32[this.scratch / 4];
+  }
+
+  vjp({positions, reactions} = {}) {
+    const length = this.positions.length;
+    const [forces, displacement, stiffness] = this.filled('elastin_vjp',
+      {positions: [positions, length], reactions: [reactions, length]}, [length, length, this.stiffness_count]);
+    return {forces, displacement, stiffness};
+  }
+
+  jvp({forces, displacement, stiffness} = {}) {
+    const length = this.positions.length;
+    const [positions, reactions] = this.filled('elastin_jvp', {forces: [forces, length],
+      displacement: [displacement, length], stiffness: [stiffness, this.stiffness_count]}, [length, length]);
+    return {positions, reactions};
+  }
+
   save() {
     this.check(this.module._elastin_save(this.handle, 0, 0, this.scratch));
     const count = this.module.HEAPU32[this.scratch / 4], at = this.module._malloc(count);

@@ -119,7 +119,7 @@ TEST_CASE("springs are fitted to the same curve as the solid", "[identify]") {
   REQUIRE(some.size() == 2);
   CHECK(some[0].outcome == FitOutcome::failed);
   CHECK(some[0].cause.find("needs a simple cubic lattice") != std::string::npos);
-  CHECK(strategies_text(some, false).find("needs a simple cubic lattice") != std::string::npos);
+  CHECK(answers_text(some, false).find("needs a simple cubic lattice") != std::string::npos);
   CHECK(some[1].outcome == FitOutcome::converged);
   CHECK_THROWS_WITH(identify(scene, kCatalog, {.strategies = "lattice"}),
                     Catch::Matchers::Contains("needs a simple cubic lattice"));

@@ -16,6 +16,8 @@
 
 namespace elastin {
 
+class Sensitivity;  // elastin/core/solve/sensitivity.h
+
 /// Names a virtual coupling (see Simulation::couple); never used again after decouple.
 using CouplingId = int;
 /// Names a load (see Simulation::add_load), from 1; never used again after remove_load.
@@ -147,6 +149,9 @@ class Simulation {
   /// Solves for the equilibrium of all that acts at this time, and leaves the body there, at rest: a start. Allocates.
   /// std::bad_alloc leaves the state as it was.
   StaticResult settle(const StaticOptions& options = {});
+  /// Derivatives about the equilibrium that settle() has found. Throws InputError where what is left unbalanced is more
+  /// than 1e-6 of all forces. Of use until the next step, cut or change.
+  Sensitivity sensitivity();
 
   const Positions& positions() const noexcept;  ///< [m], 3 × n
   /// Puts the molecules there [m], 3 × n, between steps: a body may begin elsewhere than at rest. Velocities stay, and
