@@ -504,9 +504,10 @@ TEST_CASE("each file of a folder of curves is an answer of its own", "[command][
   folder.write("curves/first.csv", curve);
   folder.write("curves/second.csv", "nominal strain,nominal stress [kPa]\n0.01,0.2\n0.02,0.4\n0.03,0.6\n");
   folder.write("curves/torn.csv", "nominal strain,nominal stress\n0.01,0.2\n");
-  const std::string scene = folder.write("scene.yaml",
-                                         "material: {curve: {points: [[0, 0 Pa], [0.05, 1 kPa]]}, poissons_ratio: 0.3}\n"
-                                         "identify: {tests: [{kind: uniaxial, file: curves/first.csv}]}\n");
+  const std::string scene =
+      folder.write("scene.yaml",
+                   "material: {curve: {points: [[0, 0 Pa], [0.05, 1 kPa]]}, poissons_ratio: 0.3}\n"
+                   "identify: {tests: [{kind: uniaxial, file: curves/first.csv}]}\n");
   const Said said = say("identify " + scene + " --each " + folder.path("curves") + " --out " + folder.path("out"));
   CHECK(said.code == 1);  // of the torn one
   const std::string numbers = text_of_file(folder.path("out/numbers.csv"));

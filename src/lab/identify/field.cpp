@@ -44,6 +44,18 @@ class CellFactors {
       of_ends_[std::minmax(body.connections.ends[c][0], body.connections.ends[c][1])] = c;
   }
 
+  /// Logarithms of what a body has already.
+  VectorX start(const Body& body) const {
+    VectorX factors = VectorX::Ones(static_cast<Eigen::Index>(cells.size()));
+    int next = 0;
+    for (const CellBlock& block : body.blocks) {
+      if (block.kind->dimensions != 3) continue;
+      if (block.stiffness.size()) factors.segment(next, block.size()) = block.stiffness;
+      next += block.size();
+    }
+    if (next == 0 && body.cell_stiffness.size() == factors.size()) factors = body.cell_stiffness;
+    return factors.array().log();
+  }
   void put(const VectorX& factors, Body& body) const {
     body.connection_stiffness = shares * factors;
     for (Eigen::Index c = 0; c < body.connection_stiffness.size(); ++c)
@@ -313,9 +325,9 @@ VectorX signs(std::mt19937_64& generator, Eigen::Index count) {
 /// The search for one smoothness after the other.
 class FieldSearch {
  public:
-  FieldSearch(const FieldChoice& choice, Readings& readings, const Smoothness& smoothness, const FieldOptions& options)
-      : choice_(choice), readings_(readings), smoothness_(smoothness), options_(options) {
-    e = VectorX::Zero(smoothness.matrix.rows());
+  FieldSearch(const FieldChoice& choice, Readings& readings, const Smoothness& smoothness, VectorX start,
+              const FieldOptions& options)
+      : e(std::move(start)), choice_(choice), readings_(readings), smoothness_(smoothness), options_(options) {
     r = readings_.differences(e);
     if (r.size() == 0) throw InputError("no field: " + readings_.why);
     const VectorX whole = readings_.forward(VectorX::Ones(e.size()));
@@ -434,8 +446,6 @@ FoundField find_field(const FieldChoice& choice, std::vector<WeightedTest>& test
       if (test.test->data().deviations.size() == 0)
         choice.fail("several tests count by their noise: give '" + test.stated->name +
                     "' its `sigma`, or a column of that name");
-  if (body->connection_stiffness.size() || body->cell_stiffness.size())
-    choice.fail("the body has regions or fields of stiffness already; leave them out");
   const CellFactors cells(*body);
   if (cells.cells.size() < 2) choice.fail("the body has no solid cells: give it `cells: delaunay`, or a mesh");
   FoundField found;
@@ -452,7 +462,7 @@ FoundField find_field(const FieldChoice& choice, std::vector<WeightedTest>& test
   found.shape = shape;
   const Smoothness smoothness(cells.cells, body->rest, found.middles);
   Readings readings(tests, cells);
-  FieldSearch search(choice, readings, smoothness, options);
+  FieldSearch search(choice, readings, smoothness, cells.start(*body), options);
   const double scatter = readings.scatter();
   const auto attempt = [&](double alpha, double enough) {
     if (options.progress)

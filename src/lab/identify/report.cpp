@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <numeric>
 
 #include "core/base/named.h"
 #include "elastin/core/base/text.h"
@@ -48,7 +49,7 @@ Table number_table(const Answer& answer) {
 
 /// What was found of a field: its range over the cells, with the E of the material.
 Table field_table(const FoundField& field) {
-  Table table({"factor of the stiffness", "", "deviation", "at x, y, z"});
+  Table table({"factor of the stiffness", "value", "deviation", "at x, y, z"});
   Eigen::Index low = 0, high = 0;
   field.factors.minCoeff(&low), field.factors.maxCoeff(&high);
   for (const auto& [name, cell] : {std::pair{"lowest", low}, {"highest", high}}) {
@@ -70,14 +71,23 @@ std::string field_text(const FoundField& field) {
                      counted(field.linear_solves, "linear solve"));
 }
 
-/// Where the cells lie in the plane in which they spread most, by their factors.
+/// Cells about the one that differs most, in the plane in which they spread most, by their factors.
 Plot field_plot(const FoundField& field) {
   const Vector3 spread = field.middles.rowwise().maxCoeff() - field.middles.rowwise().minCoeff();
   int least = 0;
   spread.minCoeff(&least);
   const int right = least == 0 ? 1 : 0, up = least == 2 ? 1 : 2;
   Plot plot;
-  plot.title = "Factor of the stiffness in each cell";
+  Eigen::Index most = 0;
+  (field.factors.array().log() - field.factors.array().log().mean()).abs().maxCoeff(&most);
+  const double layer = field.middles(least, most);
+  std::vector<Eigen::Index> cells(static_cast<std::size_t>(field.factors.size()));
+  std::iota(cells.begin(), cells.end(), 0);
+  std::stable_sort(cells.begin(), cells.end(), [&](auto a, auto b) {
+    return std::abs(field.middles(least, a) - layer) < std::abs(field.middles(least, b) - layer);
+  });
+  cells.resize(std::min(cells.size(), static_cast<std::size_t>(60 + 2 * std::pow(field.factors.size(), 2. / 3))));
+  plot.title = fmt::format("Factor of the stiffness of cells near {} = {:.3g} mm", "xyz"[least], 1e3 * layer);
   plot.x = {std::string(1, "xyz"[right]), "mm", false}, plot.y = {std::string(1, "xyz"[up]), "mm", false};
   const double low = std::log(field.factors.minCoeff()), high = std::log(field.factors.maxCoeff());
   constexpr int classes = 5;
@@ -85,7 +95,7 @@ Plot field_plot(const FoundField& field) {
     const double from = std::exp(low + (high - low) * i / classes),
                  to = std::exp(low + (high - low) * (i + 1) / classes);
     PlotSeries marks{fmt::format("{:.3g} to {:.3g}", from, to), i, PlotSeries::Kind::marks, {}};
-    for (Eigen::Index cell = 0; cell < field.factors.size(); ++cell)
+    for (const Eigen::Index cell : cells)
       if (const double f = field.factors[cell]; (f >= from || i == 0) && (f < to || i == classes - 1))
         marks.points.push_back(
             {1e3 * field.middles(right, cell), 1e3 * field.middles(up, cell), fmt::format("{:.3g}", f)});
