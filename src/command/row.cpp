@@ -83,7 +83,7 @@ void add_run_options(Options& options, Request& request, const std::string& more
               "Strategies instead of the scene's own, separated by commas; all: every strategy");
   options
       .add("--gradient", "KEY,KEY", each_of(into(request.gradient)),
-           "Derivatives of every measure at rest by numbers of the scene, named as of --set; SI")
+           "Derivatives of every measure by numbers of the scene, named as of --set; SI")
       .repeated = true;
   options.add("--reference", "computed|none", one_of({"computed", "none"}, into(request.reference)),
               "computed: compute the references of every scene that has a domain; none: of no scene");

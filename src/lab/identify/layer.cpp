@@ -143,9 +143,10 @@ class LayerTest final : public MeasuredTest {
  public:
   LayerTest(MeasuredData data, const DataTest& test, const Material& material)
       : MeasuredTest(std::move(data)), stated_(test) {
-    std::string note = "E and nu alone count, in small strains";
-    const double zero = test.contact_given ? 0 : first_guess();
-    if (const double most = data_.x.maxCoeff() - zero; std::isfinite(test.thickness) && most > 0)
+    std::string note = test.kind->in_time ? "E, nu and relaxation alone count, in small strains"
+                                          : "E and nu alone count, in small strains";
+    const double most = test.kind->in_time ? test.depth : data_.x.maxCoeff() - (test.contact_given ? 0 : first_guess());
+    if (std::isfinite(test.thickness) && most > 0)
       note += fmt::format("; at the largest depth the layer is {:.3g} times as stiff as a half-space",
                           layer(material.poissons_ratio).stiffening(most));
     data_.notes.push_back(note);
@@ -169,7 +170,7 @@ class LayerTest final : public MeasuredTest {
     if (stated_.adhesion > 0)
       numbers.push_back({stated_.name + "_adhesion", dimension::stiffness, 0, std::numeric_limits<double>::infinity(),
                          true, stated_.adhesion, MaterialNumber::Kind::rule_parameter});
-    if (stated_.contact_given) return numbers;
+    if (stated_.contact_given || stated_.kind->in_time) return numbers;
     const double range = data_.x.maxCoeff() - data_.x.minCoeff();
     numbers.push_back({name(), dimension::length, data_.x.minCoeff() - range, data_.x.maxCoeff(), false, first_guess(),
                        MaterialNumber::Kind::rule_parameter, 0, 0, range});
@@ -204,9 +205,47 @@ class LayerTest final : public MeasuredTest {
     const double zero = found == trial.rule.end() ? 0 : found->second;
     const auto sticky = trial.rule.find(stated_.name + "_adhesion");
     const double adhesion = sticky == trial.rule.end() ? stated_.adhesion : sticky->second;
+    if (stated_.kind->in_time) return over_time(trial, modulus, along);
     const bool drawn = stated_.branch == BranchChoice::unloading;
     return VectorX(along.unaryExpr(
         [&](double depth) { return modulus * layer(nu).force(depth - zero, adhesion / modulus, drawn); }));
+  }
+
+  /// The force at times after contact, F = ∫ G(t − s) dFᵉ(δ(s)) over the times s up to t₁ [Lee & Radok 1960]: t itself
+  /// while the contact grows, and while it shrinks the time at which it was as wide, from ∫ G(t − s) dδ(s) = 0 over t₁
+  /// … t [Ting 1966].
+  VectorX over_time(const Trial& trial, double modulus, const VectorX& times) const {
+    constexpr int intervals = 200;
+    const Relaxation relaxation = trial.material.relaxation.value_or(Relaxation{});
+    const double ramp = stated_.ramp, back = stated_.back > 0 ? stated_.back : ramp, kept = ramp + stated_.hold;
+    const auto of_depth = [&](double depth) {
+      return modulus * layer(trial.material.poissons_ratio).force(depth, 0, false);
+    };
+    // ∫ G(t − s) ds over a … b, b ≤ t.
+    const auto kernel = [&](double t, double a, double b) {
+      double sum = relaxation.long_term() * (b - a);
+      for (const auto& [share, tau] : relaxation.terms)
+        sum += share * tau * std::exp((b - t) / tau) * -std::expm1((a - b) / tau);
+      return sum;
+    };
+    return times.unaryExpr([&](double t) {
+      double until = std::min(t, ramp);
+      if (t > kept) {
+        const double drawn = kernel(t, kept, std::min(t, kept + back)) / back;
+        const auto grown = [&](double from) { return kernel(t, from, ramp) / ramp; };
+        if (t >= kept + back || grown(0) <= drawn) return 0.;
+        double low = 0, high = ramp;
+        for (int i = 0; i < 60; ++i) (grown((low + high) / 2) > drawn ? low : high) = (low + high) / 2;
+        until = low;
+      }
+      double sum = 0;
+      for (int i = 0; i < intervals && until > 0; ++i) {
+        const double from = until * i / intervals, to = until * (i + 1) / intervals;
+        sum += (of_depth(stated_.depth * to / ramp) - of_depth(stated_.depth * from / ramp)) * kernel(t, from, to) /
+               (to - from);
+      }
+      return sum;
+    });
   }
 
   const DataTest& stated_;

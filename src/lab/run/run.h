@@ -156,7 +156,7 @@ struct RunOptions {
   std::function<void(const std::string& text)> checkpoint = {};  ///< called after frames that are to be kept
   /// Asked after each step in time and before each load step and iteration of Newton's method; true ends the run.
   std::function<bool()> stop = {};
-  std::shared_ptr<Derivatives> derivatives = {};  ///< of the measures at rest, to be taken too; null: none
+  std::shared_ptr<Derivatives> derivatives = {};  ///< of the measures, to be taken too; null: none
 };
 
 /// Why a strategy cannot be used to identify a material, or "".

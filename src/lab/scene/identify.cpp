@@ -111,12 +111,14 @@ void read_indenter(Reader reader, DataTest& test) {
 const Keys<DataTest>& data_test_keys() {
   using S = DataTest;
   const auto is_relaxation = [](const S& test) { return test.kind->in_time && !test.kind->oscillates; };
+  const auto of_pressing = [](const S& test) { return test.kind->layer && !test.kind->in_time; };
+  const auto of_depth = [](const S& test) { return test.kind->in_time && test.kind->layer; };
   const auto curved = [](const S& test) { return !test.kind->in_time && !test.kind->points; };
   const auto a_curve = [](const S& test) { return !test.kind->points; };
   const auto of_layer = [](const S& test) { return test.kind->layer; };
   const auto with_zero = [](const S& test) { return !test.kind->in_time && !test.kind->points && !test.kind->layer; };
   const auto of_points = [](const S& test) { return test.kind->points; };
-  const auto of_strain = [=](const S& test) { return is_relaxation(test) && !test.scene; };
+  const auto of_strain = [=](const S& test) { return is_relaxation(test) && !test.scene && !test.kind->layer; };
   std::vector<std::pair<std::string, const DataTestKind*>> kinds;
   for (const DataTestKind& kind : data_test_kinds()) kinds.emplace_back(kind.name, &kind);
   static const Keys<S> keys{
@@ -199,22 +201,32 @@ const Keys<DataTest>& data_test_keys() {
           "work of adhesion of a sphere on a half-space, with which the search for `NAME_adhesion` begins, by "
           "Johnson, Kendall and Roberts; of `branch: unloading` down to where it snaps off",
           kPositive)
-          .when(of_layer)
+          .when(of_pressing)
           .otherwise("none"),
       key::choice("contact_point", &S::contact_given, {{"found", false}, {"as_given", true}},
                   "where the indenter touches: an unknown, `NAME_contact_point`, or depth 0 of the file")
-          .when(of_layer),
+          .when(of_pressing),
       key::text("measure", &S::measure,
                 "of `specimen`: which of the scene's measures the response is, such as `arm_reaction_x`")
           .when([](const S& test) { return test.kind->of_scene() && !test.kind->points; })
           .otherwise("the first one of this quantity"),
       key::choice("held", &S::held, homogeneous_names(),
                   "of `relaxation`: the state that is kept; of a modulus over the frequency: in which it oscillates")
-          .when([](const S& test) { return test.kind->in_time && !test.scene; }),
+          .when([](const S& test) { return test.kind->in_time && !test.kind->layer && !test.scene; }),
       key::quantity("strain", &S::strain, dimension::none, "of `relaxation`: that is kept")
           .needed_when(of_strain, "needed for `relaxation` without `scene`"),
-      key::quantity("ramp", &S::ramp, dimension::time, "of `relaxation`: time in which the strain grows", kNotNegative)
-          .when(is_relaxation)};
+      key::quantity("ramp", &S::ramp, dimension::time, "of `relaxation`: time in which the strain grows, or the depth",
+                    kNotNegative)
+          .when(is_relaxation),
+      key::quantity("depth", &S::depth, dimension::length,
+                    "of `indentation_relaxation`: that is reached after the ramp and kept", kPositive)
+          .needed_when(of_depth, "needed for `indentation_relaxation`"),
+      key::quantity("hold", &S::hold, dimension::time, "how long it is kept", kNotNegative)
+          .when(of_depth)
+          .otherwise("to the end"),
+      key::quantity("back", &S::back, dimension::time, "time in which the indenter is then drawn back", kPositive)
+          .when(of_depth)
+          .otherwise("that of the ramp")};
   return keys;
 }
 
@@ -227,6 +239,8 @@ DataTest read_test(const Reader& reader, ResidualScale residuals) {
   if (test.kind->points) test.residuals = ResidualScale::absolute;
   if (test.kind->of_scene() && !test.scene) test.scene = reader.source();
   if (test.kind->layer) test.zero = ZeroChoice::as_given;
+  if (test.kind->layer && test.kind->in_time && !(test.ramp > 0))
+    test.fail("ramp: an indenter takes time to its depth");
   return test;
 }
 
@@ -387,6 +401,13 @@ const std::vector<DataTestKind>& data_test_kinds() {
                    "depth and force of a rigid indenter in a flat layer, in small strains, without friction",
                    {"displacement"},
                    {"force"}});
+    all.back().layer = true;
+    all.push_back({"indentation_relaxation",
+                   "force over time of such an indenter that goes to a depth, stays and is drawn back",
+                   {"time"},
+                   {"force"},
+                   {},
+                   true});
     all.back().layer = true;
     return all;
   }();

@@ -95,6 +95,9 @@ struct DataTest {
   double adhesion = 0;          ///< work of adhesion where its search begins [J/m²]; 0: none, and none is sought
   bool contact_given = false;   ///< whether the indenter touches at depth 0
   double strain = 0, ramp = 0;  ///< that is kept, and the time [s] that it takes to be reached
+  /// Of an indenter over time: the depth [m] that is reached after the ramp, how long it stays [s], and the time [s] in
+  /// which it is drawn back; 0: as long as the ramp.
+  double depth = 0, hold = std::numeric_limits<double>::infinity(), back = 0;
   std::function<void(const std::string&)> fail;  ///< throws InputError at the test's place
 };
 

@@ -55,6 +55,51 @@ TEST_CASE("layers are as stiff as their series begin", "[identify][layer]") {
           Approx(first((1.2876 - 1.4678 * nu + 1.3442 * nu * nu) / (1 - nu)) - 1).epsilon(0.03));
 }
 
+TEST_CASE("an indenter that goes down, stays and is drawn back gives E and relaxation", "[identify][layer]") {
+  // Hertz's sphere on a solid with G = 1 + g exp(-t / tau): Lee and Radok's integral while the contact grows, and
+  // Ting's while it shrinks, here by fine sums of their own.
+  constexpr double radius = 5e-3, depth = 1e-4, ramp = 1, hold = 2, g = 1.5, tau = 0.8, modulus = 20e3 / (1 - 0.16);
+  const auto relaxed = [](double t) { return 1 + g * std::exp(-t / tau); };
+  const auto at = [](double t) { return depth * std::min({t / ramp, 1., (2 * ramp + hold - t) / ramp}); };
+  constexpr int steps = 40000;
+  const auto force = [&](double t) {
+    double until = t;
+    if (t > ramp + hold) {  // backward from t until the depths' integral is 0
+      double sum = 0;
+      for (int i = steps - 1; i >= 0 && until == t; --i) {
+        const double a = t * i / steps, b = t * (i + 1) / steps;
+        sum += relaxed(t - (a + b) / 2) * (at(b) - at(a));
+        if (sum > 0) until = a;
+      }
+      if (until == t) return 0.;
+    }
+    double sum = 0;
+    for (int i = 0; i < steps && t * (i + 1) / steps <= std::min(until, ramp); ++i) {
+      const double a = t * i / steps, b = t * (i + 1) / steps;
+      sum += relaxed(t - (a + b) / 2) * (std::pow(at(b), 1.5) - std::pow(at(a), 1.5));
+    }
+    return 4. / 3 * std::sqrt(radius) * modulus * sum;
+  };
+  std::string data = "time [s],force [N]\n";
+  for (double t = 0.1; t < 4; t += 0.1) data += fmt::format("{:.6g},{:.9g}\n", t, force(t));
+  const TemporaryFolder folder;
+  folder.write("force.csv", data);
+  const std::string scene =
+      "material: {youngs_modulus: 12 kPa, poissons_ratio: 0.4, relaxation: {terms: [[1, 0.5 s]]}}\nidentify:\n  "
+      "tests:\n"
+      "    - {kind: indentation_relaxation, file: force.csv, indenter: {sphere: {radius: 5 mm}}, depth: 0.1 mm, ramp: "
+      "1 "
+      "s, hold: 2 s}\n";
+  const Answer answer = identify(folder.write("scene.yaml", scene), kCatalog, {}).front();
+  REQUIRE(answer.numbers.size() == 3);
+  CHECK(answer.outcome == FitOutcome::converged);
+  CHECK(answer.numbers[0].value == Approx(20e3).epsilon(3e-3));
+  CHECK(answer.numbers[1].value == Approx(g).epsilon(3e-3));
+  CHECK(answer.numbers[2].value == Approx(tau).epsilon(3e-3));
+  CHECK(answer.tests[0].relative_rms < 3e-3);
+  CHECK(force(3.9) == 0);  // contact is lost before the indenter is back
+}
+
 TEST_CASE("a sphere on a layer gives E and the point of contact from forces of a body of cells", "[identify][layer]") {
   const std::string scene = std::string(ELASTIN_SOURCE_DIR) + "/scenes/identify/layer.yaml";
   const Answer answer = identify(scene, kCatalog, {}).front();
