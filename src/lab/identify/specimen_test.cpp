@@ -228,6 +228,8 @@ class SpecimenTest final : public MeasuredTest {
                                                const std::function<void(const SpecimenStep&)>& visit) override {
     if (has_history_) throw InputError(scene_->source.path() + ": its states depend on how they were reached");
     change(scene_->specimen.body);
+    if (const std::string reason = unsuited(scene_->specimen, *experiment_, choice_); !reason.empty())
+      throw InputError(scene_->source.path() + ": " + choice_.label + " " + reason);
     std::optional<Tried> tried = model(own_);
     if (!tried) return nullptr;
     Model& own = tried->model();
