@@ -132,7 +132,7 @@ Solved elastin_newton(TensionCube& problem, const Sparse&) {
   if (result.outcome != Outcome::converged) throw std::runtime_error(result.cause);
   int iterations = result.linear_iterations;
   if (derivatives) {
-    Sensitivity at(problem.model, state, options);
+    Sensitivity at(problem.model, state, options, kTolerance);
     const Adjoint adjoint = at.adjoint(problem.loads, Positions::Zero(3, problem.body.size()));
     if (adjoint.result.outcome != Outcome::converged) throw std::runtime_error(adjoint.result.cause);
     if (!at.by_stiffness(*problem.model.elasticity()[0], adjoint).allFinite())

@@ -15,7 +15,6 @@
 namespace elastin {
 namespace {
 
-constexpr double kTolerance = 1e-13;
 /// Molecules above which Kᵀ is not factorised.
 constexpr int kMostTransposed = 30000;
 
@@ -97,22 +96,27 @@ class TransposedStiffness {
 };
 
 struct Sensitivity::Impl {
-  Impl(Model& a_model, const State& state, const StaticOptions& some_options)
-      : model(a_model), options(some_options), responses(model, state, options), fixed(fixed_directions(model)) {}
+  Impl(Model& a_model, const State& state, const StaticOptions& some_options, double a_tolerance)
+      : model(a_model),
+        options(some_options),
+        tolerance(a_tolerance),
+        responses(model, state, options),
+        fixed(fixed_directions(model)) {}
 
   Model& model;
   StaticOptions options;
+  double tolerance;
   Responses responses;
   std::vector<Matrix3> fixed;
   std::optional<TransposedStiffness> transposed;  ///< where the stiffness is not symmetric
 };
 
-Sensitivity::Sensitivity(Model& model, const State& state, const StaticOptions& options)
-    : impl_(std::make_unique<Impl>(model, state, options)) {}
+Sensitivity::Sensitivity(Model& model, const State& state, const StaticOptions& options, double tolerance)
+    : impl_(std::make_unique<Impl>(model, state, options, tolerance)) {}
 Sensitivity::~Sensitivity() = default;
 
 StaticResponse Sensitivity::forward(const Positions& force_change, const Positions& displacement) {
-  return impl_->responses.to(force_change, displacement, kTolerance);
+  return impl_->responses.to(force_change, displacement, impl_->tolerance);
 }
 
 Adjoint Sensitivity::adjoint(const Positions& of_positions, const Positions& of_reactions) {
@@ -143,7 +147,7 @@ Adjoint Sensitivity::adjoint(const Positions& of_positions, const Positions& of_
     found.forces = in.transposed->solve(rhs);
     found.result.solver = "linear sparse LU of the transpose";
   } else {
-    StaticResponse response = in.responses.to(rhs, none, kTolerance);
+    StaticResponse response = in.responses.to(rhs, none, in.tolerance);
     found.result = std::move(response.result);
     found.forces = std::move(response.motion);
   }

@@ -21,9 +21,10 @@ struct Adjoint {
 class Sensitivity {
  public:
   /// About an equilibrium. Model, its supports and the state must stay. History counts as at rest, see solve_static.
-  Sensitivity(Model& model, const State& state, const StaticOptions& options = {});
+  /// @param tolerance of the linear solves' residuals, as far as rounding allows it
+  Sensitivity(Model& model, const State& state, const StaticOptions& options = {}, double tolerance = 1e-13);
   ~Sensitivity();
-  /// As static_response, to a residual of 1e-13 where rounding allows it.
+  /// As static_response.
   StaticResponse forward(const Positions& force_change, const Positions& displacement);
   /// @param of_positions ∂m/∂x, 3 × n
   /// @param of_reactions ∂m/∂R of the reaction on each molecule in its fixed directions, 3 × n
