@@ -209,7 +209,7 @@ constexpr const char* kStage = R"html(<section class="card"><div class="bar tool
 <label>cut <select data-part="cut"><option value="">none</option><option>x</option><option>y</option><option>z</option></select>
 <input type="range" min="0" max="1" step="0.01" value="0.5" data-part="cut_at" aria-label="place of the cut" hidden></label>
 <button type="button" data-save="png" data-name="body">PNG</button></div>
-<div class="view"><canvas tabindex="0" role="img"></canvas><canvas class="slice" data-part="slice" role="img" aria-label="slice" width="220" height="220" hidden></canvas></div>
+<div class="view"><canvas tabindex="0" role="img"></canvas></div>
 <div class="legend"><span data-part="title"></span><input data-part="low" aria-label="lowest value of the colours; empty: of itself"><i data-part="ramp"></i><input data-part="high" aria-label="highest value of the colours; empty: of itself">
 <span class="steps" data-part="steps"><button type="button" data-part="play" aria-label="play">▶</button>
 <input type="range" min="0" max="0" value="0" data-part="step" aria-label="state"></span><span data-part="at"></span></div>

@@ -40,8 +40,7 @@ struct ImageSetup : MeshFile {
   bool largest = false, close = false, fill_fraction = false;
   std::optional<Reader> youngs_modulus, density;
   std::uint64_t seed = 1;
-  bool parts =
-      false;  ///< whether a label has more than E, ν and density of its own, so that each is a part of the body
+  bool parts = false;  ///< whether a label has more of its own than E, ν and density
 };
 
 struct LabelSetup {

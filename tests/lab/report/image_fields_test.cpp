@@ -5,6 +5,8 @@
 #include <catch2/catch.hpp>
 #include <cstring>
 
+#include "lab/report/page.h"
+#include "lab/report/records.h"
 #include "lab/run/specimen.h"
 #include "mesh/image_file.h"
 #include "support/temporary_folder.h"
@@ -76,6 +78,7 @@ TEST_CASE("image out: strain, label and displacement on the grid of the body's o
     CHECK(label.at(1, 1, 5) == 3);
     CHECK(label.at(1, 1, 7) == 3);
   }
+  CHECK_THAT(body_view(*ran.scene, make_record(*ran.scene, ran.run)), Contains(R"("image":{"size":[4,6,8])"));
   const std::string file = text_of_file(folder.path("out.nii"));
   REQUIRE(file.size() == 352 + 4 * 3 * 192);
   const auto component = [&](int i, std::size_t x, std::size_t y, std::size_t z) {

@@ -46,5 +46,6 @@ function draw_slice(canvas, image, body, positions, axis, at) {
     paper.lineTo((c - left) / metres, (top - d) / metres);
   }
   paper.stroke();
+  canvas.setAttribute('role', 'img');
   canvas.setAttribute('aria-label', `The image at ${'xyz'[axis]} = ${with_prefix(at, 'm')}, with the outline of the body in orange`);
 }

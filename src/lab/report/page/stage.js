@@ -124,9 +124,11 @@ class Stage {
 
   /** The image that the body was made of, in the plane of the cut. */
   show_slice() {
-    const slice = this.part('slice'), {image} = this.body;
-    slice.hidden = !image || !(this.cut_axis >= 0);
-    if (!slice.hidden) draw_slice(slice, image, this.body, this.viewer.positions, this.cut_axis, this.cut_side * this.viewer.cut.w);
+    const {image} = this.body, slice = this.slice ??= document.createElement('canvas');
+    slice.remove();
+    if (!image || !(this.cut_axis >= 0)) return;
+    this.canvas.parentElement.append(Object.assign(slice, {className: 'slice', width: 220, height: 220}));
+    draw_slice(slice, image, this.body, this.viewer.positions, this.cut_axis, this.cut_side * this.viewer.cut.w);
   }
 
   /** Another strategy: its last state. */
@@ -304,6 +306,7 @@ class Stage {
     this.pause();
     this.silence.abort();
     this.viewer.release();
+    this.slice?.remove();
     this.canvas.replaceWith(this.canvas.cloneNode());
   }
 }
