@@ -10,9 +10,9 @@ namespace elastin {
 /// fibres and volume terms included; the material that its functions are given counts no more. Rigid parts get no
 /// stiffness. Rules see each part as a body of its own, so that a connection between molecules that two parts share has
 /// the stiffness of both. A body without parts, or a strategy that is so already, is left as it is.
-/// @param laws where given, and the strategy is a law of cells, a part whose material states_own_law is computed by that
-/// law, found there with the strategy's beginnings and endings; without `+volume` where its cells cannot have that.
-/// Throws InputError where it cannot have the others.
+/// @param laws where given, and the strategy is a law of cells, a part whose material states_own_law is computed by
+/// that law, found there with the strategy's beginnings and endings; without `+volume` where its cells cannot have
+/// that. Throws InputError where it cannot have the others.
 Strategy in_parts(const Strategy& strategy, const Body& body, std::vector<Material> materials,
                   const Catalog* laws = nullptr);
 
