@@ -52,7 +52,8 @@ elastin_status elastin_simulate_parts(const elastin_body* body, const char* stra
     if (all.empty()) throw elastin::InputError("material_count is 0: there must be one material at least");
     std::unique_ptr<CallbackRunner> runner;
     elastin::SimulationOptions chosen = elastin::c::options_of(options, runner);
-    const elastin::Strategy by_parts = elastin::in_parts(elastin::c::strategy_of(strategy), body->body, all);
+    const elastin::Strategy by_parts =
+        elastin::in_parts(elastin::c::strategy_of(strategy), body->body, all, &elastin::c::catalog());
     elastin::Simulation made(body->body, by_parts, all.front(), std::move(chosen));
     *simulation = new elastin_simulation{std::move(runner), std::move(made), all.front().youngs_modulus};
   });

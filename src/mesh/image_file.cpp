@@ -529,7 +529,7 @@ constexpr ImageFormat kFormats[] = {
 
 const char* image_endings() { return ".nii, .nii.gz, .hdr (with .img), .nrrd, .nhdr, .mhd, .mha, .npy"; }
 
-std::size_t Image::voxels() const {
+std::size_t ImageGrid::voxels() const {
   return static_cast<std::size_t>(size[0]) * static_cast<std::size_t>(size[1]) * static_cast<std::size_t>(size[2]);
 }
 
@@ -565,9 +565,117 @@ double Image::at(int x, int y, int z) const {
   return slope * value() + intercept;
 }
 
+namespace {
+
+std::string small_letters(std::string text) {
+  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::tolower(c); });
+  return text;
+}
+
+std::string gzipped(std::string_view bytes) {
+  z_stream stream{};
+  if (deflateInit2(&stream, Z_BEST_SPEED, Z_DEFLATED, 15 + 16, 8, Z_DEFAULT_STRATEGY) != Z_OK)
+    throw InputError("zlib cannot start");
+  std::string packed;
+  stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(bytes.data()));
+  for (int code = Z_OK; code == Z_OK;) {
+    stream.avail_in = static_cast<uInt>(std::min<std::size_t>(
+        static_cast<std::size_t>(bytes.data() + bytes.size() - reinterpret_cast<const char*>(stream.next_in)),
+        1 << 30));
+    const bool last = reinterpret_cast<const char*>(stream.next_in) + stream.avail_in == bytes.data() + bytes.size();
+    const std::size_t before = packed.size();
+    packed.resize(before + (1 << 20));
+    stream.next_out = reinterpret_cast<Bytef*>(packed.data() + before);
+    stream.avail_out = 1 << 20;
+    code = deflate(&stream, last ? Z_FINISH : Z_NO_FLUSH);
+    packed.resize(packed.size() - stream.avail_out);
+  }
+  deflateEnd(&stream);
+  return packed;
+}
+
+/// Little-endian, as all machines that Elastin is built for.
+template <class T>
+void put(std::string& header, std::size_t at, T value) {
+  std::memcpy(header.data() + at, &value, sizeof value);
+}
+
+/// `components` numbers a voxel, one component after the other.
+std::string nifti_text(const ImageGrid& grid, ImageContent content, const std::string& data) {
+  const bool mirrored = grid.space == "LPS";
+  std::string header(352, '\0');
+  put(header, 0, std::int32_t{348});
+  const bool vectors = content == ImageContent::displacements;
+  const auto size = [&](int axis) { return static_cast<std::int16_t>(grid.size[axis]); };
+  const std::int16_t dim[] = {std::int16_t(vectors ? 5 : 3), size(0), size(1), size(2), 1,
+                              std::int16_t(vectors ? 3 : 1), 1,       1};
+  for (std::size_t i = 0; i < 8; ++i) put(header, 40 + 2 * i, dim[i]);
+  if (vectors) put(header, 68, std::int16_t{1006});  // NIFTI_INTENT_DISPVECT
+  put(header, 70, std::int16_t(content == ImageContent::labels ? 8 : 16));
+  put(header, 72, std::int16_t{32});
+  put(header, 76, 1.f);
+  for (int axis = 0; axis < 3; ++axis)
+    put(header, 80 + 4 * static_cast<std::size_t>(axis), static_cast<float>(grid.steps.col(axis).norm()));
+  put(header, 108, 352.f);
+  put(header, 112, 1.f);
+  header[123] = static_cast<char>(grid.unit == 1 ? 1 : grid.unit == 1e-3 ? 2 : grid.unit == 1e-6 ? 3 : 0);
+  put(header, 254, std::int16_t{1});
+  for (int row = 0; row < 3; ++row)
+    for (int column = 0; column < 4; ++column) {
+      const double value = column < 3 ? grid.steps(row, column) : grid.origin[row];
+      put(header, 280 + 16 * static_cast<std::size_t>(row) + 4 * static_cast<std::size_t>(column),
+          static_cast<float>(mirrored && row < 2 ? -value : value));
+    }
+  header.replace(344, 3, "n+1");
+  return header + data;
+}
+
+std::string nrrd_text(const ImageGrid& grid, ImageContent content, const std::string& data) {
+  const bool vectors = content == ImageContent::displacements;
+  const auto of = [](const Vector3& at) {
+    return "(" + number(at.x(), 17) + "," + number(at.y(), 17) + "," + number(at.z(), 17) + ")";
+  };
+  std::string text = "NRRD0004\ntype: ";
+  text += content == ImageContent::labels ? "int32" : "float";
+  text += vectors ? "\ndimension: 4\n" : "\ndimension: 3\n";
+  text += grid.space == "LPS"   ? "space: left-posterior-superior\n"
+          : grid.space == "RAS" ? "space: right-anterior-superior\n"
+                                : "space dimension: 3\n";
+  text += vectors ? "sizes: 3" : "sizes:";
+  for (const int size : grid.size) text += " " + std::to_string(size);
+  text += vectors ? "\nkinds: vector domain domain domain\nspace directions: none" : "\nspace directions:";
+  for (int axis = 0; axis < 3; ++axis) text += " " + of(grid.steps.col(axis));
+  return text + "\nspace origin: " + of(grid.origin) + "\nendian: little\nencoding: gzip\n\n" + gzipped(data);
+}
+
+}  // namespace
+
+std::string image_text(const std::string& path, const ImageGrid& grid, ImageContent content,
+                       const std::vector<float>& values) {
+  const std::string name = small_letters(path);
+  const bool nrrd = name.ends_with(".nrrd"), packed = name.ends_with(".nii.gz");
+  if (!nrrd && !packed && !name.ends_with(".nii"))
+    throw InputError(path + ": is no image that is written: .nii, .nii.gz, .nrrd");
+  const std::size_t components = content == ImageContent::displacements ? 3 : 1, voxels = grid.voxels();
+  if (!nrrd && *std::max_element(grid.size.begin(), grid.size.end()) > 32767)
+    throw InputError(path + ": has more than 32767 voxels along an axis, which .nii does not count; write .nrrd");
+  std::string data(4 * values.size(), '\0');
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    if (content == ImageContent::labels)
+      put(data, 4 * i, static_cast<std::int32_t>(values[i]));
+    else if (nrrd)
+      put(data, 4 * i, values[i]);
+    else  // one component after the other
+      put(data, 4 * (i / components + i % components * voxels),
+          grid.space == "LPS" && components == 3 && i % 3 < 2 ? -values[i] : values[i]);
+  }
+  if (nrrd) return nrrd_text(grid, content, data);
+  const std::string text = nifti_text(grid, content, data);
+  return packed ? gzipped(text) : text;
+}
+
 Image load_image(const std::string& path) {
-  std::string name = path;
-  std::transform(name.begin(), name.end(), name.begin(), [](unsigned char c) { return std::tolower(c); });
+  const std::string name = small_letters(path);
   for (const ImageFormat& format : kFormats)
     if (name.ends_with(format.ending)) {
       ImageReader reader(path);

@@ -1,22 +1,27 @@
 #pragma once
 #include <array>
 #include <string>
+#include <vector>
 
 #include "elastin/core/base/types.h"
 
 namespace elastin::mesh {
 
-/// Numbers on a grid of voxels in space: labels of a segmentation, or grey values of a scan. They stay as the file has
-/// them, so that an image takes as much memory as its data.
-class Image {
- public:
+/// Where the voxels of an image are.
+struct ImageGrid {
   std::array<int, 3> size{1, 1, 1};     ///< voxels along its axes
   Vector3 origin = Vector3::Zero();     ///< middle of the first voxel, in the file's own length unit
   Matrix3 steps = Matrix3::Identity();  ///< from a voxel to the next along each axis: columns, independent
-  bool has_steps = true;                ///< false: the format knows none
   double unit = 0;                      ///< that the file states for these [m]; 0 if it states none
   std::string space;                    ///< what x, y and z mean where the file says it: "RAS", "LPS"; else empty
+  std::size_t voxels() const;
+};
 
+/// Numbers on a grid of voxels in space: labels of a segmentation, or grey values of a scan. They stay as the file has
+/// them, so that an image takes as much memory as its data.
+class Image : public ImageGrid {
+ public:
+  bool has_steps = true;  ///< false: the format knows none
   enum class Number { int8, uint8, int16, uint16, int32, uint32, int64, uint64, float32, float64 };
   Number number = Number::uint8;
   bool swapped = false;                  ///< whether the bytes of a number stand the other way round
@@ -25,7 +30,6 @@ class Image {
   std::string data;                      ///< strides fit into it
 
   double at(int x, int y, int z) const;
-  std::size_t voxels() const;
 };
 
 /// Reads NIfTI-1 and -2 (.nii, .nii.gz, .hdr with .img), NRRD (.nrrd, .nhdr with its data file; raw, gzip, ascii),
@@ -34,6 +38,15 @@ class Image {
 /// vectors and complex numbers, fewer data than the header promises, axes in one plane. Allocates no more than the
 /// file's data unpack to.
 Image load_image(const std::string& path);
+
+/// What the numbers of an image that is written are: one a voxel, or three in the directions of the grid's space.
+enum class ImageContent { labels, values, displacements };
+
+/// An image file (.nii, .nii.gz, .nrrd) with these numbers, of each voxel one after the other, x fastest: labels as
+/// whole numbers. NIfTI has x and y of RAS, so that those of a grid in LPS change their sign. Throws InputError on
+/// another ending.
+std::string image_text(const std::string& path, const ImageGrid& grid, ImageContent content,
+                       const std::vector<float>& values);
 
 /// The endings of these files, with their dots.
 const char* image_endings();

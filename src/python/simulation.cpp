@@ -51,7 +51,7 @@ std::shared_ptr<Moving> make_simulation(const std::shared_ptr<Body>& body, const
   if (of_parts && of_parts->size() > 1 && body->parts.empty())
     throw InputError("material: a list of " + std::to_string(of_parts->size()) +
                      " for a body without parts, which has one; of_parts makes bodies that have several");
-  const Strategy at_work = of_parts ? in_parts(chosen, *body, *of_parts) : chosen;
+  const Strategy at_work = of_parts ? in_parts(chosen, *body, *of_parts, &catalog) : chosen;
   const Material& first = of_parts ? of_parts->front() : std::get<Material>(material);
   Body own = *body;
   if (of_parts) take_density(own, *of_parts);

@@ -93,7 +93,7 @@ Simulation elastin_lab::simulation(const elastin_lab_settings& settings, bool al
   for (const Material& own : parcel.materials) materials.push_back(web::under(settings, parcel.material, own, false));
   SimulationOptions options = web::options_of(settings);
   options.parameters = choice.values;
-  const Strategy strategy = in_parts(c::strategy_of(choice.name.c_str()), body, materials);
+  const Strategy strategy = in_parts(c::strategy_of(choice.name.c_str()), body, materials, &c::catalog());
   Simulation simulation(std::move(body), strategy, material(settings), std::move(options));
   web::add_loads(simulation, parcel, settings);
   if (alone) return simulation;

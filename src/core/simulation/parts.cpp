@@ -15,25 +15,50 @@ namespace {
 /// A part at work: by itself, as spring rules see it, and as what its cells are in the whole.
 struct PartAtWork {
   const Material& material;
+  const Strategy& law;  ///< of its cells
   CellRange triangles;  ///< of the whole that are the part's
   PartAlone alone;
   Body in_whole;  ///< with the part's cells only
 };
 
+/// What parts are made of, by Part::material, and the strategy that the cells of each part have.
+struct Matter {
+  std::vector<Material> materials;
+  std::vector<Strategy> laws;
+};
+
 /// What the elasticities of the parts work on.
 struct Works {
-  std::vector<Material> materials;
+  Matter matter;
   std::vector<std::unique_ptr<const PartAtWork>> soft;
 };
 
-std::shared_ptr<const Works> works_of(const Body& whole, const std::vector<Material>& materials) {
+std::shared_ptr<const Works> works_of(const Body& whole, const Matter& matter) {
   auto works = std::make_shared<Works>();
-  works->materials = materials;
-  for (const Part& part : whole.parts)
-    if (!part.rigid)
-      works->soft.push_back(std::make_unique<const PartAtWork>(PartAtWork{
-          works->materials.at(part.material), part.triangles, part_alone(whole, part), with_cells_of(whole, part)}));
+  works->matter = matter;
+  for (std::size_t number = 0; number < whole.parts.size(); ++number)
+    if (const Part& part = whole.parts[number]; !part.rigid)
+      works->soft.push_back(std::make_unique<const PartAtWork>(
+          PartAtWork{works->matter.materials.at(part.material), works->matter.laws.at(number), part.triangles,
+                     part_alone(whole, part), with_cells_of(whole, part)}));
   return works;
+}
+
+Strategy law_of(const Strategy& strategy, const Body& whole, const Part& part, const std::vector<Material>& materials,
+                const Catalog* laws) {
+  const Material& material = materials.at(part.material);
+  if (!laws || part.rigid || strategy.kind != StrategyKind::cell_law || !states_own_law(material, materials))
+    return strategy;
+  StrategyName name(strategy.name);
+  name.rule = StrategyName::of_law(material.law->law, strategy.dimensions).rule;
+  try {
+    Strategy own = laws->find(name.text());
+    if (!name.volume || own.unsuited(part_alone(whole, part).body).empty()) return own;
+  } catch (const InputError&) {
+    if (!name.volume) throw;
+  }
+  name.volume = false;
+  return laws->find(name.text());
 }
 
 /// Adds what a part has for its connections to those of the whole.
@@ -88,9 +113,9 @@ ElasticTerms fibres_of(const Strategy& strategy, const Body& whole, const PartAt
                             part.material.fibre->curve);
 }
 
-ElasticTerms make_in_parts(const Strategy& strategy, const std::vector<Material>& materials, const Body& whole,
+ElasticTerms make_in_parts(const Strategy& strategy, const Matter& matter, const Body& whole,
                            const ParameterValues& values) {
-  const std::shared_ptr<const Works> works = works_of(whole, materials);
+  const std::shared_ptr<const Works> works = works_of(whole, matter);
   ElasticTerms terms;
   terms.owners = {works};
   if (strategy.constants)
@@ -100,7 +125,7 @@ ElasticTerms make_in_parts(const Strategy& strategy, const std::vector<Material>
   terms.triangles.resize(terms.terms.size(), CellRange{0, static_cast<int>(whole.triangles.size())});
   for (const auto& part : works->soft) {
     if (strategy.kind == StrategyKind::cell_law)
-      terms.add(strategy.make(part->in_whole, part->material, values));
+      terms.add(part->law.make(part->in_whole, part->material, values));
     else if (strategy.volume_modulus)
       terms.add(make_volume(part->in_whole, strategy.volume_modulus(part->material)));
     terms.add(fibres_of(strategy, whole, *part));
@@ -110,14 +135,16 @@ ElasticTerms make_in_parts(const Strategy& strategy, const std::vector<Material>
 }
 
 /// Why the strategy cannot run on the first part on which it cannot, or "".
-std::string unsuited_part(const Strategy& strategy, const std::vector<Material>& materials, const Body& whole) {
-  for (const Part& part : whole.parts) {
+std::string unsuited_part(const Matter& matter, const Body& whole) {
+  for (std::size_t number = 0; number < whole.parts.size(); ++number) {
+    const Part& part = whole.parts[number];
     if (part.rigid) continue;
+    const Strategy& strategy = matter.laws.at(number);
     const Body body = part_alone(whole, part).body;
     if (strategy.has_history && strategy.kind != StrategyKind::cell_law)
       return "springs that relax or soften take one body, not several";
     std::string why = strategy.calibrates ? strategy.unsuited(whole) : strategy.unsuited(body);
-    if (why.empty()) why = material_unsuited(strategy, body, materials.at(part.material));
+    if (why.empty()) why = material_unsuited(strategy, body, matter.materials.at(part.material));
     if (!why.empty()) return "body '" + part.name + "': " + why;
   }
   return "";
@@ -134,25 +161,32 @@ bool part_needs_voronoi(const Strategy& strategy, const std::vector<Material>& m
 
 }  // namespace
 
-Strategy in_parts(const Strategy& strategy, const Body& body, std::vector<Material> materials) {
+bool states_own_law(const Material& material, const std::vector<Material>& materials) {
+  const auto& first = materials.front().law;
+  return material.law && (!first || first->law != material.law->law);
+}
+
+Strategy in_parts(const Strategy& strategy, const Body& body, std::vector<Material> materials, const Catalog* laws) {
   if (body.parts.empty() || strategy.by_parts || strategy.kind == StrategyKind::wrapper) return strategy;
+  Matter matter{materials, {}};
+  for (const Part& part : body.parts) matter.laws.push_back(law_of(strategy, body, part, materials, laws));
   Strategy result = strategy;
   result.by_parts = true;
   result.make_without_volume = nullptr, result.make_without_compression = nullptr, result.constants_at = nullptr;
-  result.unsuited = [strategy, materials](const Body& whole) { return unsuited_part(strategy, materials, whole); };
+  result.unsuited = [matter](const Body& whole) { return unsuited_part(matter, whole); };
   result.needs_voronoi = [strategy, materials](const Body& whole) {
     return part_needs_voronoi(strategy, materials, whole);
   };
   if (strategy.constants)
-    result.constants = [strategy, materials](const Body& whole, const Material&, const ParameterValues& values) {
+    result.constants = [strategy, matter](const Body& whole, const Material&, const ParameterValues& values) {
       VectorX constants = VectorX::Zero(whole.connections.size());
-      const std::shared_ptr<const Works> works = works_of(whole, materials);  // outlives the loop
+      const std::shared_ptr<const Works> works = works_of(whole, matter);  // outlives the loop
       for (const auto& part : works->soft)
         spread(part->alone, strategy.constants(part->alone.body, part->material, values), constants);
       return constants;
     };
-  result.make = [strategy, materials](const Body& whole, const Material&, const ParameterValues& values) {
-    return make_in_parts(strategy, materials, whole, values);
+  result.make = [strategy, matter](const Body& whole, const Material&, const ParameterValues& values) {
+    return make_in_parts(strategy, matter, whole, values);
   };
   return result;
 }

@@ -5,6 +5,7 @@
 #include <span>
 
 #include "elastin/core/base/text.h"
+#include "elastin/core/simulation/parts.h"
 #include "elastin/core/simulation/strategy_name.h"
 #include "lab/scene/fields.h"
 
@@ -163,6 +164,9 @@ StaticProblem problem_of(const Scene& scene) {
   problem.scene = &scene;
   problem.cells = cells_of(scene.specimen.body);
   problem.materials = materials_of(scene.specimen);
+  for (const Material& material : problem.materials)
+    if (states_own_law(material, problem.materials))
+      refuse(scene, "a part with a law of its own, " + material.law->law + ", is not exported");
   problem.law = StrategyName(scene.stiffness.strategy.name).rule;
   problem.whole_cell = static_cast<bool>(scene.stiffness.strategy.volume_modulus);
   problem.small = scene.statics.linear;

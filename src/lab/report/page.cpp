@@ -38,7 +38,7 @@ std::string page_end(const std::string& machine, const std::string& command, con
   if (!machine.empty()) out += "; " + escaped(machine);
   out += "</p><p><code>" + escaped(command) + "</code></p>" + note + "</footer>\n" + data;
   for (const char* script : {"body.js", "colours.js", "marks.js", "graphics_painter.js", "processor_painter.js",
-                             "viewer.js", "stage.js", "plots.js", "page.js"})
+                             "viewer.js", "slice.js", "stage.js", "plots.js", "page.js"})
     out += fmt::format("<script>{}</script>\n", page_part(script));
   return out + "</body></html>\n";
 }

@@ -11,6 +11,7 @@
 #include "elastin/core/geometry/cell_kind.h"
 #include "lab/format/vtu.h"
 #include "lab/report/comparison.h"
+#include "lab/run/body_image.h"
 #include "lab/run/cell_stress.h"
 
 namespace elastin::lab {
@@ -267,6 +268,19 @@ std::string body_view(const Scene& scene, const Record& record) {
   json["surface"] = bytes_text(surface);
   json["cells"] = bytes_text(shown.cells);
   json["numbers"] = shown.note.empty() ? "" : bytes_text(shown.molecules);
+  if (const BodyImage* image = scene.specimen.image.get()) {
+    Matrix3 to_voxel = (image->length_unit * image->steps).inverse();
+    Vector3 first = -to_voxel * (image->length_unit * image->origin);
+    for (int axis = 0; axis < 3; ++axis) {  // one voxel that is shown stands for several
+      const int step = (image->size[axis] + image->shown[axis] - 1) / image->shown[axis];
+      to_voxel.row(axis) /= step, first[axis] /= step;
+    }
+    Eigen::Matrix<double, 3, 4, Eigen::RowMajor> rows;
+    rows << to_voxel * scene.rotation.transpose(), first;
+    json["image"] = {{"size", image->shown},
+                     {"to_voxel", std::vector<double>(rows.data(), rows.data() + 12)},
+                     {"values", bytes_text(image->shades)}};
+  }
   if (scene.specimen.contact) json["obstacles"] = outlines_of(scene.specimen.contact->obstacles, body);
   return line_of(json);
 }

@@ -64,12 +64,16 @@ void note_contact(const contact::ContactReport& report, double copies, Measures&
 Snapshot snapshot_of(const Model& model, const State& state, double at, int number) {
   Snapshot shot{at, state.positions, {}, number};
   const Body& body = model.body();
+  const CellBlock* last = nullptr;  // that was shown: of a part's own body, which has copies of its blocks
+  std::size_t first = 0;
   shot.force_densities =
       model.force_densities(state.positions, [&](const CellBlock& block, int cell, const CellState& own) {
         shot.block_states.resize(cells_in_blocks(body));
-        std::size_t first = 0;
-        for (const CellBlock* other = body.blocks.data(); other != &block; ++other)
-          first += static_cast<std::size_t>(other->size());
+        if (&block != last) {
+          last = &block, first = 0;
+          for (auto other = body.blocks.begin(); &*other != last && other->nodes != block.nodes; ++other)
+            first += static_cast<std::size_t>(other->size());
+        }
         CellState& sum = shot.block_states[first + static_cast<std::size_t>(cell)];  // fibres add theirs
         sum.strain = own.strain, sum.stress += own.stress;
       });

@@ -12,8 +12,12 @@
 #include "elastin/lab/run/experiment.h"
 #include "lab/run/time_options.h"
 
+namespace elastin {
+class Catalog;
+}
 namespace elastin::lab {
 
+struct BodyImage;
 struct StrategyChoice;
 class Derivatives;
 
@@ -73,6 +77,8 @@ struct Specimen {
   std::function<void(State&)> start = {};  ///< changes the state in which a run begins; may be empty
   GivenShape given = GivenShape::at_rest;
   std::vector<Material> materials = {};                 ///< of the body's parts, by Part::material; empty without parts
+  std::shared_ptr<const Catalog> laws = {};             ///< that parts may state; null without parts
+  std::shared_ptr<const BodyImage> image = {};          ///< of which the body was made; null: of none
   std::optional<contact::ContactOptions> contact = {};  ///< none: no contact object is built
   std::shared_ptr<const StrategyChoice> law = {};  ///< that the material states by constants or a curve; null: none
   /// In which spring rules are calibrated; null: in the scene's own experiment.

@@ -133,7 +133,7 @@ void count_modes(const Model& model, Run& run) {
 
 /// The choice as it works on the specimen's body.
 StrategyChoice on_body(StrategyChoice choice, const Specimen& specimen) {
-  choice.strategy = in_parts(choice.strategy, specimen.body, specimen.materials);
+  choice.strategy = in_parts(choice.strategy, specimen.body, specimen.materials, specimen.laws.get());
   return choice;
 }
 

@@ -4,16 +4,22 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
+#include <set>
 #include <utility>
 
 #include "core/base/disjoint_sets.h"
+#include "core/simulation/warnings.h"
 #include "elastin/core/base/text.h"
 #include "elastin/core/shapes/shapes.h"
+#include "lab/run/body_image.h"
 #include "lab/scene/parts.h"
 
 namespace elastin::lab {
 namespace {
+
+constexpr int kUnnumbered = -2;
 
 enum class ImageCells { hexahedra, lattice, tetrahedra, packing };
 
@@ -22,7 +28,7 @@ struct Label {
   double number = 0;
   std::string name;
   std::optional<double> youngs_modulus = {}, poissons_ratio = {}, density = {};
-  std::optional<Reader> ratio_place = {};
+  std::optional<Reader> ratio_place = {}, material = {};
 };
 
 struct ImageSetup : MeshFile {
@@ -34,6 +40,7 @@ struct ImageSetup : MeshFile {
   bool largest = false, close = false, fill_fraction = false;
   std::optional<Reader> youngs_modulus, density;
   std::uint64_t seed = 1;
+  bool parts = false;  ///< whether a label has more of its own than E, ν and density
 };
 
 struct LabelSetup {
@@ -53,9 +60,10 @@ void read_labels(const Reader& value, ImageSetup& setup) {
   if (!value.is_map()) {
     for (const Reader& item : value.items()) setup.labels.push_back({number_of(item.text(), item), item.text()});
   } else {
-    const Keys<LabelSetup> keys{
-        key::text("name", &LabelSetup::name, "name of its set").otherwise("its number"),
-        key::later({"material", "map", "", "", "the scene's", "its E, ν and density"}, &LabelSetup::material)};
+    const Keys<LabelSetup> keys{key::text("name", &LabelSetup::name, "name of its set").otherwise("its number"),
+                                key::later({"material", "map", "", "", "the scene's",
+                                            "what differs there from the scene's [material](#material)"},
+                                           &LabelSetup::material)};
     const Keys<Label> numbers{
         key::quantity("youngs_modulus", &Label::youngs_modulus, dimension::pressure, "E there", kPositive),
         key::quantity("poissons_ratio", &Label::poissons_ratio, dimension::none, "ν there", {-0.99, 0.4999})
@@ -63,11 +71,15 @@ void read_labels(const Reader& value, ImageSetup& setup) {
         key::quantity("density", &Label::density, dimension::density, "density there", kPositive)};
     for (const auto& [key, item] : value.entries()) {
       const LabelSetup own = keys.read(item);
-      Label label = own.material ? numbers.read(*own.material) : Label{};
-      label.number = number_of(key, item);
-      label.name = own.name.empty() ? key : own.name;
-      setup.labels.push_back(std::move(label));
+      setup.labels.push_back({.number = number_of(key, item), .name = own.name.empty() ? key : own.name});
+      setup.labels.back().material = own.material;
+      if (!own.material) continue;
+      const std::vector<std::string> plain = numbers.names();
+      for (const std::string& name : own.material->keys())
+        setup.parts |= std::find(plain.begin(), plain.end(), name) == plain.end();
     }
+    for (Label& label : setup.labels)
+      if (label.material && !setup.parts) label = numbers.read(Reader(*label.material), {}, Label(label));
   }
   if (setup.labels.empty()) value.fail("names no label; leave it out where every voxel that is not 0 is body");
 }
@@ -81,9 +93,13 @@ class Boxes {
   void set_matter(Body& body) const;
   /// Gives the material the Poisson's ratios of the labels.
   void set_ratios() const;
+  /// Gives the specimen the image's grid and the materials of parts.
+  void set_specimen(const Body& body) const;
   MoleculeSets sets() const;
 
  private:
+  void add_ends(MoleculeSets& sets) const;
+  void set_shades(BodyImage& own) const;
   struct Box {
     int label = -1;      ///< −1: not body
     float fraction = 1;  ///< of it that is body
@@ -107,6 +123,14 @@ class Boxes {
     for (std::size_t box = 0; box < boxes_.size(); ++box)
       if (boxes_[box].label >= 0) visit(boxes_[box], at(box));
   }
+  /// Parts of the body: its labels, or the whole.
+  int parts() const { return parts_ ? static_cast<int>(labels_.size()) : 1; }
+  int part_of(const Box& box) const { return parts_ ? box.label : 0; }
+  /// The label of the box at a place, −1: of none.
+  std::function<int(const Vector3&)> label_at() const;
+  void add_parts(const Cells<8>& cubes, const std::vector<std::size_t>& firsts, Body& body) const;
+  /// Of a voxel; −1: not body.
+  int label_of(int x, int y, int z, double value) const;
   void fill();
   void close_holes();
   void find_pieces();
@@ -122,11 +146,15 @@ class Boxes {
   const mesh::Image& image_;
   const ImageSetup& setup_;
   ShapeContext& context_;
+  bool parts_ = false;  ///< whether each label is a part: where materials differ by more than E, ν and density, and in
+                        ///< tetrahedra near ν = ½, whose volumes are kept in bodies of one stiffness
   std::array<int, 3> voxels_{}, counts_{};  ///< voxels of a box, boxes, along each axis
   std::vector<Box> boxes_;
   std::vector<Label> labels_;
+  std::vector<Material> materials_;          ///< of the labels, where they are parts
   std::vector<int> numbers_;                 ///< of each corner of the grid; −1: none
   std::vector<std::array<int, 3>> corners_;  ///< of the molecules
+  std::vector<int> firsts_;                  ///< molecules of the parts, and the end
   std::function<double(double)> modulus_of_, density_of_;
 };
 
@@ -140,6 +168,29 @@ Boxes::Boxes(const mesh::Image& image, const ImageSetup& setup, ShapeContext& co
     counts_[axis] = (image.size[axis] + voxels_[axis] - 1) / voxels_[axis];
   }
   if (labels_.empty()) labels_.push_back({0, setup.threshold ? "body" : "not 0"});
+  const auto nearly_incompressible = [&](const Label& label) {
+    return label.poissons_ratio.value_or(context.material->poissons_ratio) > kLocking;
+  };
+  const auto has_material = [](const Label& label) { return label.material.has_value(); };
+  parts_ = setup.parts || (setup.as == ImageCells::tetrahedra && context.remarks.specimen &&
+                           std::any_of(labels_.begin(), labels_.end(), has_material) &&
+                           std::any_of(labels_.begin(), labels_.end(), nearly_incompressible));
+  if (parts_) {
+    for (std::size_t i = 0; i < labels_.size(); ++i) {
+      const Label& label = labels_[i];
+      if (label.material && (!context.remarks.specimen || !context.remarks.laws))
+        label.material->fail("needs a scene of one body");
+      for (std::size_t other = 0; other < i; ++other)
+        if (labels_[other].name == label.name) setup.labels_place->fail("names two labels '" + label.name + "'");
+      materials_.push_back(label.material ? read_material(*label.material, *context.remarks.laws, context.material)
+                                          : *context.material);
+      for (const char* key : {"fields", "bending"})
+        if (label.material && Reader(*label.material).has(key))
+          Reader(*label.material).at(key).fail("belongs to the material of a whole body");
+    }
+    if (setup.as == ImageCells::packing)
+      setup.labels_place->fail("gives materials of more than E, nu and density, and a packing has one material");
+  }
   if (setup.youngs_modulus) modulus_of_ = setup.youngs_modulus->of_value(dimension::pressure, kPositive);
   if (setup.density) density_of_ = setup.density->of_value(dimension::density, kPositive);
   fill();
@@ -150,23 +201,23 @@ Boxes::Boxes(const mesh::Image& image, const ImageSetup& setup, ShapeContext& co
   report();
 }
 
+int Boxes::label_of(int x, int y, int z, double value) const {
+  if (setup_.from || setup_.to) {
+    const Vector3 place = setup_.length_unit * (image_.origin + image_.steps * Vector3(x, y, z));
+    if ((setup_.from && (place.array() < setup_.from->array()).any()) ||
+        (setup_.to && (place.array() > setup_.to->array()).any()))
+      return -1;
+  }
+  if (setup_.labels.empty())
+    return (setup_.threshold ? value >= *setup_.threshold : value != 0 && !std::isnan(value)) ? 0 : -1;
+  for (std::size_t i = 0; i < labels_.size(); ++i)
+    if (labels_[i].number == value) return static_cast<int>(i);
+  return -1;
+}
+
 void Boxes::fill() {
   boxes_.resize(static_cast<std::size_t>(counts_[0]) * static_cast<std::size_t>(counts_[1]) *
                 static_cast<std::size_t>(counts_[2]));
-  const auto label_of = [&](double value) {
-    if (setup_.labels.empty())
-      return (setup_.threshold ? value >= *setup_.threshold : value != 0 && !std::isnan(value)) ? 0 : -1;
-    for (std::size_t i = 0; i < labels_.size(); ++i)
-      if (labels_[i].number == value) return static_cast<int>(i);
-    return -1;
-  };
-  const auto cropped = [&](const Vector3& at) {
-    const Vector3 place = setup_.length_unit * (image_.origin + image_.steps * at);
-    return (setup_.from && (place.array() < setup_.from->array()).any()) ||
-           (setup_.to && (place.array() > setup_.to->array()).any());
-  };
-  const bool crops = setup_.from || setup_.to;
-  std::map<double, std::size_t> values;
   std::vector<int> counts(labels_.size());
   bool any = false;
   for (std::size_t number = 0; number < boxes_.size(); ++number) {
@@ -178,8 +229,7 @@ void Boxes::fill() {
       for (int y = by * voxels_[1]; y < std::min((by + 1) * voxels_[1], image_.size[1]); ++y)
         for (int x = bx * voxels_[0]; x < std::min((bx + 1) * voxels_[0], image_.size[0]); ++x, ++all) {
           const double value = image_.at(x, y, z);
-          if (values.size() < 20 && !std::isnan(value)) ++values[value];
-          const int label = crops && cropped(Vector3(x, y, z)) ? -1 : label_of(value);
+          const int label = label_of(x, y, z, value);
           if (label < 0) continue;
           ++counts[label], ++body;
           sum += value;
@@ -192,8 +242,13 @@ void Boxes::fill() {
     if (setup_.fill_fraction) boxes_[number].fraction = static_cast<float>(fraction);
   }
   if (any) return;
+  std::set<double> values;
+  for (int z = 0; z < image_.size[2]; ++z)
+    for (int y = 0; y < image_.size[1]; ++y)
+      for (int x = 0; x < image_.size[0] && values.size() < 20; ++x)
+        if (const double value = image_.at(x, y, z); !std::isnan(value)) values.insert(value);
   std::vector<std::string> found;
-  for (const auto& [value, count] : values) found.push_back(number(value));
+  for (const double value : values) found.push_back(number(value));
   (setup_.labels_place ? *setup_.labels_place : *setup_.file)
       .fail("leaves no voxel of the image; it has the values " + listed(found) + (values.size() < 20 ? "" : " …"));
 }
@@ -286,15 +341,26 @@ void Boxes::number_corners() {
                     lines(0) * (static_cast<std::size_t>(y) + lines(1) * static_cast<std::size_t>(z))];
   };
   for_body([&](const Box&, const std::array<int, 3>& at) {
-    for (int c = 0; c < 8; ++c) corner(at[0] + c % 2, at[1] + c / 2 % 2, at[2] + c / 4) = 0;
+    for (int c = 0; c < 8; ++c) corner(at[0] + c % 2, at[1] + c / 2 % 2, at[2] + c / 4) = kUnnumbered;
   });
-  for (int z = 0; z <= counts_[2]; ++z)
-    for (int y = 0; y <= counts_[1]; ++y)
-      for (int x = 0; x <= counts_[0]; ++x)
-        if (int& number = corner(x, y, z); number == 0) {
-          number = static_cast<int>(corners_.size());
-          corners_.push_back({x, y, z});
-        }
+  const auto owner = [&](int x, int y, int z) {  // the first part that has it
+    int first = parts();
+    for (int c = 0; c < 8; ++c)
+      if (const int bx = x - c % 2, by = y - c / 2 % 2, bz = z - c / 4; is_body(bx, by, bz))
+        first = std::min(first, part_of(boxes_[index(bx, by, bz)]));
+    return first;
+  };
+  for (int part = 0; part < parts(); ++part) {
+    firsts_.push_back(static_cast<int>(corners_.size()));
+    for (int z = 0; z <= counts_[2]; ++z)
+      for (int y = 0; y <= counts_[1]; ++y)
+        for (int x = 0; x <= counts_[0]; ++x)
+          if (int& number = corner(x, y, z); number == kUnnumbered && (parts() == 1 || owner(x, y, z) == part)) {
+            number = static_cast<int>(corners_.size());
+            corners_.push_back({x, y, z});
+          }
+  }
+  firsts_.push_back(static_cast<int>(corners_.size()));
   setup_.file->check_size(static_cast<double>(corners_.size()));
 }
 
@@ -312,7 +378,7 @@ double Boxes::volume(const std::array<int, 3>& at) const {
 }
 
 double Boxes::stiffness(const Box& box) const {
-  const double own = context_.material->youngs_modulus;
+  const double own = (parts_ ? materials_[box.label] : *context_.material).youngs_modulus;
   const double modulus = modulus_of_ ? modulus_of_(double{box.value}) : labels_[box.label].youngs_modulus.value_or(own);
   return double{box.fraction} * modulus / own;
 }
@@ -357,11 +423,60 @@ MoleculeSets Boxes::sets() const {
                    lines(0) * (static_cast<std::size_t>(at[1] + c / 2 % 2) +
                                lines(1) * static_cast<std::size_t>(at[2] + c / 4))]);
   });
+  if (setup_.fill_fraction) add_ends(sets);
   for (auto& [name, members] : sets) {
     std::sort(members.begin(), members.end());
     members.erase(std::unique(members.begin(), members.end()), members.end());
   }
   return sets;
+}
+
+/// Of boxes that are filled in part not every molecule of the outermost plane has body at it: those have at which a
+/// third of the sides of boxes is filled. That is a third of a box outside a straight rim: a grip of cells acts as
+/// one that is smaller by that [compared with fitted meshes of cut balls].
+void Boxes::add_ends(MoleculeSets& sets) const {
+  for (int axis = 0; axis < 3; ++axis)
+    for (const int side : {0, 1}) {
+      const int u = (axis + 1) % 3, v = (axis + 2) % 3, last = image_.size[axis] - 1;
+      const auto wide = static_cast<std::size_t>(counts_[u]) + 2;
+      std::vector<double> filled(wide * (static_cast<std::size_t>(counts_[v]) + 2));
+      const auto side_of = [&](int i, int j) -> double& {  // counted from −1
+        return filled[static_cast<std::size_t>(i + 1) + wide * static_cast<std::size_t>(j + 1)];
+      };
+      std::array<int, 3> at{};
+      bool any = false;
+      for (int layer = 0; layer <= last && !any; ++layer) {
+        at[axis] = side ? last - layer : layer;
+        for (at[v] = 0; at[v] < image_.size[v]; ++at[v])
+          for (at[u] = 0; at[u] < image_.size[u]; ++at[u]) {
+            if (!is_body(at[0] / voxels_[0], at[1] / voxels_[1], at[2] / voxels_[2]) ||
+                label_of(at[0], at[1], at[2], image_.at(at[0], at[1], at[2])) < 0)
+              continue;
+            any = true;
+            side_of(at[u] / voxels_[u], at[v] / voxels_[v]) += 1. / voxels_[u] / voxels_[v];
+          }
+        if (!any) continue;
+        std::array<int, 3> corner{};
+        corner[axis] = at[axis] / voxels_[axis] + side;
+        std::vector<int>& members = sets[std::string(side ? "high " : "low ") + "ijk"[axis]];
+        for (corner[v] = 0; corner[v] <= counts_[v]; ++corner[v])
+          for (corner[u] = 0; corner[u] <= counts_[u]; ++corner[u]) {
+            double sum = 0, boxes = 0;
+            std::array<int, 3> box{};
+            box[axis] = at[axis] / voxels_[axis];
+            for (int c = 0; c < 4; ++c) {
+              box[u] = corner[u] - c % 2, box[v] = corner[v] - c / 2;
+              boxes += is_body(box[0], box[1], box[2]), sum += side_of(box[u], box[v]);
+            }
+            const int molecule =
+                numbers_[static_cast<std::size_t>(corner[0]) +
+                         (static_cast<std::size_t>(counts_[0]) + 1) *
+                             (static_cast<std::size_t>(corner[1]) +
+                              (static_cast<std::size_t>(counts_[1]) + 1) * static_cast<std::size_t>(corner[2]))];
+            if (boxes > 0 && sum >= boxes / 3) members.push_back(molecule);
+          }
+      }
+    }
 }
 
 /// A random close packing of the outline, as far as it lies in the body.
@@ -408,18 +523,25 @@ Body Boxes::body() const {
   const auto lines = [&](int axis) { return static_cast<std::size_t>(counts_[axis]) + 1; };
   const int mirrored = image_.steps.determinant() < 0 ? 1 : 0;
   Cells<8> cubes;
-  for_body([&](const Box&, const std::array<int, 3>& at) {
-    auto& cube = cubes.emplace_back();
-    for (int c = 0; c < 8; ++c)
-      cube[c] = numbers_[static_cast<std::size_t>(at[0] + c % 2) +
-                         lines(0) * (static_cast<std::size_t>(at[1] + c / 2 % 2) +
-                                     lines(1) * static_cast<std::size_t>(at[2] + (c / 4 ^ mirrored)))];
-  });
+  std::vector<std::size_t> firsts{0};  // cubes of the parts, and the end
+  for (int part = 0; part < parts(); ++part) {
+    for_body([&](const Box& box, const std::array<int, 3>& at) {
+      if (part_of(box) != part) return;
+      auto& cube = cubes.emplace_back();
+      for (int c = 0; c < 8; ++c)
+        cube[c] = numbers_[static_cast<std::size_t>(at[0] + c % 2) +
+                           lines(0) * (static_cast<std::size_t>(at[1] + c / 2 % 2) +
+                                       lines(1) * static_cast<std::size_t>(at[2] + (c / 4 ^ mirrored)))];
+    });
+    firsts.push_back(cubes.size());
+  }
   if (setup_.as == ImageCells::hexahedra) {
-    CellBlock& block = body.blocks.emplace_back();
-    block.kind = &cell_kind("hexahedron8");
-    for (const auto& cube : cubes)
-      for (const int corner : {0, 1, 3, 2, 4, 5, 7, 6}) block.nodes.push_back(cube[corner]);
+    for (std::size_t cube = 0, part = 0; cube < cubes.size(); ++cube) {
+      if (cube == firsts[part])  // the first of the next part that has any
+        body.blocks.emplace_back().kind = &cell_kind("hexahedron8");
+      while (cube == firsts[part]) ++part;
+      for (const int corner : {0, 1, 3, 2, 4, 5, 7, 6}) body.blocks.back().nodes.push_back(cubes[cube][corner]);
+    }
     set_simplices(body);
   } else if (setup_.as == ImageCells::tetrahedra) {
     for (const auto& cube : cubes)
@@ -436,9 +558,35 @@ Body Boxes::body() const {
     ends.erase(std::unique(ends.begin(), ends.end()), ends.end());
     body.connections.rest_length.resize(ends.size());
     set_present_lengths(body);
-    body.cubes = std::move(cubes);
+    body.cubes = cubes;
   }
+  if (parts_) add_parts(cubes, firsts, body);
   return body;
+}
+
+void Boxes::add_parts(const Cells<8>& cubes, const std::vector<std::size_t>& firsts, Body& body) const {
+  const auto range = [&](std::size_t of_all, int label) {
+    const std::size_t each = of_all / cubes.size();
+    return CellRange{static_cast<int>(each * firsts[label]),
+                     static_cast<int>(each * (firsts[label + 1] - firsts[label]))};
+  };
+  int block = 0;
+  for (int label = 0; label < parts(); ++label) {
+    const CellRange own = range(cubes.size(), label);
+    if (own.count == 0) continue;
+    Part part;
+    part.name = labels_[label].name, part.material = label + 1;
+    part.first = firsts_[label], part.count = firsts_[label + 1] - firsts_[label];
+    part.tetrahedra = range(body.tetrahedra.size(), label);
+    part.cubes = range(body.cubes.size(), label);
+    if (!body.blocks.empty()) part.blocks = {block++, 1};
+    for (int cube = own.first; cube < own.first + own.count; ++cube)
+      for (const int molecule : cubes[cube])
+        if (molecule < part.first || molecule >= part.first + part.count) part.shared.push_back(molecule);
+    std::sort(part.shared.begin(), part.shared.end());
+    part.shared.erase(std::unique(part.shared.begin(), part.shared.end()), part.shared.end());
+    body.parts.push_back(std::move(part));
+  }
 }
 
 void Boxes::set_matter(Body& body) const {
@@ -448,7 +596,8 @@ void Boxes::set_matter(Body& body) const {
   bool varied = false;
   for_body([&](const Box& box, const std::array<int, 3>& at) {
     const double own = context_.material->density;
-    const double density = density_of_ ? density_of_(double{box.value}) : labels_[box.label].density.value_or(own);
+    const double of_label = parts_ ? materials_[box.label].density : labels_[box.label].density.value_or(own);
+    const double density = density_of_ ? density_of_(double{box.value}) : of_label;
     const double of_box = double{box.fraction} * volume(at) * density / own;
     all += of_box;
     varied |= stiffness(box) != 1;
@@ -464,8 +613,9 @@ void Boxes::set_matter(Body& body) const {
   if (setup_.as == ImageCells::packing)
     setup_.file->fail(
         "a packing has one stiffness: leave out materials of labels, `youngs_modulus` and `fill_fraction`");
-  if (context_.material->curve || context_.material->fibre)
-    setup_.file->fail("stiffness that varies needs a material without curve or fibre");
+  for (const Material& material : parts_ ? materials_ : std::vector{*context_.material})
+    if (material.curve || material.fibre)
+      setup_.file->fail("stiffness that varies needs a material without curve or fibre");
   // What lies on a face or edge has the mean of the boxes around it.
   change_stiffness(body, [&](const auto& molecules, double& factor) {
     Vector3 middle = Vector3::Zero();
@@ -488,26 +638,72 @@ void Boxes::set_matter(Body& body) const {
 
 void Boxes::set_ratios() const {
   const auto own = std::find_if(labels_.begin(), labels_.end(), [](const Label& one) { return one.ratio_place; });
-  if (own == labels_.end()) return;
+  if (parts_ || own == labels_.end()) return;
   if (context_.material->law) own->ratio_place->fail("needs a material without a law");
   if (!context_.remarks.field) own->ratio_place->fail("needs a scene of one body");
   std::vector<double> ratios;
   for (const Label& one : labels_) ratios.push_back(one.poissons_ratio.value_or(context_.material->poissons_ratio));
-  std::vector<int> label_of;
-  for (const Box& box : boxes_) label_of.push_back(box.label);
-  const auto at = [unit = setup_.length_unit, origin = image_.origin, steps = image_.steps.inverse().eval(),
-                   voxels = voxels_, counts = counts_](const Vector3& place) {
+  *context_.remarks.field = MaterialField{[ratios, at = label_at()](Material& material, const Vector3& place) {
+    if (const int label = at(place); label >= 0) material.poissons_ratio = ratios[label];
+  }};
+}
+
+std::function<int(const Vector3&)> Boxes::label_at() const {
+  std::vector<std::int16_t> label_of;
+  for (const Box& box : boxes_) label_of.push_back(static_cast<std::int16_t>(box.label));
+  return [=, unit = setup_.length_unit, origin = image_.origin, steps = image_.steps.inverse().eval(), voxels = voxels_,
+          counts = counts_](const Vector3& place) {
     const Vector3 voxel = steps * (place / unit - origin);
     std::size_t box = 0;
     for (int axis = 2; axis >= 0; --axis)
       box = box * static_cast<std::size_t>(counts[axis]) +
             static_cast<std::size_t>(
                 std::clamp(static_cast<int>((voxel[axis] + 0.5) / voxels[axis]), 0, counts[axis] - 1));
-    return box;
+    return label_of[box];
   };
-  *context_.remarks.field = MaterialField{[=](Material& material, const Vector3& place) {
-    if (const int label = label_of[at(place)]; label >= 0) material.poissons_ratio = ratios[label];
-  }};
+}
+
+/// Of at most 96 voxels along each axis.
+void Boxes::set_shades(BodyImage& own) const {
+  std::array<int, 3> step{};
+  for (int axis = 0; axis < 3; ++axis) {
+    step[axis] = (image_.size[axis] + 95) / 96;
+    own.shown[axis] = (image_.size[axis] + step[axis] - 1) / step[axis];
+  }
+  std::vector<double> values;
+  double low = std::numeric_limits<double>::infinity(), high = -low;
+  for (int z = 0; z < image_.size[2]; z += step[2])
+    for (int y = 0; y < image_.size[1]; y += step[1])
+      for (int x = 0; x < image_.size[0]; x += step[0]) {
+        values.push_back(image_.at(x, y, z));
+        if (std::isfinite(values.back())) low = std::min(low, values.back()), high = std::max(high, values.back());
+      }
+  for (const double value : values)
+    own.shades.push_back(high > low && value > low ? static_cast<std::uint8_t>(std::lround(
+                                                         255 * (std::min(value, high) - low) / (high - low)))
+                                                   : std::uint8_t{0});
+}
+
+void Boxes::set_specimen(const Body& body) const {
+  Specimen* specimen = context_.remarks.specimen;
+  if (!specimen) return;
+  std::vector<double> numbers;
+  for (const Label& label : labels_) numbers.push_back(setup_.labels.empty() ? 1 : label.number);
+  auto own = std::make_shared<BodyImage>();
+  static_cast<mesh::ImageGrid&>(*own) = image_;
+  own->length_unit = setup_.length_unit;
+  own->number = [numbers, at = label_at()](const Vector3& place) {
+    const int label = at(place);
+    return label < 0 ? 0 : numbers[label];
+  };
+  set_shades(*own);
+  specimen->image = std::move(own);
+  if (!parts_) return;
+  specimen->materials = {*context_.material};
+  for (std::size_t i = 0; i < labels_.size(); ++i) {
+    if (labels_[i].material) check_material(*labels_[i].material, materials_[i], body);
+    specimen->materials.push_back(materials_[i]);
+  }
 }
 
 Body make_body(const ImageSetup& setup, ShapeContext& context) {
@@ -532,6 +728,7 @@ Body make_body(const ImageSetup& setup, ShapeContext& context) {
   context.map.set_mesh_sets(boxes.sets());
   boxes.set_matter(body);
   boxes.set_ratios();
+  boxes.set_specimen(body);
   return body;
 }
 
@@ -544,8 +741,8 @@ Shape image_shape() {
       Keys<S>{
           Key<S>(mesh_file_key(std::string("an image: ") + mesh::image_endings())), length_unit_key(),
           Key<S>({"labels", "list of numbers, or map of number to `{name, material}`", "", "", "every value but 0",
-                  "the labels that are body; each is a set of that name, and has the `youngs_modulus`, "
-                  "`poissons_ratio` and `density` of its `material`"},
+                  "the labels that are body; each is a set of that name; one with more than E, ν and density in its "
+                  "`material`, a `law` for instance, makes each of them a body of its own, joined to the others"},
                  [](const Reader& value, S& setup, const Frame&) { read_labels(value, setup); }),
           Key<S>(key::quantity("threshold", &S::threshold, dimension::none, "grey value from which on a voxel is body"))
               .otherwise("none")

@@ -95,7 +95,9 @@ struct Remarks {
   std::vector<std::string>&warnings, &notes;
   MoleculeSets* sets = nullptr;
   std::optional<MaterialField>* field = nullptr;  ///< of the material, which a body with materials of its own sets
-  bool section_is_given = false;                  ///< the experiment does not ask the body for its section
+  Specimen* specimen = nullptr;  ///< that gets the materials of parts and the image of a body, where it has them
+  const elastin::Table<MaterialLaw>* laws = nullptr;  ///< of these materials
+  bool section_is_given = false;                      ///< the experiment does not ask the body for its section
 };
 /// Masses and radii are set too. The body is as written: rotated later, with the experiment.
 /// With processes: this one's share, where makes_shares says that it can be made alone.

@@ -12,6 +12,7 @@
 #include "elastin/core/model/parts.h"
 #include "elastin/core/model/share.h"
 #include "elastin/core/shapes/shapes.h"
+#include "elastin/core/simulation/parts.h"
 #include "elastin/core/simulation/prepare.h"
 #include "elastin/core/solve/engine.h"
 #include "lab/run/common_measures.h"
@@ -210,7 +211,8 @@ std::string needs_whole_body(const Strategy& strategy, const Body& share, const 
 /// The scene's one body; of several processes that solve it together each has its share where that is possible.
 Body read_one_body(Reader& reader, const Catalog& catalog, const ExperimentCatalog& experiments, Scene& scene) {
   const Material& material = scene.specimen.material;
-  Remarks remarks{scene.warnings, scene.notes, nullptr, &scene.specimen.material.field};
+  Remarks remarks{scene.warnings,  scene.notes,           nullptr, &scene.specimen.material.field,
+                  &scene.specimen, &catalog.material_laws};
   for (const auto& [key, section] : reader.entries())  // without noting it: messages list keys as they are read
     if (const std::vector<std::string> keys = section.keys(); key == "experiment")
       remarks.section_is_given = std::find(keys.begin(), keys.end(), "cross_section") != keys.end();
@@ -264,6 +266,8 @@ void read_whole_body(Reader& reader, const Catalog& catalog, const ExperimentCat
   scene.bare_graph = (reader.at("body").has("molecules") || reader.at("body").given_body("given") ||
                       reader.at("body").given_body("given_shape")) &&
                      specimen.body.tetrahedra.empty() && specimen.body.triangles.empty();
+  if (fields && !specimen.materials.empty())
+    fields->fail("goes with labels whose materials have E, nu and density alone");
   if (fields) set_fields(*fields, catalog.material_laws, specimen.material, specimen.body);
   if (change) {
     change(specimen.body, specimen.material);
@@ -280,6 +284,23 @@ void read_whole_body(Reader& reader, const Catalog& catalog, const ExperimentCat
 void turn_fibres(Specimen& specimen, const Matrix3& rotation) {
   rotate(specimen.material, rotation);
   for (Material& material : specimen.materials) rotate(material, rotation);
+}
+
+/// Parts whose materials state laws of their own get them.
+void set_laws(const Catalog& catalog, Scene& scene) {
+  Specimen& specimen = scene.specimen;
+  if (specimen.body.parts.empty()) return;
+  specimen.laws = std::make_shared<const Catalog>(catalog);
+  for (const Part& part : specimen.body.parts) {
+    const Material& own = specimen.materials[part.material];
+    if (part.rigid || !states_own_law(own, specimen.materials)) continue;
+    scene.notes.push_back("body '" + part.name + "': laws of cells are " + own.law->law +
+                          " there, whatever `stiffness` says");
+    if (own.poissons_ratio > kLocking && part.tetrahedra.count > 0 && part.blocks.count == 0)
+      scene.warnings.push_back("body '" + part.name + "': its tetrahedra have no volume term of " + own.law->law +
+                               ", and may lock: nu = " + number(own.poissons_ratio, 4) +
+                               "; use hexahedra, or cells of second order");
+  }
 }
 
 /// Says what an engine that is not this process alone cannot take.
@@ -362,6 +383,7 @@ std::unique_ptr<Scene> read_scene(const SceneSource& source, const Catalog& cata
   if (reader.has("rotate")) rotate(scene->specimen.body, rotation);
   scene->rotation = rotation;
   turn_fibres(scene->specimen, rotation);
+  set_laws(catalog, *scene);
   scene->specimen.law = stated_law(catalog, scene->specimen.material, scene->specimen.body);
   scene->stiffness = read_stiffness(reader.at("stiffness"), catalog, *scene);
   scene->strategies = read_strategies(reader.find("strategies"), scene->stiffness, catalog, scene->specimen);

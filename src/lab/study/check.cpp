@@ -222,7 +222,7 @@ CheckReport check_scene(Scene& scene, const Catalog& catalog, const std::vector<
   std::map<std::string, std::vector<std::string>> unsuited;  // by what they lack
   for (const Strategy& one : catalog.strategies()) {
     if (!has_constants(one, materials_of(scene.specimen))) continue;
-    const Strategy strategy = in_parts(one, body, scene.specimen.materials);
+    const Strategy strategy = in_parts(one, body, scene.specimen.materials, &catalog);
     std::string why = strategy.unsuited(body);
     if (why.empty() && !strategy.by_parts) why = material_unsuited(strategy, body, scene.specimen.material);
     (why.empty() ? suited : unsuited[why]).push_back(strategy.name);

@@ -18,6 +18,7 @@
 #include "lab/export/engine_run.h"
 #include "lab/report/comparison.h"
 #include "lab/report/files.h"
+#include "lab/report/image_fields.h"
 #include "lab/report/machine.h"
 #include "lab/report/page.h"
 #include "lab/report/records.h"
@@ -99,7 +100,10 @@ RunOptions Comparison::options_of(const ScenePlan& plan, const Scene& scene, con
   result.statics = scene.statics;
   result.time = scene.time;
   result.live = request_.live;
-  result.keep_snapshots = !request_.out.empty() || (!request_.pieces.empty() && scene.specimen.body.share);
+  if (!request_.image.empty()) check_image(request_.image, request_.image_spacing, scene);
+  result.last_snapshot = request_.out.empty() && !request_.image.empty();
+  result.keep_snapshots =
+      !request_.out.empty() || result.last_snapshot || (!request_.pieces.empty() && scene.specimen.body.share);
   result.progress = [this, name = scene.name + ", " + choice.label + ": "](const std::string& doing) {
     progress_.set_count({rows_, done_, run_, seconds_});
     progress_.set(name + doing);

@@ -17,12 +17,14 @@ struct Shard {
 
 /// Where the results of runs go, and how much of them is printed.
 struct Output {
-  std::string out;       ///< folder of all files; empty: none
-  std::string json;      ///< file, or "-" for standard output; empty: none
-  std::string pieces;    ///< folder of states of which another process writes the tables; empty: none
-  std::string peers;     ///< CSV file of other programs' runs, for the page
-  std::string baseline;  ///< folder of an earlier comparison
-  std::string command;   ///< as it was typed, for the page
+  std::string out;           ///< folder of all files; empty: none
+  std::string json;          ///< file, or "-" for standard output; empty: none
+  std::string pieces;        ///< folder of states of which another process writes the tables; empty: none
+  std::string peers;         ///< CSV file of other programs' runs, for the page
+  std::string baseline;      ///< folder of an earlier comparison
+  std::string image;         ///< file of the last state as an image (see write_image); empty: none
+  double image_spacing = 0;  ///< [m]; 0: of the image that the body was made of
+  std::string command;       ///< as it was typed, for the page
   bool quiet = false, summary = false;
   bool verbose = false;  ///< every run in full as it is finished, with every point of its curve
   bool to_screen() const { return !quiet && json != "-"; }

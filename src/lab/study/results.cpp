@@ -12,6 +12,7 @@
 
 #include "lab/report/comparison.h"
 #include "lab/report/files.h"
+#include "lab/report/image_fields.h"
 #include "lab/report/records.h"
 #include "lab/study/request.h"
 
@@ -50,6 +51,8 @@ void write_tables(const Output& output, const std::vector<Record>& records) {
 
 void write_run(const Output& output, const Scene& scene, Record& record) {
   const Body& body = scene.specimen.body;
+  if (!output.image.empty() && !record.run.snapshots.empty())
+    write_image(output.image, output.image_spacing, scene, record.run);
   const std::string& folder = output.out.empty() ? output.pieces : output.out;
   if (folder.empty() || record.run.curve.empty()) return;
   const std::string name = file_name(record.scene, record.run.strategy);

@@ -94,6 +94,57 @@ TEST_CASE("image: each label has its Poisson's ratio, whatever the directions of
   CHECK(run.measures.get("poissons_ratio") == Approx(0.4).epsilon(1e-6));
 }
 
+TEST_CASE("image: each label has a law of its own", "[image]") {
+  const TemporaryFolder folder;
+  folder.write("a.nrrd", nrrd({4, 4, 4}, [](int x, int, int) { return x < 2 ? 1 : 2; }));
+  const auto load = [&](const std::string& as, const std::string& stiffness) {
+    auto scene = load_scene(
+        folder.write("scene.yaml",
+                     "body: {image: {file: a.nrrd, length_unit: mm, as: " + as +
+                         ", labels: {2: {name: muscle, material: {law: yeoh, terms: [1 kPa, 2 kPa, 3 kPa], "
+                         "bulk_modulus: 10 MPa, density: 1060 kg/m3}}, 1: {name: fat, material: {law: mooney_rivlin, "
+                         "c1: 2 kPa, c2: 1 kPa, bulk_modulus: 10 MPa}}}}}\nmaterial: {youngs_modulus: 10 kPa, "
+                         "poissons_ratio: 0.3, density: 900 kg/m3}\nstiffness: " +
+                         stiffness + "\nexperiment: {kind: tension, axis: z, strain: 20 %}\nreference: none\n"),
+        kCatalog);
+    prepare(scene->specimen, scene->stiffness.strategy);
+    return scene;
+  };
+  // Incompressible, so that both become thinner alike: 2 (λ − 1/λ²) (c1 + c2/λ), and the same with the slope of Yeoh's
+  // polynomial, on half of 8 mm × 4 mm each.
+  const double stretch = 1.2, more = stretch * stretch + 2 / stretch - 3, shape = 2 * (stretch - 1 / stretch / stretch);
+  const double force = 16e-6 * shape * (2e3 + 1e3 / stretch + 1e3 + 4e3 * more + 9e3 * more * more);
+  for (const char* as : {"hexahedra", "tetrahedra"}) {
+    INFO(as);
+    const auto scene = load(as, "neo_hookean");
+    const Body& body = scene->specimen.body;
+    REQUIRE(body.parts.size() == 2);
+    CHECK(body.parts[0].name == "muscle");
+    CHECK(body.parts[0].count + body.parts[1].count == body.size());
+    CHECK(body.parts[1].shared.size() == 25);
+    CHECK(body.mass.sum() == Approx(64e-9 * (1060 + 900)));
+    const Run run = run_strategy(scene->specimen, *scene->experiment, scene->stiffness, {.statics = scene->statics});
+    INFO(run.cause);
+    REQUIRE(run.outcome == Outcome::converged);
+    CHECK(run.measures.get("force") == Approx(force).epsilon(2e-3));
+  }
+  CHECK_THAT(load("tetrahedra", "neo_hookean")->warnings.front(), Contains("yeoh") && Contains("may lock"));
+  const auto springs = load("lattice", "lattice");  // by E at rest
+  const Run run = run_strategy(springs->specimen, *springs->experiment, springs->stiffness, {});
+  CHECK(run.outcome == Outcome::converged);
+  CHECK(springs->specimen.materials[1].youngs_modulus == Approx(6e3).epsilon(1e-3));
+  CHECK_THROWS_WITH(load("packing", "standard"), Contains("scene.yaml") && Contains("a packing has one material"));
+}
+
+TEST_CASE("image: near v = 1/2 labels of tetrahedra keep their volumes each by itself", "[image]") {
+  const TemporaryFolder folder;
+  const auto scene = scene_of(folder, nrrd(kSize, halves),
+                              ", as: tetrahedra, labels: {1: {material: {poissons_ratio: 0.49}}, 2: {material: "
+                              "{youngs_modulus: 40 kPa, poissons_ratio: 0.49}}}");
+  CHECK(scene->stiffness.strategy.name == "neo_hookean+volume");
+  CHECK(scene->specimen.body.parts.size() == 2);
+}
+
 TEST_CASE("image: a formula of the grey value is E at each box", "[image]") {
   const TemporaryFolder folder;
   const auto scene = scene_of(folder, nrrd(kSize, [](int, int, int z) { return z < 3 ? 100 : 200; }),
@@ -122,6 +173,24 @@ TEST_CASE("image: larger boxes, and the part of them that is body", "[image]") {
   CHECK(part->specimen.body.mass.sum() == Approx(64e-6));
   CHECK(modulus(*part) == Approx(5e3).epsilon(1e-6));
   CHECK_THAT(part->warnings.front(), Contains("2 times what is filled: give `cross_section`"));
+}
+
+TEST_CASE("image: of boxes next to a grip only molecules with body at its plane belong to it", "[image]") {
+  const TemporaryFolder folder;
+  // A foot of 8 mm × 4 mm under a slab of 16 mm × 8 mm, in boxes of 4 mm of which all of the lowest ones have some
+  // body.
+  folder.write("a.nrrd",
+               nrrd({8, 8, 8}, [](int x, int y, int z) { return z > 1 || (x / 2 % 3 != 0 && y / 2 % 3 != 0); }));
+  const auto scene = load_scene(
+      folder.write("scene.yaml",
+                   "body: {image: {file: a.nrrd, length_unit: mm, spacing: 4 mm, fill_fraction: true}}\n"
+                   "material: {youngs_modulus: 10 kPa, poissons_ratio: 0}\nstiffness: neo_hookean\n"
+                   "experiment: {kind: tension, axis: z, strain: 1 %, fixed: {set: low k}, loaded: {set: high k}, "
+                   "fixed_grip: clamped, loaded_grip: clamped, cross_section: 128 mm2}\nreference: none\n"),
+      kCatalog);
+  Model model(scene->specimen.body);
+  const auto rig = scene->experiment->rig(model);
+  CHECK(model.supports.size() == 3 + 15);  // along the middle of the foot; the whole upper side
 }
 
 TEST_CASE("image: a wall of one box is thin, a step of the surface is not", "[image]") {

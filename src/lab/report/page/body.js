@@ -20,6 +20,7 @@ function body_from(json) {
   const body = {rest: new Float32Array(bytes_of(json.rest)), radius: new Float32Array(bytes_of(json.radius)),
     ends: new Uint32Array(bytes_of(json.ends)), surface: new Uint32Array(bytes_of(json.surface)), cells: new Int32Array(bytes_of(json.cells)),
     numbers: json.numbers && new Int32Array(bytes_of(json.numbers)), membrane: json.membrane, note: json.shown,
+    image: json.image && {...json.image, values: new Uint8Array(bytes_of(json.image.values))},
     obstacles: (json.obstacles ?? []).map(({name, lines}) => ({name, lines: new Float32Array(bytes_of(lines))}))};
   return Object.assign(body, {size: diagonal_of(body.rest)});
 }

@@ -1,4 +1,4 @@
-// The body's part of a page: which strategy, which colour, which state, and its controls. Needs body.js, colours.js, viewer.js.
+// The body's part of a page: which strategy, which colour, which state, and its controls. Needs body.js, colours.js, viewer.js, slice.js.
 'use strict';
 
 /** What can be coloured; `field`: of the states that have it; `shape`: on what it stands. */
@@ -119,6 +119,16 @@ class Stage {
     if (axis !== this.cut_axis) this.cut_side = axis < 0 ? 0 : this.viewer.side_of_eye(axis);
     this.cut_axis = axis;
     this.viewer.set_cut(axis, this.cut_side, +this.part('cut_at').value);
+    this.show_slice();
+  }
+
+  /** The image that the body was made of, in the plane of the cut. */
+  show_slice() {
+    const {image} = this.body, slice = this.slice ??= document.createElement('canvas');
+    slice.remove();
+    if (!image || !(this.cut_axis >= 0)) return;
+    this.canvas.parentElement.append(Object.assign(slice, {className: 'slice', width: 220, height: 220}));
+    draw_slice(slice, image, this.body, this.viewer.positions, this.cut_axis, this.cut_side * this.viewer.cut.w);
   }
 
   /** Another strategy: its last state. */
@@ -228,6 +238,7 @@ class Stage {
     viewer.set_lines(to_scale ? this.body.obstacles.flatMap(({lines}, i) => state[`pose ${i}`] ? [...lines_in_space(lines, state[`pose ${i}`])] : []) : []);
     this.state = {...state, values};
     this.tell();
+    this.show_slice();
     this.part('at').textContent = in_time ? with_prefix(state.at, 's') : `${(100 * state.at).toFixed(0)} % of the load`;
     this.show_legend();
   }
@@ -295,6 +306,7 @@ class Stage {
     this.pause();
     this.silence.abort();
     this.viewer.release();
+    this.slice?.remove();
     this.canvas.replaceWith(this.canvas.cloneNode());
   }
 }
