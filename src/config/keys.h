@@ -5,6 +5,7 @@
 #include <functional>
 #include <initializer_list>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <string>
 #include <type_traits>
@@ -24,7 +25,7 @@ struct Frame {
 };
 
 /// One key of a map. It sets a member of `Setup`, and is said once: its rows in the key reference, how its value is
-/// read, and which values are refused.
+/// read, and which values are refused. Copies share the rows, which are most of it.
 template <class Setup>
 class Key {
  public:
@@ -36,21 +37,26 @@ class Key {
   /// `read` may leave the frame out.
   template <class Reads>
   Key(SceneKey row, Reads reads, std::function<void(Setup&, const Frame&)> absent = {})
-      : name_(row.name), rows_{std::move(row)}, read_(with_frame(std::move(reads))), absent_(std::move(absent)) {}
+      : name_(row.name),
+        rows_(std::make_shared<Rows>()),
+        read_(with_frame(std::move(reads))),
+        absent_(std::move(absent)) {
+    rows_->push_back(std::move(row));
+  }
   /// A key with keys of its own below it, in whose rows its name stands before theirs.
   template <class Reads>
   Key(std::string name, std::vector<SceneKey> rows, Reads reads)
-      : name_(std::move(name)), rows_(std::move(rows)), read_(with_frame(std::move(reads))) {}
+      : name_(std::move(name)), rows_(std::make_shared<Rows>(std::move(rows))), read_(with_frame(std::move(reads))) {}
   /// A key of what this setup is made of.
   template <class Base>
-  requires(std::derived_from<Setup, Base> && !std::same_as<Setup, Base>) Key(const Key<Base>& other)
-      : name_(other.name()),
-        rows_(other.rows()),
-        read_([other](const Reader& value, Setup& setup, const Frame& frame) { other.read(value, setup, frame); }),
-        absent_([other](Setup& setup, const Frame& frame) { other.read(std::nullopt, setup, frame); }),
-        needed_([other](const Setup& setup) { return other.is_needed(setup); }) {
-    if (other.fault()) fault_ = other.fault();
-    if (other.condition()) condition_ = other.condition();
+  requires(std::derived_from<Setup, Base> && !std::same_as<Setup, Base>) Key(Key<Base> key)
+      : name_(key.name()), rows_(key.rows_) {
+    const auto own = std::make_shared<const Key<Base>>(std::move(key));
+    read_ = [own](const Reader& value, Setup& setup, const Frame& frame) { own->read(value, setup, frame); };
+    absent_ = [own](Setup& setup, const Frame& frame) { own->read(std::nullopt, setup, frame); };
+    needed_ = [own](const Setup& setup) { return own->is_needed(setup); };
+    if (own->fault()) fault_ = own->fault();
+    if (own->condition()) condition_ = own->condition();
   }
 
   /// A map without the key is refused.
@@ -70,7 +76,8 @@ class Key {
   }
   /// What counts where the key is missing, in the reference's words.
   Key otherwise(std::string words) && {
-    rows_.front().fallback = std::move(words);
+    if (rows_.use_count() > 1) rows_ = std::make_shared<Rows>(*rows_);
+    rows_->front().fallback = std::move(words);
     return std::move(*this);
   }
   /// A map for which the condition does not hold has no such key, and any other must have it.
@@ -117,7 +124,7 @@ class Key {
 
   const std::string& name() const { return name_; }
   bool is_needed(const Setup& setup) const { return needed_ && needed_(setup); }
-  const std::vector<SceneKey>& rows() const { return rows_; }
+  const std::vector<SceneKey>& rows() const { return *rows_; }
   const Fault& fault() const { return fault_; }
   const Condition& condition() const { return condition_; }
   bool belongs_to(const Setup& setup) const { return !condition_ || condition_(setup); }
@@ -129,6 +136,10 @@ class Key {
   }
 
  private:
+  template <class Other>
+  friend class Key;
+  using Rows = std::vector<SceneKey>;
+
   template <class Reads>
   static Read with_frame(Reads reads) {
     if constexpr (std::is_invocable_v<Reads, const Reader&, Setup&, const Frame&>)
@@ -138,7 +149,7 @@ class Key {
   }
 
   std::string name_;
-  std::vector<SceneKey> rows_;
+  std::shared_ptr<Rows> rows_;
   Read read_;
   std::function<void(Setup&, const Frame&)> absent_;
   Fault fault_;
@@ -163,65 +174,62 @@ struct KeyGroup {
 /// Exactly one of these keys is given.
 template <class Setup>
 KeyGroup<Setup> one_of(std::string message, std::vector<Key<Setup>> keys) {
-  std::vector<Key<Setup>> group;
-  for (std::size_t i = 0; i < keys.size(); ++i) {
-    const std::string words = keys.size() == 2
-                                  ? "this, or `" + keys[1 - i].name() + "`"
-                                  : std::string("one of ") + (keys.size() == 3 ? "three" : "four") + " needed";
-    group.push_back(Key<Setup>(keys[i]).otherwise(words));
-  }
-  return {std::move(group), std::move(message)};
+  for (std::size_t i = 0; i < keys.size(); ++i)
+    keys[i] = std::move(keys[i]).otherwise(keys.size() == 2 ? "this, or `" + keys[1 - i].name() + "`"
+                                                            : std::string("one of ") +
+                                                                  (keys.size() == 3 ? "three" : "four") + " needed");
+  return {std::move(keys), std::move(message)};
 }
 
 /// One or both of two keys are given.
 template <class Setup>
 KeyGroup<Setup> any_of(std::string message, std::vector<Key<Setup>> keys) {
-  std::vector<Key<Setup>> group;
   for (std::size_t i = 0; i < keys.size(); ++i)
-    group.push_back(Key<Setup>(keys[i]).otherwise("this, `" + keys[1 - i].name() + "` or both"));
-  return {std::move(group), std::move(message), false};
+    keys[i] = std::move(keys[i]).otherwise("this, `" + keys[1 - i].name() + "` or both");
+  return {std::move(keys), std::move(message), false};
 }
 
-/// All keys of a map that is read into a `Setup`, in the order of the reference.
+/// All keys of a map that is read into a `Setup`, in the order of the reference. Copies share them.
 template <class Setup>
 class Keys {
  public:
   /// A key, a group of keys, or all keys of another table.
   class Entry {
    public:
-    Entry(Key<Setup> key) : keys_{std::move(key)} {}
+    Entry(Key<Setup> key) : Entry(std::vector<Key<Setup>>()) { keys_->push_back(std::move(key)); }
     template <class Base>
-    requires(std::derived_from<Setup, Base> && !std::same_as<Setup, Base>) Entry(const Key<Base>& key)
-        : keys_{Key<Setup>(key)} {}
-    Entry(std::vector<Key<Setup>> keys) : keys_(std::move(keys)) {}
+    requires(std::derived_from<Setup, Base> && !std::same_as<Setup, Base>) Entry(Key<Base> key)
+        : Entry(Key<Setup>(std::move(key))) {}
+    Entry(std::vector<Key<Setup>> keys) : keys_(std::make_shared<std::vector<Key<Setup>>>(std::move(keys))) {}
     Entry(KeyGroup<Setup> group)
-        : keys_(std::move(group.keys)),
+        : keys_(std::make_shared<std::vector<Key<Setup>>>(std::move(group.keys))),
           message_(std::move(group.message)),
           several_(std::move(group.several)),
           only_one_(group.only_one) {}
 
    private:
     friend class Keys;
-    std::vector<Key<Setup>> keys_;
+    std::shared_ptr<std::vector<Key<Setup>>> keys_;
     std::string message_ = {}, several_ = {};
     bool only_one_ = false;
   };
 
-  Keys(std::initializer_list<Entry> entries) : entries_(entries) {}
-  explicit Keys(std::vector<Entry> entries) : entries_(std::move(entries)) {}
+  Keys(std::initializer_list<Entry> entries) : entries_(std::make_shared<const std::vector<Entry>>(entries)) {}
+  explicit Keys(std::vector<Entry> entries)
+      : entries_(std::make_shared<const std::vector<Entry>>(std::move(entries))) {}
 
   std::vector<SceneKey> rows() const {
     std::vector<SceneKey> rows;
-    for (const Entry& entry : entries_)
-      for (const Key<Setup>& key : entry.keys_) rows.insert(rows.end(), key.rows().begin(), key.rows().end());
+    for (const Entry& entry : *entries_)
+      for (const Key<Setup>& key : *entry.keys_) rows.insert(rows.end(), key.rows().begin(), key.rows().end());
     return rows;
   }
 
-  const std::string& first_name() const { return entries_.front().keys_.front().name(); }
+  const std::string& first_name() const { return entries_->front().keys_->front().name(); }
   std::vector<std::string> names() const {
     std::vector<std::string> names;
-    for (const Entry& entry : entries_)
-      for (const Key<Setup>& key : entry.keys_) names.push_back(key.name());
+    for (const Entry& entry : *entries_)
+      for (const Key<Setup>& key : *entry.keys_) names.push_back(key.name());
     return names;
   }
 
@@ -237,10 +245,10 @@ class Keys {
   }
   /// The same of a map that has other keys too: the caller finishes it, and then calls `check`.
   void read_into(Reader& map, Setup& setup, const Frame& frame = {}) const {
-    for (const Entry& entry : entries_)
-      for (const Key<Setup>& key : entry.keys_) map.refuse_old_name(key.name());
-    for (const Entry& entry : entries_)
-      for (const Key<Setup>& key : entry.keys_)
+    for (const Entry& entry : *entries_)
+      for (const Key<Setup>& key : *entry.keys_) map.refuse_old_name(key.name());
+    for (const Entry& entry : *entries_)
+      for (const Key<Setup>& key : *entry.keys_)
         if (key.belongs_to(setup))
           key.read(key.is_needed(setup) ? std::optional(map.at(key.name())) : map.find(key.name()), setup, frame);
   }
@@ -249,9 +257,9 @@ class Keys {
     for (const std::string& name : names()) map.has(name);
   }
   void check(Reader& map, const Setup& setup) const {
-    for (const Entry& entry : entries_) {
+    for (const Entry& entry : *entries_) {
       std::string given;
-      for (const Key<Setup>& key : entry.keys_) {
+      for (const Key<Setup>& key : *entry.keys_) {
         if (!key.belongs_to(setup)) continue;
         const std::optional<Reader> value = map.find(key.name());
         if (value && entry.only_one_ && !given.empty()) {
@@ -267,7 +275,7 @@ class Keys {
   }
 
  private:
-  std::vector<Entry> entries_;
+  std::shared_ptr<const std::vector<Entry>> entries_;
 };
 
 /// A map of one of several forms: of the one whose first key it has, or else of the last.

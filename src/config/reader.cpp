@@ -257,22 +257,28 @@ std::string Reader::line() const {
 }
 
 std::string Reader::content() const {
-  std::string text = line();
-  const std::function<void(const YAML::Node&)> add_files = [&](const YAML::Node& node) {
-    if (!node.IsMap() && !node.IsSequence()) return;
+  std::string text;
+  const std::function<void(const YAML::Node&)> add = [&](const YAML::Node& node) {
+    if (!node.IsMap() && !node.IsSequence()) {
+      text += std::to_string(node.Scalar().size()) + " " + node.Scalar();  // the size: where it ends
+      return;
+    }
+    text += node.IsMap() ? "{" : "[";
     for (const auto& entry : node) {
       if (node.IsSequence()) {
-        add_files(entry);
+        add(entry);
         continue;
       }
-      add_files(entry.second);
+      add(entry.first);
+      add(entry.second);
       if (entry.first.Scalar() != "file" || !entry.second.IsScalar()) continue;
       const auto folder = std::filesystem::path(file_->files[file_of(entry.second)]).parent_path();
       std::ifstream stream(folder / entry.second.Scalar(), std::ios::binary);
-      text += "\n" + std::string(std::istreambuf_iterator<char>(stream), {});
+      text += std::string(std::istreambuf_iterator<char>(stream), {});
     }
+    text += node.IsMap() ? "}" : "]";
   };
-  add_files(node_);
+  add(node_);
   return text;
 }
 

@@ -85,7 +85,7 @@ class Reader {
   std::string existing_file() const;
   /// The value as one line of YAML, whatever it is: what --set can put elsewhere.
   std::string line() const;
-  /// The same with the bytes of the files behind it that are named under `file`: equal texts mean the same thing.
+  /// The value as a text with the bytes of the files that are named under `file` in it: equal texts mean the same.
   std::string content() const;
   /// In SI units. Throws if it has no unit although other values of the file have one, or vice versa.
   double quantity(const Dimension& dimension, const Range& range = {}) const;

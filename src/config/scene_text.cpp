@@ -173,6 +173,8 @@ class Explanation {
                                     outline_.quote->sign);
   }
 
+  const Outline& outline() const { return outline_; }
+
   InputError of(const SourceLocation& refused, const std::string& reason) const {
     if (auto fault = of_brackets()) return *fault;
     const std::size_t last = std::min(static_cast<std::size_t>(std::max(1, refused.line)), outline_.lines.size()) - 1;
@@ -356,17 +358,16 @@ void check_scene_text(const std::string& path, const std::string& text) {
     }
   }
   const Explanation explanation(path, text);
-  const Scanner scanner(text);
   for (std::size_t number = 0; number < lines.size(); ++number) {
-    const Line& seen = scanner.outline().lines[number];
+    const Line& seen = explanation.outline().lines[number];
     const std::size_t first = lines[number].find_first_not_of(" \t");
     const std::size_t tab = lines[number].find('\t');
     if (!seen.block || first == std::string::npos || tab >= first) continue;
     const auto tabs = static_cast<std::size_t>(
         std::count(lines[number].begin(), lines[number].begin() + static_cast<std::ptrdiff_t>(first), '\t'));
     std::size_t indent = 2 * tabs + first - tabs;
-    if (number > 0 && scanner.outline().lines[number - 1].block) {  // as its neighbour above, if that is near
-      const Line& above = scanner.outline().lines[number - 1];
+    if (number > 0 && explanation.outline().lines[number - 1].block) {  // as its neighbour above, if that is near
+      const Line& above = explanation.outline().lines[number - 1];
       if (!above.text.ends_with(':')) indent = above.indent;
     }
     throw InputError(SourceLocation{path, static_cast<int>(number) + 1, static_cast<int>(tab) + 1},

@@ -131,6 +131,17 @@ class SecondDocument final : public YAML::EventHandler {
   YAML::Mark second_;
 };
 
+/// Whether a text may go on behind its first document. A map from the first column on ends at a line with a sign of
+/// YAML's own, or with the text.
+bool may_go_on(const YAML::Node& first, const std::string& text) {
+  if (!first.IsMap() || first.Style() != YAML::EmitterStyle::Block || first.Mark().column > 0) return true;
+  for (const std::string sign : {"---", "...", "%"})
+    if (text.starts_with(sign) || text.find("\n" + sign) != std::string::npos ||
+        text.find("\r" + sign) != std::string::npos)
+      return true;
+  return false;
+}
+
 /// The only document of a scene's text. yaml-cpp's LoadAll finds documents without end in some texts that are none.
 YAML::Node load_document(const std::string& path, const std::string& text) {
   const SourceLocation start{path, 1, 1};
@@ -144,10 +155,10 @@ YAML::Node load_document(const std::string& path, const std::string& text) {
   check_scene_text(path, text);
   YAML::Node document;
   try {
-    if (const auto second = SecondDocument().find(text))
+    document = YAML::Load(text);
+    if (const auto second = may_go_on(document, text) ? SecondDocument().find(text) : std::nullopt)
       throw InputError(SourceLocation{path, second->line + 1, second->column + 1},
                        "a scene is one YAML document; a second one begins here");
-    document = YAML::Load(text);
   } catch (const YAML::Exception& error) {
     throw explain_yaml(path, text, SourceLocation{path, error.mark.line + 1, error.mark.column + 1}, error.msg);
   }

@@ -87,7 +87,7 @@ const MeasureInfo& find_measure(const std::string& name) { return built_in_measu
 std::unique_ptr<Experiment> read_experiment(Reader reader, const ExperimentContext& context) {
   reader.set_section("experiment");
   const Reader kind = reader.at("kind");
-  const ExperimentInfo info = kind.located([&] { return context.experiments.find(kind.text()); });
+  const ExperimentInfo& info = *kind.located([&] { return &context.experiments.find(kind.text()); });
   reader.set_section("experiment." + info.name);
   return info.read ? info.read(reader, context) : make_from_parameters(reader, info, context);
 }

@@ -286,9 +286,10 @@ Shape molecules_shape() {
 
 const std::vector<Shape>& shapes() {
   static const std::vector<Shape> all = [] {
-    std::vector<Shape> list{lattice_shape(), packing_shape(), tetrahedra_shape()};
+    std::vector<Shape> list;
+    for (Shape (*const make)() : {lattice_shape, packing_shape, tetrahedra_shape}) list.push_back(make());
     for (Shape& surface : surface_shapes()) list.push_back(std::move(surface));
-    for (const Shape& other : {mesh_shape(), fill_shape(), image_shape(), molecules_shape()}) list.push_back(other);
+    for (Shape (*const make)() : {mesh_shape, fill_shape, image_shape, molecules_shape}) list.push_back(make());
     return list;
   }();
   return all;

@@ -140,14 +140,18 @@ void read_reference(Reader item, const Catalog& catalog, const MeasureList& meas
 
 }  // namespace
 
-Expectation read_expectation(const Reader& reader, const std::vector<StrategyChoice>& strategies,
-                             const Catalog& catalog, const MeasureList& measures) {
-  const Expectation expectation = expect_keys(strategies, catalog, measures).read(reader);
-  const bool judged = expectation.outcome.empty() && expectation.not_reproduced.empty();
-  if (judged && expectation.relative == 0 && expectation.absolute == 0)
-    reader.fail(
-        "an expectation needs a tolerance (relative), an absolute tolerance, or not_reproduced with the reason");
-  return expectation;
+std::vector<Expectation> read_expectations(const Reader& list, const std::vector<StrategyChoice>& strategies,
+                                           const Catalog& catalog, const MeasureList& measures) {
+  const auto keys = expect_keys(strategies, catalog, measures);
+  std::vector<Expectation> all;
+  for (const Reader& item : list.items()) {
+    const Expectation& expectation = all.emplace_back(keys.read(item));
+    const bool judged = expectation.outcome.empty() && expectation.not_reproduced.empty();
+    if (judged && expectation.relative == 0 && expectation.absolute == 0)
+      item.fail(
+          "an expectation needs a tolerance (relative), an absolute tolerance, or not_reproduced with the reason");
+  }
+  return all;
 }
 
 void read_references(const Reader& reader, const Catalog& catalog, const MeasureList& measures, Scene& scene) {

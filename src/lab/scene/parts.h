@@ -152,8 +152,8 @@ std::vector<Key<Setup>> parameter_keys(const Rows& rows, ParameterValues Setup::
 }
 StrategyChoice read_strategy(Reader reader, const Catalog& catalog);
 /// `strategies` are those of the scene: an expectation may name one by its label. `measures`: those that may be named.
-Expectation read_expectation(const Reader& reader, const std::vector<StrategyChoice>& strategies,
-                             const Catalog& catalog, const MeasureList& measures);
+std::vector<Expectation> read_expectations(const Reader& list, const std::vector<StrategyChoice>& strategies,
+                                           const Catalog& catalog, const MeasureList& measures);
 /// computed, none, {computed: {…}}, one stated value, or a list of stated values and `computed`.
 void read_references(const Reader& reader, const Catalog& catalog, const MeasureList& measures, Scene& scene);
 /// {vary: [{KEY.PATH: [value, …], …}, …], repeats: 5, threads: [1, 2], own_reference: STRATEGY}

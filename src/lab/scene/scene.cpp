@@ -344,8 +344,7 @@ std::unique_ptr<Scene> read_other_format(const SceneFormat& format, const SceneS
   scene->strategies = {scene->stiffness};
   scene->measures = std::make_shared<const MeasureList>(measures_of(*scene->experiment));
   if (auto expect = reader.find("expect"))
-    for (const Reader& item : expect->items())
-      scene->expectations.push_back(read_expectation(item, scene->strategies, catalog, *scene->measures));
+    scene->expectations = read_expectations(*expect, scene->strategies, catalog, *scene->measures);
   reader.finish();
   scene->build_seconds = watch.seconds();
   return scene;
@@ -453,13 +452,13 @@ std::unique_ptr<Scene> read_scene(const SceneSource& source, const Catalog& cata
   scene->measures = std::make_shared<const MeasureList>(measures_of(*scene->experiment));
   MeasureList measures = *scene->measures;  // what others have is known, too: it is not measured here
   measures.add(measures_of(experiments));
-  if (auto expect = reader.find("expect"))
-    for (const Reader& item : expect->items()) {
-      const Expectation& wanted = scene->expectations.emplace_back(read_expectation(item, known, catalog, measures));
-      if (!wanted.strategy.empty() && !find_strategy(known, wanted.strategy))
-        scene->warnings.push_back(item.path() + ": no run of this scene is with " + wanted.strategy +
+  if (auto expect = reader.find("expect")) {
+    scene->expectations = read_expectations(*expect, known, catalog, measures);
+    for (std::size_t i = 0; i < scene->expectations.size(); ++i)
+      if (const std::string& wanted = scene->expectations[i].strategy; !wanted.empty() && !find_strategy(known, wanted))
+        scene->warnings.push_back(expect->items()[i].path() + ": no run of this scene is with " + wanted +
                                   ", so that `run` and `compare` do not check it; add it to `strategies`");
-    }
+  }
   if (auto references = reader.find("reference")) read_references(*references, catalog, measures, *scene);
   scene->problem = problem_text(reader, *scene);
   if (auto study = reader.find("study")) scene->study = read_study(*study, known);

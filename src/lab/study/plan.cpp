@@ -31,8 +31,10 @@ ScenePlan plan_scene(const Request& request, const Catalog& catalog, const Scene
   ScenePlan plan;
   plan.source = source;
   plan.scene = load_scene(source, catalog, request.overrides);
-  const std::string with = scene_format_of(source.path()) ? "" : open_scene(source, {}, kMostMolecules).content();
-  plan.content = key_of(std::vector{source.text(), with});
+  if (!request.out.empty()) {
+    const std::string with = scene_format_of(source.path()) ? "" : open_scene(source, {}, kMostMolecules).content();
+    plan.content = key_of(std::vector{source.text(), with});
+  }
   plan.warnings = plan.scene->warnings;
   plan.name = plan.scene->name;
   plan.title = plan.scene->title;

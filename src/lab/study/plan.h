@@ -13,7 +13,7 @@ namespace elastin::lab {
 /// All rows of one scene: its combinations × threads × strategies, each `repeats` times.
 struct ScenePlan {
   SceneSource source;
-  std::string content;           ///< key_of the scene's text and of the files that it names
+  std::string content;           ///< key_of the scene's text and the files that it names; with --out
   std::unique_ptr<Scene> scene;  ///< as it stands; released after its first runs where a study changes it
   std::vector<std::vector<std::pair<std::string, std::string>>> combinations;
   std::vector<int> threads;             ///< 0 = as the command says
