@@ -407,7 +407,8 @@ std::string page_text(const PageMatter& matter) {
 }
 
 std::string viewer_text(const std::vector<std::string>& views, const std::vector<Record>& records) {
-  const Scenery scene = by_scene(records).front();
+  const std::vector<Scenery> scenes = by_scene(records);  // rankings point into them
+  const Scenery& scene = scenes.front();
   return page_begin(scene.records.front().title, "Elastin") +
          "</header><style>header,footer{display:none}</style>\n<main><article class=\"scene\" id=\"scene-0\" "
          "data-best=\"\">" +
