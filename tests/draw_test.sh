@@ -19,5 +19,12 @@ drawn() {  # file: how many connections its picture has
   --set 'expect=[]'
 [[ $(drawn "$work/strip-neo_hookean+volume-005.vtu") == 47 ]] || { echo "strip: not 47 connections are drawn"; exit 1; }
 
+# Arrays of more than 1 MiB are in several blocks. 18 boxes a side: their edges, a diagonal of each side and one of each box.
+printf '%s\n' 'body: {lattice: {kind: cubic, molecules: [19, 19, 19], spacing: 1 mm, order: 1}}' 'material: {youngs_modulus: 1 kPa}' \
+  'stiffness: neo_hookean' 'experiment: {kind: tension, axis: z, strain: 1 %}' >"$work/boxes.yaml"
+"$elastin" run "$work/boxes.yaml" --quiet --out "$work"
+[[ $(drawn "$work/boxes-neo_hookean-001.vtu") == $((3 * 19 * 19 * 18 + 3 * 18 * 18 * 19 + 18 * 18 * 18)) ]] ||
+  { echo "boxes: not all connections are drawn"; exit 1; }
+
 if "$root/tools/draw" "$work/none.vtu" 2>"$work/said"; then exit 1; fi
 grep -q 'none.vtu: cannot be read' "$work/said"

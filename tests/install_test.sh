@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # Each way to install Elastin that needs no network, tried in an empty folder: one line a way with its seconds and its size.
 #   install_test.sh BUILD [deb]      deb: also Debian's packages, whose compression takes a minute
+#   CPM_CMAKE=FILE                   also CPM, whose CPM.cmake is this file
 set -euo pipefail
 build=$(readlink -f -- "$1")
 source=$(dirname -- "$(dirname -- "$(readlink -f -- "${BASH_SOURCE[0]}")")")
@@ -41,13 +42,14 @@ npm_package() {
   npm install --offline --no-audit --no-fund "$build/web/npm"
   node -e 'require("elastin").load().then(e => e.lattice([3, 3, 3], 0.1, {density: 1000}).simulate("lattice", {youngs_modulus: 1e3}).step(1e-3))'
 }
-fetched() {  # configured alone: CI builds the sources inside another project (consumer_test.sh subdirectory)
-  printf '%s\n' 'cmake_minimum_required(VERSION 3.22)' 'project(host CXX)' 'include(FetchContent)' \
-    "FetchContent_Declare(elastin SOURCE_DIR $source)" 'FetchContent_MakeAvailable(elastin)' 'add_executable(host host.cpp)' \
+inside() {  # lines of CMake; configured alone: CI builds the sources inside another project (consumer_test.sh subdirectory)
+  printf '%s\n' 'cmake_minimum_required(VERSION 3.22)' 'project(host CXX)' "$@" 'add_executable(host host.cpp)' \
     'target_link_libraries(host elastin::core)' >CMakeLists.txt
   echo 'int main() {}' >host.cpp
   env -u CMAKE_PREFIX_PATH cmake -B build && grep -rq elastin_core build/CMakeFiles
 }
+fetched() { inside 'include(FetchContent)' "FetchContent_Declare(elastin SOURCE_DIR $source)" 'FetchContent_MakeAvailable(elastin)'; }
+by_cpm() { inside "include($CPM_CMAKE)" "CPMAddPackage(NAME elastin SOURCE_DIR $source)"; }
 debian_packages() {
   (cd -- "$build" && cpack -G DEB -B "$work/made")
   mkdir root "$work/deb" && mv -- "$work"/made/*.deb "$work/deb"
@@ -63,4 +65,5 @@ if [[ -n $(find "$prefix" -name '_elastin*.so') ]]; then
 fi
 if [[ -e $build/web/npm/elastin.wasm ]] && command -v npm >/dev/null; then try "npm install" "$build/web/npm" npm_package; fi
 try "FetchContent (configure)" "$source/src/core" fetched
+[[ -z ${CPM_CMAKE-} ]] || try "CPM (configure)" "$source/src/core" by_cpm
 [[ ${2-} != deb ]] || try "Debian packages" "$work/deb" debian_packages

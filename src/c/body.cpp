@@ -164,6 +164,10 @@ elastin_status elastin_body_positions(const elastin_body* body, const double** p
   return guarded([&] { elastin::c::show(given(body, "body").body.rest, positions, count); });
 }
 
+elastin_status elastin_body_masses(const elastin_body* body, const double** masses, size_t* count) {
+  return guarded([&] { elastin::c::show(given(body, "body").body.mass, masses, count); });
+}
+
 elastin_status elastin_body_connections(const elastin_body* body, const int** molecules, size_t* count) {
   return guarded([&] { elastin::c::show_numbers(given(body, "body").body.connections.ends, molecules, count); });
 }

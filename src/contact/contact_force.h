@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "contact/search.h"
-#include "elastin/contact/contact.h"
+#include "elastin/contact/contact_points.h"
 #include "elastin/core/model/state.h"
 
 namespace elastin::contact {
@@ -99,6 +99,7 @@ class ContactForce final : public Contact {
   double square_frequency(const State& state, double ahead) const override;
 
   ContactReport report(const State& state) const override;
+  std::vector<PressedPoint> pressed(const State& state) const;
   const std::vector<Obstacle>& obstacles() const override { return options_.obstacles; }
   void set_moment(double moment) override {
     moment_ = moment;

@@ -52,6 +52,23 @@ ContactReport ContactForce::report(const State& state) const {
   return report;
 }
 
+std::vector<PressedPoint> ContactForce::pressed(const State& state) const {
+  std::vector<PressedPoint> points;
+  for (const ContactResponse& response : responses(state)) {
+    if (!(response.pressing > 0)) continue;
+    const Sample& sample = search_.samples()[response.sample];
+    Vector3 position = Vector3::Zero();
+    for (int i = 0; i < sample.count; ++i) position += sample.weights[i] * state.positions.col(sample.molecules[i]);
+    points.push_back({position, response.pressing * response.normal + response.friction,
+                      response.target < obstacle_count() ? response.target : -1});
+  }
+  return points;
+}
+
+std::vector<PressedPoint> pressed_points(const Contact& contact, const State& state) {
+  return dynamic_cast<const ContactForce&>(contact).pressed(state);
+}
+
 std::vector<std::pair<std::string, Vector3>> forces_on_obstacles(const Simulation& simulation) {
   std::vector<std::pair<std::string, Vector3>> forces;
   for (const auto& load : simulation.model().loads())

@@ -5,15 +5,19 @@
 
 #include <array>
 #include <chrono>
+#include <functional>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <variant>
 #include <vector>
 
 #include "elastin/config/scene_source.h"
 #include "elastin/core/base/error.h"
+#include "elastin/core/base/stop.h"
 #include "elastin/core/base/types.h"
 #include "elastin/core/model/body.h"
 #include "elastin/core/simulation/catalog.h"
@@ -32,6 +36,8 @@ void add_laboratory(py::module_& module);
 void add_identify(py::module_& module);
 void add_scenes(py::module_& module);
 void add_laws(py::module_& module);
+void add_own_loads(py::module_& module);
+void add_own_experiments(py::module_& module);
 
 /// A numpy array over memory that belongs to `owner`, which lives as long as the array does.
 template <class T>
@@ -90,12 +96,21 @@ inline config::SceneSource source_of(const GivenScene& given) {
   return *std::get<std::shared_ptr<config::HeldScene>>(given);
 }
 
+/// "" or "xz" or a 3 x 3 projector: the directions in which a held molecule stays free.
+Matrix3 free_directions(const py::object& given);
+
 /// The strategy itself, or the one of this name.
 Strategy strategy_from(const py::handle& given, const Catalog& catalog);
 
-/// Looks every 50 ms whether Ctrl-C came, for calls without the interpreter's lock, and keeps what its handler raised.
+/// What Python wants to say in the middle of work in C++ without the interpreter's lock: Ctrl-C, looked for every 50
+/// ms, and what a function of the caller's raised. It ends the work (StopScope) and comes out behind it.
 class Signals {
  public:
+  Signals() : outer_(std::exchange(innermost_, this)) {}
+  ~Signals() { innermost_ = outer_; }
+  Signals(const Signals&) = delete;
+  Signals& operator=(const Signals&) = delete;
+
   bool raised() {
     if (trouble_ || Clock::now() - looked_ < std::chrono::milliseconds(50)) return static_cast<bool>(trouble_);
     const py::gil_scoped_acquire locked;
@@ -103,16 +118,57 @@ class Signals {
     looked_ = Clock::now();
     return static_cast<bool>(trouble_);
   }
-  /// Raises it where the call has ended. With the interpreter's lock.
+  /// Raises it where the work has ended. With the interpreter's lock.
   void rethrow() {
     if (trouble_) std::rethrow_exception(std::exchange(trouble_, nullptr));
+  }
+  /// Calls a function of the caller's, which needs the interpreter's lock; what it raises ends the work of this thread,
+  /// and is answered by `otherwise`, as is every call after it.
+  template <class Call, class Value>
+  static Value guarded(const Call& call, Value otherwise) {
+    if (innermost_ && innermost_->trouble_) return otherwise;
+    const py::gil_scoped_acquire locked;
+    try {
+      return call();
+    } catch (...) {
+      if (!innermost_) throw;
+      innermost_->trouble_ = std::current_exception();
+      return otherwise;
+    }
   }
 
  private:
   using Clock = std::chrono::steady_clock;
+  inline static thread_local Signals* innermost_ = nullptr;
+  Signals* outer_;
   Clock::time_point looked_ = Clock::now();
   std::exception_ptr trouble_ = {};
 };
+/// Does it without the interpreter's lock; Ctrl-C ends it within a solve, and comes out.
+template <class Do>
+auto interruptible(Do&& act) {
+  Signals signals;
+  const auto run = [&] {
+    const py::gil_scoped_release others_run;
+    const StopScope stop([&] { return signals.raised(); });
+    return act();
+  };
+  try {
+    if constexpr (std::is_void_v<decltype(act())>) {
+      run();
+      signals.rethrow();
+    } else {
+      auto result = run();
+      signals.rethrow();
+      return result;
+    }
+  } catch (...) {
+    signals.rethrow();  // in place of what stopping led to
+    throw;
+  }
+}
+/// Calls a Python function, where there is one, with what is being done, and lets Ctrl-C through.
+std::function<void(const std::string& doing)> progress_of(const std::optional<py::function>& progress);
 /// Lets Ctrl-C through. The interpreter's lock must be held.
 inline void check_signals() {
   if (PyErr_CheckSignals() != 0) throw py::error_already_set();
@@ -122,8 +178,7 @@ inline void check_signals() {
 struct Moving {
   explicit Moving(Simulation made) : simulation(std::move(made)) {}
   Simulation simulation;
-  std::recursive_mutex busy;        ///< observers, which run within a step, may ask it things
-  std::exception_ptr trouble = {};  ///< of an observer
+  std::recursive_mutex busy;  ///< observers, which run within a step, may ask it things
   /// How to make it again, for pickle: a callable, its arguments and keywords, and a list of calls since that added
   /// something: a method's name and keywords.
   std::shared_ptr<py::tuple> recipe = {};
@@ -144,9 +199,10 @@ struct Moving {
   /// Does it without the interpreter's lock, in its turn.
   template <class Do>
   auto in_turn(Do&& act) {
-    const py::gil_scoped_release others_run;
-    const std::lock_guard turn(busy);
-    return act(simulation);
+    return interruptible([&] {
+      const std::lock_guard turn(busy);
+      return act(simulation);
+    });
   }
 };
 
@@ -155,11 +211,10 @@ void add_topology(py::module_& module, MovingClass& simulation);
 void add_contact(MovingClass& simulation);
 void add_state(MovingClass& simulation);
 
-/// Simulation::settle that Ctrl-C ends.
-StaticResult settled(Moving& self);
-
+/// A stepper by its name, or itself.
+using GivenScheme = std::variant<std::string, std::shared_ptr<Stepper>>;
 /// As keyword arguments give them.
-SimulationOptions simulation_options(const Catalog& catalog, const std::string& scheme, double safety, int max_substeps,
+SimulationOptions simulation_options(const Catalog& catalog, const GivenScheme& scheme, double safety, int max_substeps,
                                      ParameterValues scheme_parameters, ParameterValues parameters);
 
 }  // namespace elastin::python

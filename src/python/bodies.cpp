@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
+#include <map>
 #include <optional>
 #include <string>
 
@@ -16,6 +17,7 @@
 #include "elastin/core/model/renumbered.h"
 #include "elastin/core/model/surface.h"
 #include "elastin/core/shapes/arrays.h"
+#include "elastin/core/shapes/simplices.h"
 #include "elastin/lab/study/laboratory.h"
 #include "python/bind.h"
 #include "python/pickling.h"
@@ -111,16 +113,56 @@ py::dict cells_of(const Body& body) {
   return cells;
 }
 
-py::array surface_from(const Body& body) { return array_of(surface_of(body)); }
+py::array surface_from(const Body& body) {
+  return array_of(interruptible([&] { return surface_of(body); }));
+}
 
 VectorX numbers_or_none(const py::handle& given, const char* name) {
   return given.is_none() ? VectorX() : numbers_from(given, name);
 }
 
+/// How many times as stiff as the material each cell is, in the order in which they were given; connections as the mean
+/// of the cells that have both of their ends.
+void set_stiffness(Body& body, const VectorX& of_cells) {
+  const bool solid = !body.tetrahedra.empty();
+  const std::size_t simplices = solid ? body.tetrahedra.size() : body.triangles.size();
+  const std::size_t cells = body.blocks.empty() ? simplices : cells_in_blocks(body);
+  if (static_cast<std::size_t>(of_cells.size()) != cells)
+    throw InputError("stiffness: has " + std::to_string(of_cells.size()) + " values; the body has " +
+                     std::to_string(cells) + " cells");
+  if (!(of_cells.array() > 0).all() || !of_cells.allFinite())
+    throw InputError("stiffness: must be finite and above 0, a factor of the material's");
+  std::vector<double> factors(of_cells.begin(), of_cells.end());
+  if (!body.blocks.empty()) {
+    factors.clear();
+    Eigen::Index next = 0;
+    for (CellBlock& block : body.blocks) {
+      block.stiffness = of_cells.segment(next, block.size());
+      for (int cell = 0; cell < block.size(); ++cell, ++next)
+        factors.insert(factors.end(), simplices_of(*block.kind, block.cell(cell)).size(), of_cells[next]);
+    }
+  }
+  std::map<std::pair<int, int>, Eigen::Vector2d> sides;  // sums and counts
+  const auto add = [&](const auto& corners, double factor) {
+    for (const int a : corners)
+      for (const int b : corners)
+        if (a < b) sides.try_emplace({a, b}, Eigen::Vector2d::Zero()).first->second += Eigen::Vector2d(factor, 1);
+  };
+  for (std::size_t i = 0; i < simplices; ++i)
+    solid ? add(body.tetrahedra[i], factors[i]) : add(body.triangles[i], factors[i]);
+  body.cell_stiffness = Eigen::Map<const VectorX>(factors.data(), static_cast<Eigen::Index>(factors.size()));
+  body.connection_stiffness = VectorX::Ones(body.connections.size());
+  for (int connection = 0; connection < body.connections.size(); ++connection) {
+    const auto& [a, b] = body.connections.ends[connection];
+    if (const auto side = sides.find(std::minmax(a, b)); side != sides.end())
+      body.connection_stiffness[connection] = side->second[0] / side->second[1];
+  }
+}
+
 Body body_from_arrays(const py::object& positions, const py::object& connections, const py::object& triangles,
                       const py::object& tetrahedra, const py::dict& cells, const py::object& rest_lengths,
                       const py::object& masses, const py::object& radii, std::optional<double> density,
-                      double thickness, const py::object& growth) {
+                      double thickness, const py::object& growth, const py::object& stiffness) {
   BodyArrays arrays;
   arrays.positions = positions_from(positions, "positions");
   arrays.connections = rows_from<2>(connections, "connections");
@@ -141,7 +183,12 @@ Body body_from_arrays(const py::object& positions, const py::object& connections
     for (py::ssize_t cell = 0; cell < all.shape(0); ++cell)
       arrays.growth.emplace_back(Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(all.data() + 9 * cell));
   }
-  return make_body(arrays);
+  const VectorX factors = numbers_or_none(stiffness, "stiffness");
+  return interruptible([&] {
+    Body body = make_body(arrays);
+    if (factors.size()) set_stiffness(body, factors);
+    return body;
+  });
 }
 
 std::string body_text(const Body& body) {
@@ -318,6 +365,7 @@ void add_bodies(py::module_& module) {
           py::arg("triangles") = py::none(), py::arg("tetrahedra") = py::none(), py::arg("cells") = py::dict(),
           py::arg("rest_lengths") = py::none(), py::arg("masses") = py::none(), py::arg("radii") = py::none(),
           py::arg("density") = py::none(), py::arg("thickness") = 0., py::arg("growth") = py::none(),
+          py::arg("stiffness") = py::none(),
           "positions (n, 3) [m]; connections (m, 2), numbers of molecules, by default the sides of the cells; "
           "triangles (k, 3); tetrahedra (k, 4); cells of other shapes by name, {'hexahedron8': (k, 8), …}, nodes as in "
           "VTK; rest_lengths (m,) [m], by default the distances; masses (n,) [kg], by "
@@ -325,7 +373,9 @@ void add_bodies(py::module_& module) {
           "(triangles: thickness [m]) or the convex hull; radii (n,) [m], "
           "by default half the shortest connection; growth (n, 3, 3), where each cell is unstressed, F_g, by default "
           "as "
-          "it lies at rest: all of it acts from the start. Arrays are copied.")
+          "it lies at rest: all of it acts from the start; stiffness (k,), how many times as stiff as the material "
+          "each cell "
+          "is, by default 1: moduli[labels] / E of an array of labels. Arrays are copied.")
       .def_property_readonly("positions", part_of_body([](const Body& b) -> auto& { return b.rest; }),
                              "Positions at rest [m], (n, 3).")
       .def_property_readonly("masses", part_of_body([](const Body& b) -> auto& { return b.mass; }), "[kg], (n,).")
@@ -377,7 +427,7 @@ void add_bodies(py::module_& module) {
       [](const py::object& positions) {
         const Positions points = positions_from(positions, "positions");
         if (!points.allFinite()) throw InputError("positions: has numbers that are not finite");
-        const std::vector<int> order = order_in_space(points);
+        const std::vector<int> order = interruptible([&] { return order_in_space(points); });
         return py::array_t<int>(static_cast<py::ssize_t>(order.size()), order.data());
       },
       py::arg("positions"),
@@ -386,7 +436,7 @@ void add_bodies(py::module_& module) {
   module.def(
       "numbered_in_space",
       [](const Body& body) {
-        RenumberedBody ordered = numbered_in_space(body);
+        RenumberedBody ordered = interruptible([&] { return numbered_in_space(body); });
         const auto numbers = [](const std::vector<int>& list) {
           return py::array_t<int>(static_cast<py::ssize_t>(list.size()), list.data());
         };
@@ -407,7 +457,7 @@ void add_bodies(py::module_& module) {
       "_material_of_scene", [](const std::string& yaml) { return lab::make_material(yaml); }, py::arg("yaml"));
   const auto body_of = [](const auto& scene, const Material& material, bool assumed) {
     std::vector<std::string> warnings, notes;
-    Body body = lab::make_body(scene, material, warnings, notes);
+    Body body = interruptible([&] { return lab::make_body(scene, material, warnings, notes); });
     if (assumed) body.assumed_density = material.density;
     return std::tuple(std::make_shared<Body>(std::move(body)), warnings, notes);
   };

@@ -1,4 +1,4 @@
-#include "elastin/contact/contact.h"
+#include "elastin/contact/contact_points.h"
 
 #include <pybind11/eigen.h>
 
@@ -23,6 +23,8 @@ contact::Obstacle obstacle_from(const Simulation& simulation, const py::dict& gi
                                 const std::vector<std::string>& taken) {
   contact::Obstacle obstacle;
   std::map<std::string, double> sizes;
+  Positions points;
+  Cells<3> triangles;
   std::string shape;
   for (const auto& [key, value] : given) {
     const auto name = word_of(key, "a key of an obstacle");
@@ -38,6 +40,10 @@ contact::Obstacle obstacle_from(const Simulation& simulation, const py::dict& gi
       obstacle.motion = simulation.tool_motion(entry_of<ToolId>(value, name, "a number that add_tool gave"));
     else if (name == "friction")
       obstacle.friction = number_of(value, name);
+    else if (name == "points")
+      points = positions_from(value, "points");
+    else if (name == "triangles")
+      triangles = entry_of<Cells<3>>(value, name, "(k, 3), numbers of points");
     else
       sizes[name] = number_of(value, name);
   }
@@ -47,7 +53,26 @@ contact::Obstacle obstacle_from(const Simulation& simulation, const py::dict& gi
   if (obstacle.name.empty()) obstacle.name = shape + std::to_string(taken.size());
   if (std::find(taken.begin(), taken.end(), obstacle.name) != taken.end())
     throw InputError("obstacles: the name '" + obstacle.name + "' is taken by an obstacle before; give another `name`");
-  obstacle.shape = contact::make_shape(shape, sizes);
+  const bool is_mesh = shape == contact::shape::Mesh::name, is_hull = shape == contact::shape::Convex::name;
+  if (!is_mesh && !is_hull && points.cols() == 0) {
+    obstacle.shape = contact::make_shape(shape, sizes);
+    return obstacle;
+  }
+  const std::string key = "obstacles: '" + obstacle.name + "'";
+  if (!is_mesh && !is_hull) throw InputError(key + ": points are of a convex or a mesh");
+  if (!sizes.empty()) throw InputError(key + ": unknown key '" + sizes.begin()->first + "'");
+  if (points.cols() < 4) throw InputError(key + ": a " + shape + " needs points, (n, 3) [m], 4 or more");
+  if (is_mesh != !triangles.empty())
+    throw InputError(key +
+                     (is_mesh ? ": a mesh needs triangles, (k, 3)" : ": a convex has no triangles, but its hull"));
+  for (const auto& corners : triangles)
+    for (const int corner : corners)
+      if (corner < 0 || corner >= points.cols())
+        throw InputError(key + ": there is no point " + std::to_string(corner));
+  if (is_mesh)
+    obstacle.shape = contact::shape::Mesh{points, triangles};
+  else
+    obstacle.shape = contact::shape::Convex{points};
   return obstacle;
 }
 
@@ -76,6 +101,54 @@ void add_contact_to(Moving& self, double stiffness, const std::vector<py::dict>&
                                       py::arg("friction") = friction, py::arg("restitution") = restitution,
                                       py::arg("penetration") = penetration, py::arg("surface") = surface,
                                       py::arg("self_contact") = self_contact));
+}
+
+struct Touched {
+  std::string obstacle;  ///< its name; "" = the body itself
+  contact::PressedPoint point;
+  Vector3 arm;  ///< from where the obstacle is [m]
+};
+
+std::vector<Touched> touched(Moving& self, std::vector<std::string>* names = nullptr) {
+  return self.in_turn([&](Simulation& simulation) {
+    std::vector<Touched> all;
+    for (const auto& load : simulation.model().loads())
+      if (const auto* contact = dynamic_cast<const contact::Contact*>(load.get())) {
+        const std::vector<Pose> poses = contact->poses(simulation.time());
+        if (names)
+          for (const contact::Obstacle& obstacle : contact->obstacles()) names->push_back(obstacle.name);
+        for (const contact::PressedPoint& point : contact::pressed_points(*contact, simulation.state()))
+          all.push_back(
+              {point.obstacle < 0 ? "" : contact->obstacles()[point.obstacle].name, point,
+               point.obstacle < 0 ? Vector3::Zero() : Vector3(point.position - poses[point.obstacle].position)});
+      }
+    return all;
+  });
+}
+
+py::dict contact_points(Moving& self) {
+  const std::vector<Touched> all = touched(self);
+  const auto count = static_cast<py::ssize_t>(all.size());
+  py::array_t<double> positions({count, py::ssize_t{3}}), forces({count, py::ssize_t{3}});
+  py::list obstacles;
+  for (py::ssize_t i = 0; i < count; ++i) {
+    Eigen::Map<Vector3>(positions.mutable_data(i, 0)) = all[i].point.position;
+    Eigen::Map<Vector3>(forces.mutable_data(i, 0)) = all[i].point.force;
+    obstacles.append(all[i].obstacle);
+  }
+  return py::dict(py::arg("position") = positions, py::arg("force") = forces, py::arg("obstacle") = obstacles);
+}
+
+py::dict contact_torques(Moving& self) {
+  std::vector<std::string> names;
+  std::map<std::string, Vector3> torques;
+  for (const Touched& one : touched(self, &names))
+    if (!one.obstacle.empty())
+      torques.try_emplace(one.obstacle, Vector3::Zero()).first->second -= one.arm.cross(one.point.force);
+  py::dict named;
+  for (const std::string& name : names)
+    named[name.c_str()] = torques.contains(name) ? torques.at(name) : Vector3(Vector3::Zero());
+  return named;
 }
 
 py::dict contact_forces(Moving& self) {
@@ -115,9 +188,15 @@ void add_contact(MovingClass& simulation) {
           "Contact with obstacles and between pieces, at any time between steps. stiffness [Pa/m]: pressure over "
           "depth. "
           "Each obstacle is a dict: shape 'plane' (z < 0), 'box' (x, y, z), 'sphere' (radius), 'cylinder' or 'capsule' "
-          "(radius, length) [m]; where it is: tool, or position and turn; friction and name if one likes. surface: "
+          "(radius, length), 'convex' (points, their hull) or 'mesh' (points, closed triangles) [m]; where it is: "
+          "tool, or position and turn; friction and name if one likes. surface: "
           "'triangles', or 'spheres' of the molecules, which push the parts of a cut apart.")
-      .def("contact_forces", &contact_forces, "Force of the body on each obstacle by its name [N].");
+      .def("contact_forces", &contact_forces, "Force of the body on each obstacle by its name [N].")
+      .def("contact_torques", &contact_torques,
+           "Torque of the body on each obstacle by its name [N m], about where the obstacle, or its tool, is now.")
+      .def("contact_points", &contact_points,
+           "Where the body is pressed now: a dict of 'position' (k, 3) [m], 'force' on the body (k, 3) [N], and "
+           "'obstacle', a list of names, '' where it touches itself.");
 }
 
 }  // namespace elastin::python

@@ -2,6 +2,7 @@
 
 #include <pybind11/eigen.h>
 
+#include "lab/export/formats.h"
 #include "lab/run/run.h"
 #include "python/bind.h"
 #include "python/pickling.h"
@@ -74,31 +75,33 @@ std::shared_ptr<Body> body_of(const std::shared_ptr<SharedLaboratory>& shared) {
 }
 
 /// Calls a Python function with what is being done, and ends with Ctrl-C.
-RunWatch watch_of(const std::optional<py::function>& progress, Signals& signals) {
+RunWatch watch_of(const std::optional<py::function>& progress) {
   RunWatch watch;
-  watch.stop = [&signals] { return signals.raised(); };
-  watch.progress = [report = progress ? keep(*progress) : nullptr](const std::string& doing) {
-    const py::gil_scoped_acquire locked;
-    check_signals();
-    if (report) (*report)(doing);
-  };
+  watch.stop = &stop_requested;
+  watch.progress = progress_of(progress);
   return watch;
+}
+
+/// Does it in its turn, without the interpreter's lock.
+template <class Do>
+auto in_turn(SharedLaboratory& shared, const Do& act) {
+  return interruptible([&] {
+    const std::lock_guard turn(shared.busy);
+    return act(shared.laboratory);
+  });
+}
+
+std::shared_ptr<Outcomes> outcomes(const std::shared_ptr<SharedLaboratory>& shared, LaboratoryResult result) {
+  return std::make_shared<Outcomes>(Outcomes{std::move(result), shared->laboratory.name(), body_of(shared)});
 }
 
 std::shared_ptr<Outcomes> run(const std::shared_ptr<SharedLaboratory>& shared, const std::string& strategy,
                               const std::optional<py::function>& progress, bool keep_states,
                               const std::vector<std::string>& derivatives_by) {
-  Signals signals;
-  RunWatch watch = watch_of(progress, signals);
+  RunWatch watch = watch_of(progress);
   watch.derivatives_by = derivatives_by;
   watch.keep_states = keep_states;
-  LaboratoryResult result = [&] {
-    const py::gil_scoped_release others_run;
-    const std::lock_guard turn(shared->busy);
-    return shared->laboratory.run(strategy, watch);
-  }();
-  signals.rethrow();
-  return std::make_shared<Outcomes>(Outcomes{std::move(result), shared->laboratory.name(), body_of(shared)});
+  return outcomes(shared, in_turn(*shared, [&](Laboratory& own) { return own.run(strategy, watch); }));
 }
 
 /// A Python function solves: it gets the request as text and gives the answer.
@@ -107,29 +110,18 @@ std::shared_ptr<Outcomes> measure(const std::shared_ptr<SharedLaboratory>& share
     const py::gil_scoped_acquire locked;
     return (*kept)(request).cast<std::string>();
   };
-  const py::gil_scoped_release others_run;
-  const std::lock_guard turn(shared->busy);
-  return std::make_shared<Outcomes>(
-      Outcomes{shared->laboratory.measure(ask), shared->laboratory.name(), body_of(shared)});
+  return outcomes(shared, in_turn(*shared, [&](Laboratory& own) { return own.measure(ask); }));
 }
 
 void compute_reference(const std::shared_ptr<SharedLaboratory>& shared, const std::string& option,
                        const std::optional<py::function>& progress) {
-  Signals signals;
-  const RunWatch watch = watch_of(progress, signals);
-  {
-    const py::gil_scoped_release others_run;
-    const std::lock_guard turn(shared->busy);
-    shared->laboratory.compute_reference(option, watch);
-  }
-  signals.rethrow();
+  const RunWatch watch = watch_of(progress);
+  in_turn(*shared, [&](Laboratory& own) { own.compute_reference(option, watch); });
 }
 
 std::shared_ptr<Moving> simulation(const std::shared_ptr<SharedLaboratory>& shared, const std::string& strategy,
                                    const SimulationOptions& options) {
-  const py::gil_scoped_release others_run;
-  const std::lock_guard turn(shared->busy);
-  return std::make_shared<Moving>(shared->laboratory.simulation(strategy, options));
+  return in_turn(*shared, [&](Laboratory& own) { return std::make_shared<Moving>(own.simulation(strategy, options)); });
 }
 
 template <class Member>
@@ -140,6 +132,12 @@ auto part_of_result(Member member) {
 template <class Member>
 auto array_of_result(Member member) {
   return [member](const py::object& self) { return view(self.cast<const Outcomes&>().result.*member, self); };
+}
+
+LaboratoryResults results_of(const std::vector<std::shared_ptr<Outcomes>>& outcomes) {
+  LaboratoryResults results;
+  for (const auto& one : outcomes) results.push_back(&one->result);
+  return results;
 }
 
 const char* outcome_text(const Outcomes& self) { return self.result.suited ? name_of(self.result.outcome) : kUnsuited; }
@@ -207,15 +205,34 @@ void add_result(py::module_& module) {
 
 void add_laboratory(py::module_& module) {
   add_result(module);
+  using Results = std::vector<std::shared_ptr<Outcomes>>;
+  module.def("_advice", [](const Results& results) {
+    const Advice advice = interruptible([&] { return advice_of(results_of(results)); });
+    return py::make_tuple(advice.strategy, advice.text);
+  });
+  module.def("_page",
+             [](const Results& results) { return interruptible([&] { return page_of(results_of(results)); }); });
+  module.def("_view",
+             [](const Results& results) { return interruptible([&] { return view_of(results_of(results)); }); });
+  module.def("_view", [](const Body& body) { return interruptible([&] { return view_of(body); }); });
+  module.def("_view", [](Moving& self) { return self.in_turn([](Simulation& s) { return view_of(s); }); });
+  module.def("_export_formats", [] {
+    py::dict endings;
+    for (const auto& row : export_formats()) endings[row->name.c_str()] = row->ending;
+    return endings;
+  });
   py::class_<SharedLaboratory, std::shared_ptr<SharedLaboratory>>(module, "_Laboratory")
       .def(py::init([](const GivenScene& scene, const std::vector<std::string>& overrides,
-                       const std::shared_ptr<Catalog>& catalog) {
+                       const std::shared_ptr<Catalog>& catalog, const std::vector<ExperimentInfo>& experiments) {
              const Catalog chosen = catalog ? *catalog : built_in_catalog();
-             const py::gil_scoped_release others_run;
-             return std::shared_ptr<SharedLaboratory>(
-                 new SharedLaboratory{Laboratory(source_of(scene), overrides, chosen)});
+             ExperimentCatalog known = built_in_experiments();
+             for (const ExperimentInfo& own : experiments) known.add(own);
+             return interruptible([&] {
+               return std::shared_ptr<SharedLaboratory>(
+                   new SharedLaboratory{Laboratory(source_of(scene), overrides, chosen, known)});
+             });
            }),
-           py::arg("scene"), py::arg("overrides"), py::arg("catalog"))
+           py::arg("scene"), py::arg("overrides"), py::arg("catalog"), py::arg("experiments"))
       .def_property_readonly("name", [](const SharedLaboratory& self) { return self.laboratory.name(); })
       .def_property_readonly("title", [](const SharedLaboratory& self) { return self.laboratory.title(); })
       .def_property_readonly("body", &body_of)
@@ -246,10 +263,18 @@ void add_laboratory(py::module_& module) {
            "outcome in the result.")
       .def("_measure", &measure)
       .def("_exported",
-           [](SharedLaboratory& self, const std::string& strategy) { return self.laboratory.exported(strategy); })
+           [](SharedLaboratory& self, const std::string& strategy) {
+             return in_turn(self, [&](Laboratory& own) { return own.exported(strategy); });
+           })
+      .def("_export",
+           [](SharedLaboratory& self, const std::string& format, const std::string& strategy) {
+             std::vector<std::string> notes;
+             const auto files = in_turn(self, [&](Laboratory& own) { return own.exported(format, strategy, notes); });
+             return py::make_tuple(files, notes);
+           })
       .def(
           "simulation",
-          [](const py::object& self, const std::string& strategy, const std::string& scheme, double safety,
+          [](const py::object& self, const std::string& strategy, const GivenScheme& scheme, double safety,
              int max_substeps, const ParameterValues& scheme_parameters, const ParameterValues& parameters) {
             auto made = simulation(
                 self.cast<std::shared_ptr<SharedLaboratory>>(), strategy,

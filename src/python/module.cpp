@@ -73,6 +73,8 @@ PYBIND11_MODULE(_elastin, module) {
   add_bodies(module);
   add_surfaces(module);
   add_strategies(module);
+  add_own_loads(module);
+  add_own_experiments(module);
   add_simulation(module);
   add_laboratory(module);
   add_identify(module);

@@ -14,6 +14,14 @@ std::string end_text(const char* name, const Result& result) {
 
 }  // namespace
 
+std::function<void(const std::string& doing)> progress_of(const std::optional<py::function>& progress) {
+  return [report = progress ? keep(*progress) : nullptr](const std::string& doing) {
+    const py::gil_scoped_acquire locked;
+    check_signals();
+    if (report) (*report)(doing);
+  };
+}
+
 void add_results(py::module_& module) {
   py::class_<StepResult>(module, "StepResult", "How a step ended; true if it went well.")
       .def_property_readonly("outcome", [](const StepResult& r) { return elastin::name_of(r.outcome); })

@@ -31,7 +31,7 @@ py::list experiments() {
   return rows;
 }
 
-const char* word_of(CaseResult result) {
+const char* verdict_word(CaseResult result) {
   return result == CaseResult::passed ? "passed" : result == CaseResult::failed ? "failed" : "not judged";
 }
 
@@ -48,20 +48,11 @@ py::dict dict_of(const Verdict& verdict) {
 /// One dict a case of the scene, as `elastin verify` judges it.
 py::list verify(const GivenScene& scene, const std::vector<std::string>& overrides,
                 const std::shared_ptr<Catalog>& given, const std::optional<py::function>& progress) {
-  const auto report = progress ? keep(*progress) : nullptr;
   const Catalog catalog = given ? *given : built_in_catalog();
   VerifyOptions options;
   options.overrides = overrides;
-  options.progress = [&](const std::string& doing) {
-    const py::gil_scoped_acquire locked;
-    check_signals();
-    if (report) (*report)(doing);
-  };
-  std::vector<Case> cases;
-  {
-    const py::gil_scoped_release others_run;
-    cases = verify_scene(source_of(scene), catalog, options);
-  }
+  options.progress = progress_of(progress);
+  const std::vector<Case> cases = interruptible([&] { return verify_scene(source_of(scene), catalog, options); });
   py::list list;
   for (const Case& one : cases) {
     const Record& own = one.own;
@@ -70,7 +61,7 @@ py::list verify(const GivenScene& scene, const std::vector<std::string>& overrid
     py::dict measures;
     for (const auto& [name, value] : own.run.measures.all()) measures[name.c_str()] = value;
     list.append(py::dict(py::arg("scene") = own.scene, py::arg("strategy") = own.run.strategy,
-                         py::arg("verdict") = word_of(result_of(one)), py::arg("outcome") = outcome_name(own.run),
+                         py::arg("verdict") = verdict_word(result_of(one)), py::arg("outcome") = outcome_name(own.run),
                          py::arg("cause") = one.trouble.empty() ? own.run.cause : one.trouble,
                          py::arg("expectations") = expectations, py::arg("measures") = measures,
                          py::arg("seconds") = own.run.build_seconds + own.run.solve_seconds));

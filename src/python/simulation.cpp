@@ -30,7 +30,7 @@ struct ReadMaterial {
 };
 
 std::shared_ptr<Moving> make_simulation(const std::shared_ptr<Body>& body, const py::object& strategy,
-                                        const GivenMaterial& given_material, const std::string& scheme, double safety,
+                                        const GivenMaterial& given_material, const GivenScheme& scheme, double safety,
                                         int max_substeps, const ParameterValues& scheme_parameters,
                                         const ParameterValues& parameters, double budget,
                                         const std::shared_ptr<Catalog>& given) {
@@ -45,20 +45,22 @@ std::shared_ptr<Moving> make_simulation(const std::shared_ptr<Body>& body, const
                           py::arg("parameters") = parameters, py::arg("budget") = budget);
   const auto recipe = keep(py::make_tuple(py::module_::import("elastin._elastin").attr("Simulation"),
                                           py::make_tuple(body, chosen_by, material), keywords, py::list()));
-  const py::gil_scoped_release others_run;
   const auto* of_parts = std::get_if<std::vector<Material>>(&material);
   if (of_parts && of_parts->empty()) throw InputError("material: the list of the parts' materials is empty");
   if (of_parts && of_parts->size() > 1 && body->parts.empty())
     throw InputError("material: a list of " + std::to_string(of_parts->size()) +
                      " for a body without parts, which has one; of_parts makes bodies that have several");
-  const Strategy at_work = of_parts ? in_parts(chosen, *body, *of_parts, &catalog) : chosen;
-  const Material& first = of_parts ? of_parts->front() : std::get<Material>(material);
-  Body own = *body;
-  if (of_parts) take_density(own, *of_parts);
-  auto made = std::make_shared<Moving>(Simulation(std::move(own), at_work, first, options));
+  std::vector<std::string> warnings;
+  auto made = interruptible([&] {
+    const Strategy at_work = of_parts ? in_parts(chosen, *body, *of_parts, &catalog) : chosen;
+    const Material& first = of_parts ? of_parts->front() : std::get<Material>(material);
+    Body own = *body;
+    if (of_parts) take_density(own, *of_parts);
+    auto simulation = std::make_shared<Moving>(Simulation(std::move(own), at_work, first, options));
+    warnings = simulation->simulation.warnings(false);
+    return simulation;
+  });
   made->recipe = recipe;
-  const std::vector<std::string> warnings = made->simulation.warnings(false);
-  const py::gil_scoped_acquire locked;
   for (const std::string& warning : warnings)
     if (PyErr_WarnEx(PyExc_UserWarning, warning.c_str(), 1) != 0) throw py::error_already_set();
   return made;
@@ -94,50 +96,29 @@ Result checked(Result result, bool check) {
   throw py::error_already_set();
 }
 
-/// Steps until one fails, an observer raises or Ctrl-C comes.
+/// Steps until one fails, a function of the caller's raises or Ctrl-C comes.
 StepResult step(Moving& self, double dt, int count, bool check) {
   if (count < 1) throw InputError("count: is " + std::to_string(count) + "; allowed: 1 or more");
   if (!(dt > 0)) throw InputError("dt: is " + std::to_string(dt) + "; allowed: above 0 s");
-  Signals signals;
   const StepResult last = self.in_turn([&](Simulation& simulation) {
     if (self.stepping) throw InputError("an observer must not step the simulation that it observes");
     StepResult result;
     self.stepping = true;
-    for (int i = 0; i < count && result.outcome == Outcome::converged && !self.trouble; ++i) {
+    for (int i = 0; i < count && result.outcome == Outcome::converged; ++i) {
       result = simulation.step(dt);
-      if (count > 1 && signals.raised()) break;
+      if (count > 1 && stop_requested()) break;
     }
     self.stepping = false;
     return result;
   });
-  if (self.trouble) std::rethrow_exception(std::exchange(self.trouble, nullptr));
-  signals.rethrow();
   return checked(last, check);
 }
 
 void observe(Moving& self, py::function see, int every) {
   const auto call = [&self, kept = keep(std::move(see))](const Simulation&) {
-    if (self.trouble) return;  // of an observer before
-    const py::gil_scoped_acquire locked;
-    try {
-      (*kept)(py::cast(&self));
-    } catch (...) {  // nothing may come out of a step
-      self.trouble = std::current_exception();
-    }
+    Signals::guarded([&] { return (*kept)(py::cast(&self)), true; }, true);
   };
   self.in_turn([&](Simulation& simulation) { simulation.observe(every, call); });
-}
-
-/// "" or "xz" or a 3 × 3 projector: the directions in which a held molecule stays free.
-Matrix3 free_directions(const py::object& given) {
-  if (!py::isinstance<py::str>(given)) return entry_of<Matrix3>(given, "free", "letters of xyz, or a 3 x 3 projector");
-  Matrix3 free = Matrix3::Zero();
-  for (const char axis : given.cast<std::string>()) {
-    if (axis < 'x' || axis > 'z')
-      throw InputError(std::string("free: '") + axis + "' is no axis; allowed: letters of xyz, or a 3 x 3 projector");
-    free(axis - 'x', axis - 'x') = 1;
-  }
-  return free;
 }
 
 /// The values of a load as keywords give them.
@@ -392,8 +373,9 @@ void add_derivatives(Class& simulation) {
 void add_loads(Class& simulation) {
   simulation.def(
       "add_load",
-      [](Moving& self, const std::string& load, const py::kwargs& values) {
-        const LoadKind& kind = *built_in_loads().find(load);
+      [](Moving& self, const std::variant<std::string, std::shared_ptr<LoadKind>>& load, const py::kwargs& values) {
+        const auto* name = std::get_if<std::string>(&load);
+        const LoadKind kind = name ? *built_in_loads().find(*name) : *std::get<std::shared_ptr<LoadKind>>(load);
         const LoadValues given = load_values(kind, values);
         const LoadId id = self.in_turn([&](Simulation& s) { return s.add_load(kind, given); });
         py::dict keywords(values);
@@ -402,8 +384,8 @@ void add_loads(Class& simulation) {
         return id;
       },
       py::arg("load"),
-      "Adds a load or damping, one of loads(), at any time between steps: add_load('gravity', acceleration=(0, 0, "
-      "-9.81)). Gives its number for set_load and remove_load.");
+      "Adds a load or damping, one of loads() or one's own (see elastin.load), at any time between steps: "
+      "add_load('gravity', acceleration=(0, 0, -9.81)). Gives its number for set_load and remove_load.");
   simulation.def(
       "set_load",
       [](Moving& self, LoadId load, const py::kwargs& values) {
@@ -425,10 +407,24 @@ void add_loads(Class& simulation) {
 
 }  // namespace
 
-SimulationOptions simulation_options(const Catalog& catalog, const std::string& scheme, double safety, int max_substeps,
+Matrix3 free_directions(const py::object& given) {
+  if (!py::isinstance<py::str>(given)) return entry_of<Matrix3>(given, "free", "letters of xyz, or a 3 x 3 projector");
+  Matrix3 free = Matrix3::Zero();
+  for (const char axis : given.cast<std::string>()) {
+    if (axis < 'x' || axis > 'z')
+      throw InputError(std::string("free: '") + axis + "' is no axis; allowed: letters of xyz, or a 3 x 3 projector");
+    free(axis - 'x', axis - 'x') = 1;
+  }
+  return free;
+}
+
+SimulationOptions simulation_options(const Catalog& catalog, const GivenScheme& scheme, double safety, int max_substeps,
                                      ParameterValues scheme_parameters, ParameterValues parameters) {
   SimulationOptions options;
-  options.integrator.scheme = catalog.steppers.find(scheme);
+  if (const auto* name = std::get_if<std::string>(&scheme))
+    options.integrator.scheme = catalog.steppers.find(*name);
+  else
+    options.integrator.scheme = std::shared_ptr<const Stepper>(std::get<std::shared_ptr<Stepper>>(scheme));
   options.integrator.parameters = std::move(scheme_parameters);
   options.safety = safety;
   options.max_substeps = max_substeps;
@@ -458,7 +454,8 @@ void add_simulation(py::module_& module) {
            "to "
            "the material by the body's homogenised stiffness, as the experiment `material` of a scene does; the body "
            "is of tetrahedra, or a box. What strategy and material need of the body is added: pairs of molecules for "
-           "bending_rigidity, sides of cells, Voronoi cells. scheme: one of steppers(), and "
+           "bending_rigidity, sides of cells, Voronoi cells. scheme: one of steppers() or one's own (see "
+           "elastin.stepper), and "
            "scheme_parameters its own by name: {'newton_iterations': 1}. Explicit schemes part a step so that each "
            "part is at most `safety` of the "
            "body's stable step; a step that would take more than max_substeps is not taken. "
@@ -470,8 +467,11 @@ void add_simulation(py::module_& module) {
            "leaves the state as it was and raises StepError; with check=False its result says so, and no step "
            "follows.")
       .def(
-          "settle", [](Moving& self, bool check) { return checked(settled(self), check); }, py::kw_only(),
-          py::arg("check") = true,
+          "settle",
+          [](Moving& self, bool check) {
+            return checked(self.in_turn([](Simulation& s) { return s.settle(); }), check);
+          },
+          py::kw_only(), py::arg("check") = true,
           "Goes to the equilibrium of all that acts now, at rest: a start. Raises StepError where none is found, "
           "unless check=False.")
       .def_property_readonly(

@@ -6,6 +6,7 @@
 
 #include "elastin/core/forces/tangent.h"
 #include "elastin/core/simulation/simulation.h"
+#include "elastin/core/solve/vibrations.h"
 #include "lab/run/cell_stress.h"
 #include "lab/run/contact_measures.h"
 #include "python/bind.h"
@@ -89,17 +90,25 @@ py::array_t<T> array_from(const std::vector<T>& values) {
 
 }  // namespace
 
-StaticResult settled(Moving& self) {
-  Signals signals;
-  StaticOptions options;
-  options.stop = [&] { return signals.raised(); };
-  const StaticResult result = self.in_turn([&](Simulation& s) { return s.settle(options); });
-  signals.rethrow();
-  return result;
+/// The slowest vibrations about the present state.
+py::tuple vibrations(Moving& self, int count) {
+  if (count < 1) throw InputError("count: is " + std::to_string(count) + "; allowed: 1 or more");
+  const Vibrations found = self.in_turn([&](Simulation& s) { return find_vibrations(s.model(), s.state(), count); });
+  if (found.outcome != Outcome::converged) throw InputError("no vibrations of this state: " + found.cause);
+  const auto shapes = static_cast<py::ssize_t>(found.shapes.size());
+  py::array_t<double> array({shapes, py::ssize_t{self.simulation.body().size()}, py::ssize_t{3}});
+  for (py::ssize_t i = 0; i < shapes; ++i)
+    std::copy_n(found.shapes[i].data(), found.shapes[i].size(), array.mutable_data(i, 0, 0));
+  return py::make_tuple(found.frequencies, array);
 }
 
 void add_state(MovingClass& simulation) {
   simulation
+      .def(
+          "vibrations", &vibrations, py::arg("count") = 6,
+          "The slowest free vibrations about the present state, an equilibrium, small and without damping: frequencies "
+          "(k,) [Hz], 0 of a mechanism and NaN where it is unstable, and shapes (k, n, 3) of unit modal mass, sum of m "
+          "|u|^2 = 1 [1/sqrt(kg)]. Supports hold; rigid motions are left out.")
       .def("cell_states", &cell_states,
            "Means over each cell now, by shape as in Body.cells: {'tetrahedron4': {'strain': (k, 3, 3), 'stress': (k, "
            "3, "

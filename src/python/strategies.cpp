@@ -49,7 +49,7 @@ Strategy make_strategy(const std::string& name, py::function constants, const st
 
 VectorX constants_of(const Strategy& strategy, const Body& body, const Material& material,
                      const ParameterValues& parameters) {
-  return spring_constants(strategy, body, material, parameters, mesh::voronoi_cells);
+  return interruptible([&] { return spring_constants(strategy, body, material, parameters, mesh::voronoi_cells); });
 }
 
 /// The rule that is nearest to a material on a body without cells: made for lattices, or else for any neighbours.
@@ -107,7 +107,8 @@ void add_strategies(py::module_& module) {
           "'number', 'whole number', 'vector', 'direction' or 'molecules'.")
       .def_property_readonly("unit", [](const ParameterInfo& info) { return si_unit(info.unit); })
       .def("__repr__", &parameter_text);
-  py::class_<Descriptor>(module, "Row", "What a stepper, a linear solver or a load says of itself.")
+  py::class_<Descriptor, std::shared_ptr<Descriptor>>(module, "Row",
+                                                      "What a stepper, a linear solver or a load says of itself.")
       .def_readonly("name", &Descriptor::name)
       .def_readonly("summary", &Descriptor::summary)
       .def_readonly("source", &Descriptor::source)
@@ -153,14 +154,23 @@ void add_strategies(py::module_& module) {
       .def(py::init(&built_in_catalog), "Those that come with Elastin.")
       .def(
           "add",
-          [](const py::object& self, const py::object& strategy) {
-            if (!py::isinstance<Strategy>(strategy))
-              throw InputError("strategy: is " + py::repr(strategy).cast<std::string>() + "; allowed: a Strategy");
-            self.cast<Catalog&>().add(strategy.cast<const Strategy&>());
+          [](const py::object& self, const py::object& own) {
+            auto& catalog = self.cast<Catalog&>();
+            if (py::isinstance<Strategy>(own))
+              catalog.add(own.cast<const Strategy&>());
+            else if (py::isinstance<LoadKind>(own))
+              catalog.loads.add(own.cast<const LoadKind&>());
+            else if (py::isinstance<Stepper>(own))
+              catalog.steppers.add(own.cast<const Stepper&>());
+            else
+              throw InputError("own: is " + py::repr(own).cast<std::string>() +
+                               "; allowed: a Strategy, a Load or a Stepper");
             if (!py::hasattr(self, "_own")) self.attr("_own") = py::list();
-            self.attr("_own").cast<py::list>().append(strategy);
+            self.attr("_own").cast<py::list>().append(own);
           },
-          py::arg("strategy"), "Its name must be new.")
+          py::arg("own"),
+          "A strategy, a load or a stepper of one's own, which scenes then may name; its name must be "
+          "new.")
       .def("__reduce__",
            [](const py::object& self) {
              return py::make_tuple(py::module_::import("elastin._again").attr("catalog"),

@@ -1,5 +1,7 @@
 #include "elastin/core/model/embedded_surface.h"
 
+#include <span>
+
 #include "python/bind.h"
 
 namespace elastin::python {
@@ -9,7 +11,8 @@ EmbeddedSurface surface_from(const Body& body, const py::object& points, const p
   Cells<3> cells;
   for (const auto& row : entry_of<std::vector<std::array<int, 3>>>(triangles, "triangles", "three numbers each"))
     cells.push_back(row);
-  return {body, positions_from(points, "points"), std::move(cells)};
+  const Positions at = positions_from(points, "points");
+  return interruptible([&] { return EmbeddedSurface(body, at, std::move(cells)); });
 }
 
 py::tuple drawn(const EmbeddedSurface& surface, const py::object& positions) {
@@ -17,7 +20,8 @@ py::tuple drawn(const EmbeddedSurface& surface, const py::object& positions) {
   const py::ssize_t count = surface.size();
   py::array_t<float> points({count, py::ssize_t{3}}), normals({count, py::ssize_t{3}});
   const auto numbers = static_cast<std::size_t>(3 * count);
-  surface.draw(at, {points.mutable_data(), numbers}, {normals.mutable_data(), numbers});
+  const std::span places(points.mutable_data(), numbers), outward(normals.mutable_data(), numbers);
+  interruptible([&] { surface.draw(at, places, outward); });
   return py::make_tuple(points, normals);
 }
 

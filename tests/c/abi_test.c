@@ -161,6 +161,8 @@ static void bodies(void) {
   CHECK(counts.molecules == 5 && counts.connections == 9 && counts.triangles == 0 && counts.tetrahedra == 2);
   OK(elastin_body_positions(body, &shown, &count));
   CHECK(count == 15 && memcmp(shown, kPositions, sizeof kPositions) == 0 && shown != kPositions);
+  OK(elastin_body_masses(body, &shown, &count)); /* a quarter of each tetrahedron of 36 mg to each of its corners */
+  CHECK(count == 5 && fabs(shown[3] - 9e-6) < 1e-15 && fabs(shown[0] - 18e-6) < 1e-15);
   OK(elastin_body_connections(body, &ends, &count));
   CHECK(count == 18 && ends[0] == 0 && ends[1] == 1 && ends[17] == 4);
   OK(elastin_body_triangles(body, &ends, &count));

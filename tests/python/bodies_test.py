@@ -14,6 +14,24 @@ CORNERS = numpy.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], float) * 1e-
 PAIRS = [[0, 1], [1, 2], [2, 0], [0, 3]]
 
 
+class Labels(unittest.TestCase):
+    def test_two_halves_in_series(self):
+        """Cells of two moduli one behind the other, which do not get thinner: 1/E is the mean of theirs."""
+        plain = elastin.body({"tetrahedra": {"kind": "kuhn", "cubes": [2, 2, 6], "size": [4e-3, 4e-3, 12e-3]}})
+        for cells in ({"tetrahedra": plain.tetrahedra}, {"cells": {"tetrahedron4": plain.tetrahedra}}):
+            upper = plain.positions[plain.tetrahedra].mean(axis=1)[:, 2] > 6e-3
+            body = elastin.Body(plain.positions, stiffness=numpy.where(upper, 3.0, 1.0), **cells)
+            result = elastin.run(body, "neo_hookean", material=elastin.Material(5e3, 0.0),
+                                 experiment=elastin.Tension(axis="z", strain=1e-5, grips="sliding"))
+            self.assertAlmostEqual(result["effective_modulus"], 5e3 * 1.5, delta=0.5)
+            again = pickle.loads(pickle.dumps(body))
+            self.assertEqual(elastin.run(again, "standard", material=elastin.Material(5e3), experiment=elastin.Tension(axis="z", strain=1e-5))["force"],
+                             elastin.run(body, "standard", material=elastin.Material(5e3), experiment=elastin.Tension(axis="z", strain=1e-5))["force"])
+        for wrong, message in ((numpy.ones(3), "stiffness: has 3 values; the body has 144 cells"), (numpy.zeros(144), "above 0")):
+            with self.assertRaisesRegex(elastin.InputError, message):
+                elastin.Body(plain.positions, tetrahedra=plain.tetrahedra, stiffness=wrong)
+
+
 class Bodies(unittest.TestCase):
     def test_from_arrays(self):
         body = elastin.Body(CORNERS, PAIRS, masses=[1, 2, 3, 4], radii=[1e-3] * 4)

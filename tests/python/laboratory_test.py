@@ -1,11 +1,15 @@
 """Scenes: the same numbers as the command, to the last bit."""
 
+import contextlib
+import io
+import pickle
+import tempfile
 import unittest
 
 import numpy
 
 import elastin
-from helpers import CUBE, SOURCE, TABLE_1, runs_of_command
+from helpers import CUBE, SOURCE, TABLE_1, command, runs_of_command
 
 ONE_OF_EACH_KIND = ["material/shear", "material/cube-stiffness", "dynamics/drag-stokes", "contact/patch-test",
                     "membrane/sphere-corners-type-1"]
@@ -20,9 +24,73 @@ class Identification(unittest.TestCase):
         self.assertAlmostEqual(found["parameters"][0]["value"], 0.1828e6, delta=200)  # the best known fit
         self.assertAlmostEqual(found["relative_rms"]["equibiaxial"], 0.07, delta=0.005)
 
+    def test_arrays(self):
+        """P = 2 (stretch - stretch^-2) (c1 + c2 / stretch) of a solid that keeps its volume [Rivlin 1948]."""
+        stretch = numpy.linspace(1.05, 2, 12)
+        stress = 2 * (stretch - stretch**-2) * (1e3 + 200 / stretch)
+        material = {"law": "mooney_rivlin", "c1": 400, "c2": 400, "bulk_modulus": 1e9}
+        for columns in ({"stretch": stretch, "nominal_stress": stress},
+                        {"nominal_stress [kPa]": list(stress / 1e3), "stretch": list(stretch), "residuals": "relative"}):
+            found = elastin.identify(data={"uniaxial": columns}, material=material)
+            self.assertAlmostEqual(found["c1"], 1e3, delta=0.1)
+            self.assertAlmostEqual(found["c2"], 200, delta=0.1)
+        self.assertRegex(repr(found), r"c1 +1\.0000 kPa")
+        self.assertIn("<svg", found._repr_html_())
+        self.assertAlmostEqual(found.material.youngs_modulus, 6 * 1200, delta=1)
+        self.assertTrue(any(len(column) == 12 for column in found.points.values()))
+        again = elastin.identify({"material": material, "identify": {"tests": [{"kind": "uniaxial", "stretch": stretch, "nominal_stress": stress}]}},
+                                 {"uniaxial": {"stretch": stretch, "nominal_stress": 2 * stress}})
+        self.assertAlmostEqual(again["c1"], 2e3, delta=0.2)
+        with self.assertRaisesRegex(elastin.InputError, r"columns must be arrays of one length; they have stretch \(12,\), nominal_stress \(11,\)"):
+            elastin.identify(data={"uniaxial": {"stretch": stretch, "nominal_stress": stress[1:]}}, material=material)
+        with self.assertRaisesRegex(elastin.InputError, "arrays:0.csv"):
+            elastin.identify(data={"uniaxial": {"stretch": -stretch, "nominal_stress": stress}}, material=material)
+        with self.assertRaisesRegex(KeyError, "did you mean 'c1'"):
+            found["c11"]
+
     def test_wrong_use(self):
         with self.assertRaisesRegex(elastin.InputError, "did you mean 'planar'"):
             elastin.identify(self.SCENE, tests=["planer"])
+
+
+class Pages(unittest.TestCase):
+    def test_what_compare_recommends_and_writes(self):
+        compared = elastin.compare(CUBE)
+        self.assertIn(f"recommended: {compared.recommended}", compared.advice)
+        self.assertIn(compared.advice.strip().splitlines()[0].rpartition(",")[0], command("compare", CUBE).stdout)  # but the time
+        with tempfile.TemporaryDirectory() as folder:
+            compared.to_html(f"{folder}/page.html")
+            compared.view().to_html(f"{folder}/view.html")
+            with open(f"{folder}/page.html", encoding="utf8") as page, open(f"{folder}/view.html", encoding="utf8") as view:
+                page, view = page.read(), view.read()
+        self.assertIn("<canvas", page)
+        self.assertIn(compared[0].strategy, page)
+        self.assertIn("<canvas", view)
+        again = pickle.loads(pickle.dumps(compared[0]))
+        with self.assertRaisesRegex(elastin.InputError, "was unpacked"):
+            again.view()
+
+    def test_bodies_simulations_and_results_turn_in_notebooks(self):
+        body = elastin.lattice((3, 3, 3), 1e-3)
+        for thing in (body, elastin.Simulation(body, "standard", elastin.Material(5e3)), elastin.run(CUBE, keep_states=True)):
+            self.assertRegex(thing.view()._repr_html_(), "^<iframe srcdoc=\"&lt;!doctype html&gt;")
+
+    def test_other_programs_get_what_the_command_writes(self):
+        with tempfile.TemporaryDirectory() as folder:
+            for to, path in (("vtu", "own.vtu"), ("lammps", "own")):
+                elastin.export(CUBE, f"{folder}/{path}", to, "lattice")
+                command("export", CUBE, "--to", to, "--strategy", "lattice", "--out", f"{folder}/by-{path}")
+            for name in ("own.vtu", "own/body.data", "own/in.body"):
+                with open(f"{folder}/{name}", encoding="utf8") as own, open(f"{folder}/by-{name}", encoding="utf8") as other:
+                    self.assertEqual(own.read(), other.read())
+            with self.assertRaisesRegex(elastin.InputError, "end in .vtu"):
+                elastin.export(CUBE, f"{folder}/own.vtk", "vtu")
+
+    def test_progress_is_a_line_on_standard_error(self):
+        with contextlib.redirect_stderr(io.StringIO()) as said:
+            elastin.compare(CUBE, ["standard", "lattice"], progress=True)
+        self.assertRegex(said.getvalue(), r"\[#{10}-{10}\] 1 of 2, standard: ")
+        self.assertTrue(said.getvalue().endswith("\r"))
 
 
 class Engines(unittest.TestCase):

@@ -75,7 +75,7 @@ class Values(unittest.TestCase):
                 (lambda: tissue.fix(0, free=numpy.ones(2)), "free: is .*; allowed: letters of xyz"),
                 (lambda: elastin.Material(law={"law": "ogden", "terms": [["a", 2]]}), "terms: is .*; allowed: lists of numbers"),
                 (lambda: elastin.Material(law={"law": 3}), "law: is 3; allowed: a text"),
-                (lambda: elastin.Catalog().add("lattice"), "strategy: is 'lattice'; allowed: a Strategy")):
+                (lambda: elastin.Catalog().add("lattice"), "own: is 'lattice'; allowed: a Strategy")):
             with self.assertRaisesRegex(elastin.InputError, said):
                 act()
 

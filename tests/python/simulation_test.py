@@ -36,6 +36,20 @@ BODIES = {
 }
 
 
+class Vibrations(unittest.TestCase):
+    def test_a_mass_on_a_spring(self):
+        mass, k = 2e-3, 50.0
+        body = elastin.Body([[0, 0, 0], [0.01, 0, 0]], [[0, 1]], masses=[mass, mass])
+        simulation = elastin.Simulation(body, "uniform", elastin.Material(1e3), parameters={"constant": k})
+        simulation.fix(0)
+        simulation.fix(1, free="x")
+        frequencies, shapes = simulation.vibrations(1)
+        numpy.testing.assert_allclose(frequencies, [numpy.sqrt(k / mass) / (2 * numpy.pi)], rtol=1e-6)
+        numpy.testing.assert_allclose(abs(shapes[0, 1]), (1 / numpy.sqrt(mass), 0, 0), atol=1e-6)
+        with self.assertRaisesRegex(elastin.InputError, "count: is 0"):
+            simulation.vibrations(0)
+
+
 class States(unittest.TestCase):
     def test_cells_under_a_homogeneous_deformation_have_the_laws_stress(self):
         F = numpy.eye(3) + numpy.random.default_rng(3).uniform(-0.2, 0.2, (3, 3))

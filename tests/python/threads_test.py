@@ -4,6 +4,7 @@ import os
 import signal
 import sys
 import threading
+import time
 import unittest
 
 import numpy
@@ -130,6 +131,25 @@ class Interruptions(unittest.TestCase):
                 timer.start()
                 act()
                 timer.join()
+
+    def test_ctrl_c_ends_fits_in_the_middle(self):
+        """Of spring constants in a constructor, and of materials to curves of specimens."""
+        from helpers import SOURCE
+        body = elastin.lattice([12, 12, 12], 1e-3)
+        for act in (lambda: elastin.Simulation(body, "fitted:standard", elastin.Material(10e3)),
+                    lambda: elastin.identify(f"{SOURCE}/scenes/identify/cruciform.yaml")):
+            begun = []
+
+            def interrupt():
+                begun.append(time.monotonic())
+                os.kill(os.getpid(), signal.SIGINT)
+
+            timer = threading.Timer(0.5, interrupt)
+            with self.assertRaises(KeyboardInterrupt):
+                timer.start()
+                act()
+                timer.join()
+            self.assertLess(time.monotonic() - begun[0], 5)  # on a busy machine; 1 s on a quiet one
 
     def test_what_an_observer_raises_comes_out_of_the_step(self):
         simulation = tissue()

@@ -18,6 +18,38 @@ def hanging(molecules=6):
     return tissue
 
 
+class Touched(unittest.TestCase):
+    """A block of tissue on a plate that is pressed into it by a hundredth of a millimetre."""
+
+    def on(self, plate):
+        simulation = elastin.Simulation(elastin.lattice((5, 5, 5), 1e-3), "lattice", elastin.Material(5e3))
+        simulation.add_contact(1e8, [{"name": "plate", "position": (3e-3, 2e-3, -0.99e-3)} | plate])
+        return simulation
+
+    def test_points_and_torque_are_those_of_the_force(self):
+        on_box = self.on({"shape": "box", "x": 0.02, "y": 0.02, "z": 2e-3})
+        force, torque, points = on_box.contact_forces()["plate"], on_box.contact_torques()["plate"], on_box.contact_points()
+        numpy.testing.assert_allclose(force, (0, 0, -1e8 * 1e-5 * 16e-6), rtol=1e-9)  # stiffness, depth, area
+        numpy.testing.assert_allclose(-points["force"].sum(axis=0), force, rtol=1e-12)
+        # The middle of the face is 1 mm beside the middle of the plate.
+        numpy.testing.assert_allclose(torque, (0, 1e-3 * force[2], 0), atol=1e-9 * abs(force[2]))
+        self.assertEqual(set(points["obstacle"]), {"plate"})
+
+    def test_tools_of_points(self):
+        size = numpy.array((0.02, 0.02, 2e-3))
+        corners = numpy.array([(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]) * size / 2
+        sides = [(0, 1, 3), (0, 3, 2), (4, 6, 7), (4, 7, 5), (0, 4, 5), (0, 5, 1), (2, 3, 7), (2, 7, 6), (0, 2, 6), (0, 6, 4), (1, 5, 7), (1, 7, 3)]
+        known = self.on({"shape": "box", "x": size[0], "y": size[1], "z": size[2]}).contact_forces()["plate"]
+        for plate in ({"shape": "convex", "points": corners}, {"shape": "mesh", "points": corners, "triangles": sides}):
+            numpy.testing.assert_allclose(self.on(plate).contact_forces()["plate"], known, rtol=1e-9, atol=1e-12)
+        for wrong, message in (({"shape": "mesh", "points": corners}, "a mesh needs triangles"),
+                               ({"shape": "convex", "points": corners[:3]}, "needs points"),
+                               ({"shape": "mesh", "points": corners, "triangles": [(0, 1, 9)]}, "no point 9"),
+                               ({"shape": "box", "points": corners}, "points are of a convex or a mesh")):
+            with self.assertRaisesRegex(elastin.InputError, message):
+                self.on(wrong)
+
+
 class Topology(unittest.TestCase):
     def test_what_a_cut_leaves(self):
         tissue = hanging()

@@ -116,6 +116,8 @@ typedef struct elastin_counts {
 ELASTIN_API elastin_status elastin_body_counts(const elastin_body* body, elastin_counts* counts);
 /* Positions at rest [m], 3 * molecules. */
 ELASTIN_API elastin_status elastin_body_positions(const elastin_body* body, const double** positions, size_t* count);
+/* [kg], one a molecule. */
+ELASTIN_API elastin_status elastin_body_masses(const elastin_body* body, const double** masses, size_t* count);
 /* Two molecules of each connection; three of each triangle: what a renderer draws. */
 ELASTIN_API elastin_status elastin_body_connections(const elastin_body* body, const int** molecules, size_t* count);
 ELASTIN_API elastin_status elastin_body_triangles(const elastin_body* body, const int** molecules, size_t* count);

@@ -4,6 +4,7 @@
 
 #include "core/linear/block_inverse.h"
 #include "core/parallel/parallel.h"
+#include "elastin/core/base/stop.h"
 #include "elastin/core/linear/linear_solver.h"
 
 namespace elastin {
@@ -43,7 +44,7 @@ class BiCgStab final : public LinearSolver {
     double rho = first * first, best = first;
     const int limit = 10000 + 3 * n / 10;
     int best_at = 0;
-    for (result.status = LinearStatus::limit_reached; result.iterations < limit;) {
+    for (result.status = LinearStatus::limit_reached; result.iterations < limit && !stop_requested();) {
       ++result.iterations;
       precondition(p, ready);
       apply(ready, v);

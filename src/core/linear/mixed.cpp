@@ -9,6 +9,7 @@
 #include "core/linear/multigrid.h"
 #include "core/linear/rigid_motions.h"
 #include "core/parallel/parallel.h"
+#include "elastin/core/base/stop.h"
 
 namespace elastin {
 namespace {
@@ -227,7 +228,7 @@ class Mixed final : public LinearSolver {
     for (int start = 0; start < restarts && result.iterations < limit; ++start) {
       MinimalResiduals search(problem, residual);
       bool further = true;
-      while (further && result.iterations < limit) {
+      while (further && result.iterations < limit && !stop_requested()) {
         further = search.step();
         ++result.iterations;
         if (further && search.left() > precise && result.iterations % look) continue;

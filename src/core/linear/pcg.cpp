@@ -12,6 +12,7 @@
 #include "core/linear/rigid_motions.h"
 #include "core/linear/sparse_stiffness.h"
 #include "core/parallel/parallel.h"
+#include "elastin/core/base/stop.h"
 #include "elastin/core/linear/linear_solver.h"
 
 namespace elastin {
@@ -137,7 +138,7 @@ class Pcg final : public LinearSolver, public KeepsCoarsePicture {
         }
         when_asked = now[1], asked_before = asked, asked *= 2;
       }
-      if (result.iterations >= limit || !std::isfinite(now[1])) {
+      if (result.iterations >= limit || !std::isfinite(now[1]) || stop_requested()) {
         result.status = LinearStatus::limit_reached;
         break;
       }

@@ -11,6 +11,7 @@
 #include "core/solve/responses.h"
 #include "elastin/core/base/dense.h"
 #include "elastin/core/base/error.h"
+#include "elastin/core/base/stop.h"
 #include "elastin/core/forces/volume.h"
 #include "elastin/core/simulation/catalog.h"
 #include "elastin/core/solve/homogenisation.h"
@@ -204,6 +205,7 @@ ModuliOfBody::ModuliOfBody(const Body& body, const Strategy& rule, const Materia
 
 ModuliOfBody::Solved ModuliOfBody::solve(const LoadCases& cases, const VectorX& constants,
                                          double volume_modulus) const {
+  if (stop_requested()) throw InputError("interrupted");
   Model model(body_);
   model.add(make_springs(body_, constants));
   if (with_volume_) model.add(make_volume(body_, volume_modulus));

@@ -12,6 +12,7 @@
 #include "core/linear/rigid_motions.h"
 #include "core/parallel/parallel.h"
 #include "core/solve/steppers.h"
+#include "elastin/core/base/stop.h"
 
 namespace elastin {
 namespace {
@@ -121,7 +122,7 @@ void CachedSolver::forget() {
 }
 
 bool is_interrupted(const StaticOptions& options, StaticResult& result) {
-  if (!options.stop || !options.stop()) return false;
+  if (!stop_requested() && !(options.stop && options.stop())) return false;
   result.outcome = Outcome::interrupted;
   result.cause = "stopped";
   if (result.newton_iterations > 0)

@@ -8,6 +8,7 @@
 #include "core/solve/mixing.h"
 #include "core/solve/responses.h"
 #include "core/solve/rest_samples.h"
+#include "elastin/core/base/stop.h"
 #include "elastin/core/base/text.h"
 
 namespace elastin {
@@ -102,7 +103,7 @@ class RestByNewton {
           now.motion);
       double fraction = change.size() > 0 ? 1 : 0;
       for (const double size = ordered_norm(now.motion);; fraction /= 2) {
-        if (options_.stop && options_.stop()) return end(Outcome::interrupted, "");
+        if (stop_requested() || (options_.stop && options_.stop())) return end(Outcome::interrupted, "");
         if (fraction < kLeastFraction) return end(Outcome::diverged, "no step leads nearer to the given shape");
         const Positions other = left_from(found.rest - fraction * change, part).second;
         if (other.size() > 0 && ordered_norm(motion(other).motion) < (1 - 1e-3 * fraction) * size) break;

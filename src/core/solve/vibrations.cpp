@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "elastin/core/base/dense.h"
+#include "elastin/core/base/stop.h"
 #include "elastin/core/linear/linear_solver.h"
 
 namespace elastin {
@@ -194,7 +195,7 @@ void solve_by_blocks(const ScaledStiffness& op, int count, double tolerance, con
   };
   ritz(Block(x), Block(ax), x.cols());
   for (; found.iterations < kIterationLimit; ++found.iterations) {
-    if (stop && stop()) {
+    if (stop_requested() || (stop && stop())) {
       found.outcome = Outcome::interrupted;
       found.cause = "stopped after " + std::to_string(found.iterations) + " iterations";
       return;

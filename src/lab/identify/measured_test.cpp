@@ -39,7 +39,7 @@ std::unique_ptr<MeasuredTest> make_measured_test(const DataTest& test, const Cat
 void need_law(const DataTest& test, const MaterialLaw* row) {
   if (!row)
     test.fail(
-        "a homogeneous test needs a `law` in the material, for example neo_hookean; a `curve` serves uniaxial "
+        "a homogeneous test needs a `law` in the material, for example mooney_rivlin; a `curve` serves uniaxial "
         "ones alone");
 }
 

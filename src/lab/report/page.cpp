@@ -13,6 +13,7 @@
 #include "lab/format/vtu.h"
 #include "lab/report/comparison.h"
 #include "lab/report/machine.h"
+#include "lab/report/viewer.h"
 
 namespace elastin::lab {
 namespace {
@@ -403,6 +404,16 @@ std::string page_text(const PageMatter& matter) {
              "measures do not distinguish strategies, the simplest.</p><p>Bodies are drawn by three.js (MIT "
              "licence).</p>",
              packed_html("id=\"three\"", base64(k_three.data(), k_three.size())));
+}
+
+std::string viewer_text(const std::vector<std::string>& views, const std::vector<Record>& records) {
+  const std::vector<Scenery> scenes = by_scene(records);  // rankings point into them
+  const Scenery& scene = scenes.front();
+  return page_begin(scene.records.front().title, "Elastin") +
+         "</header><style>header,footer{display:none}</style>\n<main><article class=\"scene\" id=\"scene-0\" "
+         "data-best=\"\">" +
+         stage_html(scene, views, 1, 0) + "</article>\n" +
+         page_end("", "", "", packed_html("id=\"three\"", base64(k_three.data(), k_three.size())));
 }
 
 std::vector<std::pair<std::string, std::string>> plot_files(const std::vector<Record>& records,

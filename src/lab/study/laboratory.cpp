@@ -5,7 +5,10 @@
 
 #include "lab/export/engine_run.h"
 #include "lab/export/formats.h"
+#include "lab/report/comparison.h"
+#include "lab/report/page.h"
 #include "lab/report/records.h"
+#include "lab/report/viewer.h"
 #include "lab/run/contact_measures.h"
 #include "lab/run/load_path.h"
 #include "lab/scene/parts.h"
@@ -41,10 +44,13 @@ void set_last_state(const Body& body, const Snapshot& last, LaboratoryResult& re
   }
 }
 
-LaboratoryResult result_of(const Scene& scene, Run made) {
-  const Record record = make_record(scene, std::move(made));
-  const Run& run = record.run;
+LaboratoryResult result_of(const std::shared_ptr<const Scene>& of, Run made) {
+  const Scene& scene = *of;
   LaboratoryResult result;
+  result.record = std::make_shared<const Record>(make_record(scene, std::move(made)));
+  result.scene = of;
+  const Record& record = *result.record;
+  const Run& run = record.run;
   result.strategy = run.strategy;
   result.outcome = run.outcome;
   result.suited = run.suited;
@@ -99,6 +105,68 @@ struct Laboratory::Impl {
   ExperimentCatalog experiments;
   std::shared_ptr<Scene> scene;  // simulations keep it
 };
+
+namespace {
+
+std::vector<Record> records_of(const LaboratoryResults& results) {
+  std::vector<Record> records;
+  for (const LaboratoryResult* result : results) {
+    if (!result->record) throw InputError("a result that was unpacked has lost what a page shows: run it again");
+    records.push_back(*result->record);
+  }
+  return records;
+}
+
+/// Lines of what is to be turned, and behind them the records.
+std::pair<std::vector<std::string>, std::vector<Record>> views_of(const LaboratoryResults& results) {
+  std::pair<std::vector<std::string>, std::vector<Record>> views{{}, records_of(results)};
+  for (std::size_t i = 0; i < results.size(); ++i) {
+    if (views.first.empty()) views.first.push_back(body_view(*results[i]->scene, views.second[i]));
+    if (std::string states = states_view(*results[i]->scene, views.second[i]); !states.empty())
+      views.first.push_back(std::move(states));
+  }
+  return views;
+}
+
+std::string view_of(const Body& body, Snapshot state) {
+  Scene scene;
+  scene.specimen.body = body;
+  Record record;
+  record.scene = record.title = "body";
+  record.molecules = body.size();
+  record.run.strategy = "now";
+  state.obstacles.clear();
+  record.run.snapshots.push_back(std::move(state));
+  return viewer_text({body_view(scene, record), states_view(scene, record)}, {record});
+}
+
+}  // namespace
+
+Advice advice_of(const LaboratoryResults& results) {
+  const std::vector<Record> records = records_of(results);
+  const Ranking ranking = rank_strategies(records);
+  return {ranking.recommends() ? ranking.best->run.strategy : "", advice_text(ranking, false)};
+}
+
+std::string page_of(const LaboratoryResults& results) {
+  auto [views, records] = views_of(results);
+  return page_text({std::move(records), std::move(views), {}, "", ""});
+}
+
+std::string view_of(const LaboratoryResults& results) {
+  const auto [views, records] = views_of(results);
+  return viewer_text(views, records);
+}
+
+std::string view_of(const Simulation& simulation) {
+  return view_of(simulation.body(), snapshot_of(simulation.model(), simulation.state(), simulation.time(), 0));
+}
+
+std::string view_of(const Body& body) {
+  Snapshot rest;
+  rest.positions = body.rest;
+  return view_of(body, std::move(rest));
+}
 
 double LaboratoryResult::get(const std::string& name) const {
   for (const Measured& one : measures)
@@ -170,7 +238,7 @@ LaboratoryResult Laboratory::run(const std::string& strategy, const RunWatch& wa
   options.stop = watch.stop;
   options.derivatives =
       derivatives_by(watch.derivatives_by, scene, choice, impl_->catalog, impl_->overrides, impl_->experiments);
-  LaboratoryResult result = result_of(scene, run_strategy(scene.specimen, *scene.experiment, choice, options));
+  LaboratoryResult result = result_of(impl_->scene, run_strategy(scene.specimen, *scene.experiment, choice, options));
   if (!watch.keep_states) result.states.clear();
   return result;
 }
@@ -179,11 +247,34 @@ std::string Laboratory::exported(const std::string& strategy) {
   return json_of_body(exported_body(*impl_->scene, choose(*impl_->scene, impl_->catalog, strategy)));
 }
 
+std::vector<std::pair<std::string, std::string>> Laboratory::exported(const std::string& format,
+                                                                      const std::string& strategy,
+                                                                      std::vector<std::string>& notes) {
+  const auto row = export_formats().find(format);
+  Scene& scene = *impl_->scene;
+  const StrategyChoice choice = choose(scene, impl_->catalog, strategy);
+  std::vector<std::pair<std::string, std::string>> files;
+  if (row->files) {
+    const ExportedBody body = exported_body(scene, choice);
+    for (auto& [name, text] : engine_files(*row, body)) files.emplace_back(std::move(name), std::move(text));
+    notes.insert(notes.end(), body.notes.begin(), body.notes.end());
+  } else {
+    const StrategyChoice own = std::exchange(scene.stiffness, choice);
+    try {
+      files.emplace_back("", row->text(scene, notes));
+    } catch (...) {
+      scene.stiffness = own;
+      throw;
+    }
+    scene.stiffness = own;
+  }
+  return files;
+}
+
 LaboratoryResult Laboratory::measure(const std::function<std::string(const std::string& request)>& solve) {
   Engine engine{{"engine", "", ""}, "", "", ""};
   engine.ask = solve;
-  Scene& scene = *impl_->scene;
-  return result_of(scene, run_engine(engine, scene, impl_->catalog, impl_->overrides, {}).run);
+  return result_of(impl_->scene, run_engine(engine, *impl_->scene, impl_->catalog, impl_->overrides, {}).run);
 }
 
 Simulation Laboratory::simulation(const std::string& strategy, SimulationOptions options) {

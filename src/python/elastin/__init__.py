@@ -27,21 +27,24 @@ import os as _os
 if "OMP_WAIT_POLICY" not in _os.environ:
     _os.environ.setdefault("GOMP_SPINCOUNT", "3000")
 
-from ._elastin import (Body, Catalog, InputError, Material, MissingFileError, Parameter, Result, Row, Simulation, SimulationState,
-                       StaticResult, StepError, StepResult, Strategy, Surface, TopologyReport, __version__, linear_solvers, loads,
+from ._elastin import (Body, Catalog, InputError, Load, Material, MissingFileError, Parameter, Result, Row, Simulation, SimulationState,
+                       StaticResult, StepError, StepResult, Stepper, Strategy, Surface, TopologyReport, __version__, linear_solvers, loads,
                        material_laws, measures, numbered_in_space, of_parts, order_in_space, set_threads, steppers, threads)
 from . import _bodies, _simulation  # the methods that Python adds to classes of C++
 from ._bodies import body, lattice, material, read_mesh
 from ._experiments import CLASSES as _experiments, Experiment, experiments
-from ._laboratory import Comparison, Laboratory, Verdicts, compare, gradient, identify, measure, run, strategies, verify
+from ._identify import Identification, identify
+from ._laboratory import Comparison, Laboratory, Verdicts, compare, export, gradient, measure, run, strategies, verify
 from ._law import law, where
+from ._own import load, stepper
+from ._pictures import View
 from ._simulation import step_all
 from ._sweep import Sweep, sweep
 
 globals().update(_experiments)
 
-__all__ = ["Body", "Catalog", "Comparison", "Experiment", "InputError", "Laboratory", "Material", "MissingFileError", "Parameter", "Result",
-           "Row", "Simulation", "SimulationState", "StaticResult", "StepError", "StepResult", "Strategy", "Surface", "Sweep",
-           "TopologyReport", "Verdicts", "body", "compare", "experiments", "gradient", "identify", "lattice", "law", "linear_solvers",
+__all__ = ["Body", "Catalog", "Comparison", "Experiment", "Identification", "InputError", "Laboratory", "Load", "Material", "MissingFileError", "Parameter", "Result",
+           "Row", "Simulation", "SimulationState", "StaticResult", "StepError", "StepResult", "Stepper", "Strategy", "Surface", "Sweep",
+           "TopologyReport", "Verdicts", "View", "body", "compare", "experiments", "export", "gradient", "identify", "lattice", "law", "linear_solvers", "load",
            "loads", "material", "material_laws", "measure", "measures", "numbered_in_space", "of_parts", "order_in_space", "read_mesh", "run",
-           "set_threads", "step_all", "steppers", "strategies", "sweep", "threads", "verify", "where", *_experiments]
+           "set_threads", "step_all", "stepper", "steppers", "strategies", "sweep", "threads", "verify", "where", *_experiments]

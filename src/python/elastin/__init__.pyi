@@ -8,6 +8,7 @@ __version__: str
 
 Path = Union[str, PathLike[str]]
 Changes = Union[Mapping[str, Any], Sequence[str], None]
+Progress = Union[Callable[[str], object], bool, None]
 Scene = Union[Path, Mapping[str, Any], "Body"]
 Outcome = Literal["converged", "limit_reached", "inverted", "diverged", "mechanism", "interrupted", "unsuited"]
 Floats = NDArray[np.float64]
@@ -29,13 +30,15 @@ class Body:
                  triangles: ArrayLike | None = None, tetrahedra: ArrayLike | None = None,
                  cells: Mapping[str, ArrayLike] = ..., rest_lengths: ArrayLike | None = None,
                  masses: ArrayLike | None = None, radii: ArrayLike | None = None, density: float = 1000.0,
-                 thickness: float = 0.0, growth: ArrayLike | None = None) -> None:
+                 thickness: float = 0.0, growth: ArrayLike | None = None, stiffness: ArrayLike | None = None) -> None:
         """positions (n, 3) [m]; connections (m, 2), numbers of molecules, by default the sides of the cells; triangles
         (k, 3); tetrahedra (k, 4); cells of other shapes by name, {'hexahedron8': (k, 8), …}, nodes as in VTK;
         rest_lengths (m,) [m], by default the distances; masses (n,) [kg], by default from density [kg/m^3], by
         default that of the material with which the body is used, and the cells (triangles: thickness [m]) or the
         convex hull; radii (n,) [m], by default half the shortest connection; growth (n, 3, 3), where each cell is
-        unstressed, F_g, by default as it lies at rest: all of it acts from the start. Arrays are copied."""
+        unstressed, F_g, by default as it lies at rest: all of it acts from the start; stiffness (k,), how many times
+        as stiff as the material each cell is, by default 1: moduli[labels] / E of an array of labels. Arrays are
+        copied."""
     @property
     def positions(self) -> Floats:
         """Positions at rest [m], (n, 3)."""
@@ -76,6 +79,8 @@ class Body:
         nothing uses are left out. Options go to Body: density, thickness."""
     def plot(self, ax: Any = None, **options: Any) -> Any:
         """The body at rest in 3D. Options go to Line3DCollection."""
+    def view(self) -> View:
+        """The body at rest in 3D: a View."""
     def to_vtu(self, path: Path) -> None:
         """Writes the body at rest as a VTU file: its cells, its connections as lines, mass and radius of its molecules."""
     def to_meshio(self) -> Any:
@@ -161,6 +166,12 @@ class Row:
     @property
     def parameters(self) -> list[Parameter]: ...
 
+class Load(Row):
+    """A load of one's own, see elastin.load."""
+
+class Stepper(Row):
+    """A stepper of one's own, see elastin.stepper."""
+
 class Strategy:
     """A method that gives a body's connections their stiffness."""
     def __init__(self, name: str, constants: Callable[..., ArrayLike], *, summary: str = "", source: str = "",
@@ -186,8 +197,8 @@ class Catalog:
     """Strategies by name: those of Elastin, and one's own."""
     def __init__(self) -> None:
         """Those that come with Elastin."""
-    def add(self, strategy: Strategy) -> None:
-        """Its name must be new."""
+    def add(self, own: Strategy | Load | Stepper) -> None:
+        """A strategy, a load or a stepper of one's own, which scenes then may name; its name must be new."""
     @property
     def names(self) -> list[str]: ...
     def __getitem__(self, name: str) -> Strategy: ...
@@ -256,18 +267,18 @@ class Simulation:
     """A body that moves. Steps let other Python threads run; each simulation may run in a thread of its own. Views
     never copy: they stay where they are, and keep the simulation alive."""
     def __init__(self, body: Body, strategy: str | Strategy,
-                 material: Material | Sequence[Material] | Mapping[str, Any] | str, *, scheme: str = "symplectic_euler", safety: float = 0.8, max_substeps: int = 1000,
+                 material: Material | Sequence[Material] | Mapping[str, Any] | str, *, scheme: str | Stepper = "symplectic_euler", safety: float = 0.8, max_substeps: int = 1000,
                  scheme_parameters: Mapping[str, float] = ..., parameters: Mapping[str, float] = ...,
                  budget: float = 0.0, catalog: Catalog | None = None) -> None:
         """material: one, or of a body of parts (see of_parts) a list, which the parts count from 0. strategy: a name
         ('lattice', 'lattice+volume', 'calibrated:patch') or a Strategy. calibrated: fits a rule to the material by
         the body's homogenised stiffness, as the experiment `material` of a scene does; the body is of tetrahedra, or
         a box. What strategy and material need of the body is added: pairs of molecules for bending_rigidity, sides
-        of cells, Voronoi cells. scheme: one of steppers(), and scheme_parameters its own by name:
-        {'newton_iterations': 1}. Explicit schemes part a step so that each part is at most `safety` of the body's
-        stable step; a step that would take more than max_substeps is not taken. parameters: of the strategy, by
-        name. budget: by the clock, what a step may take [s]; 0: any. Of schemes that take a number of sweeps or
-        iterations: each step gets as many as the pace of the steps before leaves time for; see effort."""
+        of cells, Voronoi cells. scheme: one of steppers() or one's own (see elastin.stepper), and scheme_parameters
+        its own by name: {'newton_iterations': 1}. Explicit schemes part a step so that each part is at most `safety`
+        of the body's stable step; a step that would take more than max_substeps is not taken. parameters: of the
+        strategy, by name. budget: by the clock, what a step may take [s]; 0: any. Of schemes that take a number of
+        sweeps or iterations: each step gets as many as the pace of the steps before leaves time for; see effort."""
     @property
     def body(self) -> Body: ...
     @property
@@ -348,8 +359,14 @@ class Simulation:
                     surface: Literal["triangles", "spheres"] = "triangles", self_contact: bool = False) -> None:
         """Contact with obstacles and between pieces, at any time between steps. stiffness [Pa/m]: pressure over depth.
         Each obstacle is a dict: shape 'plane' (z < 0), 'box' (x, y, z), 'sphere' (radius), 'cylinder' or 'capsule'
-        (radius, length) [m]; where it is: tool, or position and turn; friction and name if one likes. surface:
-        'triangles', or 'spheres' of the molecules, which push the parts of a cut apart."""
+        (radius, length), 'convex' (points, their hull) or 'mesh' (points, closed triangles) [m]; where it is: tool,
+        or position and turn; friction and name if one likes. surface: 'triangles', or 'spheres' of the molecules,
+        which push the parts of a cut apart."""
+    def contact_torques(self) -> dict[str, Floats]:
+        """Torque of the body on each obstacle by its name [N m], about where the obstacle, or its tool, is now."""
+    def contact_points(self) -> dict[str, Any]:
+        """Where the body is pressed now: a dict of 'position' (k, 3) [m], 'force' on the body (k, 3) [N], and
+        'obstacle', a list of names, '' where it touches itself."""
     def contact_forces(self) -> dict[str, Floats]:
         """Force of the body on each obstacle by its name [N]."""
     def fix(self, molecule: int | ArrayLike, free: str | ArrayLike = "") -> None:
@@ -380,15 +397,19 @@ class Simulation:
     def coupling_force(self, coupling: int) -> Floats:
         """Force of the coupling on its molecule [N] in the state reached."""
     def decouple(self, coupling: int) -> None: ...
-    def add_load(self, load: str, **kwargs: float | ArrayLike) -> int:
-        """Adds a load or damping, one of loads(), at any time between steps: add_load('gravity', acceleration=(0, 0,
-        -9.81)). Gives its number for set_load and remove_load."""
+    def add_load(self, load: str | Load, **kwargs: float | ArrayLike) -> int:
+        """Adds a load or damping, one of loads() or one's own (see elastin.load), at any time between steps:
+        add_load('gravity', acceleration=(0, 0, -9.81)). Gives its number for set_load and remove_load."""
     def set_load(self, load: int, **kwargs: float | ArrayLike) -> None:
         """Gives a load other values from the next step on, by its number: all of them, as add_load."""
     def remove_load(self, load: int) -> None:
         """Takes a load away, by its number."""
     def plot(self, ax: Any = None, **options: Any) -> Any:
         """The body as it is now, its connections coloured by their tension. Options go to Line3DCollection."""
+    def vibrations(self, count: int = 6) -> tuple[Floats, Floats]:
+        """The slowest free vibrations about the present state, an equilibrium, small and without damping: frequencies
+        (k,) [Hz], 0 of a mechanism and NaN where it is unstable, and shapes (k, n, 3) of unit modal mass, sum of m
+        |u|^2 = 1 [1/sqrt(kg)]. Supports hold; rigid motions are left out."""
     def cell_states(self) -> dict[str, dict[str, Floats]]:
         """Means over each cell now, by shape as in Body.cells: {'tetrahedron4': {'strain': (k, 3, 3), 'stress': (k, 3,
         3)}, …}: Green and Lagrange's strain and Cauchy's stress [Pa], of triangles force over width [N/m]. Of
@@ -396,6 +417,8 @@ class Simulation:
     def stiffness(self) -> tuple[Floats, Ints, Ints]:
         """The stiffness -d(all forces)/d(positions) [N/m] now, supports not regarded: data (m, 3, 3), columns (m,) and
         row starts (n + 1,) of its blocks, what scipy.sparse.bsr_matrix takes."""
+    def view(self) -> View:
+        """The body as it is now in 3D: a View."""
     def to_vtu(self, path: Path) -> None:
         """Writes the present state as a VTU file: displacements [m], tensions of the connections [N], and of cells
         Green and Lagrange's strain and Cauchy's stress [Pa]."""
@@ -474,6 +497,8 @@ class Result:
         """The measure of this name, or `default` if it was not taken."""
     def plot(self, ax: Any = None, **options: Any) -> Any:
         """The body in its last state, its connections coloured by their tension. Options go to Line3DCollection."""
+    def view(self) -> View:
+        """The body in 3D with its states: a View. Where states were kept, all of them."""
     def plot_curve(self, x: str | None = None, y: str | None = None, ax: Any = None, **options: Any) -> Any:
         """One measure of the curve over another: by default the stress–strain curve, or another measure over the load
         or time."""
@@ -530,6 +555,9 @@ class Laboratory:
         """Computes the reference of the scene as the command `compare` does: what its own problem comes to on finer and
         finer cells. '' does it where the scene says so, 'computed' in any case, 'none' not at all. Runs after it
         have errors to it."""
+    def export(self, path: Path, to: str, strategy: str = "") -> None:
+        """Writes the scene for another program, as `elastin export --to FORMAT` does: a file, or of an engine a folder
+        with its constants. What a user must know of it goes to the logger "elastin"."""
     def exported(self, strategy: str = "") -> dict[str, Any]:
         """The body with the constants of a strategy, as `elastin export --to json` writes it: a dict of lists, SI
         units. "connections" have "a", "b", "rest_length" and "stiffness"; the keys are described in
@@ -545,11 +573,38 @@ class Laboratory:
         result has the positions of each load step or frame. derivatives_by: keys of numbers of the scene,
         'material.youngs_modulus', by which all measures at rest are differentiated. Numerical trouble is an outcome
         in the result."""
-    def simulation(self, strategy: str = "", *, scheme: str = "symplectic_euler", safety: float = 0.8,
+    def simulation(self, strategy: str = "", *, scheme: str | Stepper = "symplectic_euler", safety: float = 0.8,
                    max_substeps: int = 1000, scheme_parameters: Mapping[str, float] = ...,
                    parameters: Mapping[str, float] = ...) -> Simulation:
         """The scene's body at rest, or at time 0, with its strategy, loads, damping and contact, held by its experiment
         and loaded in full at once, to be stepped."""
+
+class View:
+    """A body in 3D, which a notebook shows: drag turns it. `html` is a page that needs no other file."""
+    html: str
+    def __init__(self, html: str) -> None:
+        """Initialize self. See help(type(self)) for accurate signature."""
+    def to_html(self, path: Path) -> None:
+        """Writes it as a page."""
+
+class Identification(dict[str, Any]):
+    """What `elastin identify --json` writes, a dict: "parameters" (name, value, unit, low, high), "correlation",
+    "relative_rms", "warnings" and more, SI units. found["mu_1"] is the value of a number by its name. It shows
+    itself as the command does, in a notebook with the fit."""
+    def __init__(self, found: Mapping[str, Any], answers: Any, number: int) -> None:
+        """Initialize self. See help(type(self)) for accurate signature."""
+    @property
+    def material(self) -> Material:
+        """The material found, a Material."""
+    @property
+    def figure(self) -> str:
+        """Each test with its fit, SVG."""
+    @property
+    def points(self) -> dict[str, Any]:
+        """Every point with its fit, columns by name."""
+    def to_html(self, path: Path) -> None:
+        """Writes the page of `elastin identify --out`, of all strategies: tables, figures, intervals. It needs no other
+        file."""
 
 class Verdicts(list[dict[str, Any]]):
     """Results of scenes compared with what they expect: a list of dicts that shows itself as a table."""
@@ -562,6 +617,17 @@ class Verdicts(list[dict[str, Any]]):
 class Comparison(list[Result]):
     """Results of one scene, a strategy each: a list that can be indexed by name, and shows itself as a table."""
     def __getitem__(self, key: Any) -> Any: ...
+    @property
+    def recommended(self) -> str:
+        """The strategy that `elastin compare` recommends by these results; "" where none comes near enough."""
+    @property
+    def advice(self) -> str:
+        """That strategy with its numbers in a sentence, or why none is recommended."""
+    def to_html(self, path: Path) -> None:
+        """Writes their page, as `elastin compare --out` does: advice, error against time, curves, the body in 3D,
+        tables. It needs no other file."""
+    def view(self) -> View:
+        """The body in 3D with the states of all results: a View."""
     def to_frame(self) -> Any:
         """A pandas DataFrame, one row a strategy: its outcome, measures, errors (error_MEASURE) and seconds."""
     def plot_curves(self, x: str | None = None, y: str | None = None, ax: Any = None, **options: Any) -> Any:
@@ -641,25 +707,61 @@ def law(name: str, energy: Callable[..., Any], *, summary: str = "", source: str
     they are exact, and run in C++. With membrane=True it is a law of membranes, which thin so that there is no
     stress across. Raises InputError where W has a stress at rest, or is unstable there, as soon as the law meets a
     material."""
+def load(name: str, forces: Callable[..., ArrayLike], energy: Callable[..., float] | None = None, *,
+         summary: str = "", source: str = "") -> Load:
+    """A load of one's own for Simulation.add_load and scenes, from a function of the forces [N] on all molecules, (n,
+    3):
+
+        elastin.load("trap", lambda positions, stiffness=1e-3: -stiffness * (positions - middle))
+        elastin.load("wind", lambda velocities, time, drag=1e-6: drag * (wind(time) - velocities))
+
+    The names of its arguments determine their meaning: positions [m] and velocities [m/s], (n, 3), time [s], the
+    body. Every other argument is a parameter with a default, a number or a Parameter, that add_load(trap,
+    stiffness=2e-3) and a scene, loads=[{"trap": {"stiffness": 2e-3}}], set. `energy`, a function of the same
+    arguments, is the potential energy [J], where the forces have one: equilibria then minimise it. Newton's method
+    takes how the force on each molecule changes with its own position and velocity, by differences; forces between
+    molecules cost it more iterations. What a function raises ends the step or run, and comes out. A scene takes the
+    load as it is, loads=[trap], or by its name from a Catalog."""
+def stepper(name: str, step: Callable[..., tuple[ArrayLike, ArrayLike]], *, explicit: bool = True, order: int = 1,
+            summary: str = "", source: str = "") -> Stepper:
+    """A stepper of one's own, Simulation(…, scheme=it), from a function that gives positions and velocities, (n, 3)
+    each, at the end of a step by dt [s]:
+
+        def leap(positions, velocities, forces, masses, dt):
+            velocities = velocities + dt * forces(positions, velocities) / masses[:, None]
+            return positions + dt * velocities, velocities
+
+    The names of its arguments determine their meaning: positions [m] and velocities [m/s] at the beginning, masses
+    (n,) [kg], dt, time [s], the body, and forces, a function of positions and velocities that gives all forces [N]
+    but those of supports, as they act at the end of the step. Other arguments are parameters with a default
+    (scheme_parameters). Fixed and moved molecules then go where their supports want them; a step that is not finite,
+    or inverts a cell, fails and leaves the state as it was. explicit: whether steps must stay below the body's
+    longest stable one, and are divided. order: of the error at a fixed time."""
 def where(condition: Any, one: Any, other: Any) -> Any:
     """In an energy of elastin.law: `one` where the condition holds (J < 1), else `other`. Elsewhere as numpy.where."""
 def run(scene: Scene, strategy: str | Strategy = "", *, experiment: Experiment | Mapping[str, Any] | None = None,
         material: Material | Mapping[str, Any] | None = None, reference: Literal["", "computed", "none"] = "none",
-        set: Changes = None, catalog: Catalog | None = None, progress: Callable[[str], object] | None = None,
+        set: Changes = None, catalog: Catalog | None = None, progress: Progress = None,
         keep_states: bool = False, derivatives_by: Sequence[str] = (), **keys: Any) -> Result:
     """Runs a scene with a strategy (a name, or a Strategy; "" is the scene's own) and gives its Result. The scene is a
     file, a dict or a Body, with further keys, as for Laboratory. Numbers equal those of the command to the last bit.
-    reference: "computed" first computes the values that errors refer to; keep_states: the result has the positions
-    of every load step or frame; derivatives_by: the result's gradients are by these keys."""
+    progress: a function that is called with what is being done, or True for a line that says it. reference:
+    "computed" first computes the values that errors refer to; keep_states: the result has the positions of every
+    load step or frame; derivatives_by: the result's gradients are by these keys."""
 def compare(scene: Scene, strategies: Sequence[str | Strategy] | None = None, *,
             experiment: Experiment | Mapping[str, Any] | None = None,
             material: Material | Mapping[str, Any] | None = None, reference: Literal["", "computed", "none"] = "",
-            set: Changes = None, catalog: Catalog | None = None, progress: Callable[[str], object] | None = None,
+            set: Changes = None, catalog: Catalog | None = None, progress: Progress = None,
             **keys: Any) -> Comparison:
     """Runs a scene (a file, a dict or a Body, as for Laboratory) with several strategies: names and strategies of one's
     own; by default those that it compares itself, of a Body all. Where the scene says so, or nothing else shows what
     is right, its reference is computed first, as the command does: reference="none" leaves that out, "computed" does
     it in any case."""
+def export(scene: Scene, path: Path, to: str, strategy: str = "", *,
+           experiment: Experiment | Mapping[str, Any] | None = None,
+           material: Material | Mapping[str, Any] | None = None, set: Changes = None,
+           catalog: Catalog | None = None, **keys: Any) -> None:
+    """Writes a scene for another program, see Laboratory.export."""
 def measure(step: Callable[[dict[str, Any]], Mapping[str, Any]], scene: Scene,
             experiment: Experiment | Mapping[str, Any] | None = None, *,
             material: Material | Mapping[str, Any] | None = None, set: Changes = None, catalog: Catalog | None = None,
@@ -668,12 +770,12 @@ def measure(step: Callable[[dict[str, Any]], Mapping[str, Any]], scene: Scene,
     file, further keys are as for Laboratory, stiffness="lattice" and engines={"dt": "1 ms"} among them."""
 def verify(scene: Scene | Sequence[Scene], *, experiment: Experiment | Mapping[str, Any] | None = None,
            material: Material | Mapping[str, Any] | None = None, set: Changes = None, catalog: Catalog | None = None,
-           progress: Callable[[str], object] | None = None, **keys: Any) -> Verdicts:
+           progress: Progress = None, **keys: Any) -> Verdicts:
     """Compares a scene, or each of a list, with what it expects: Verdicts, a dict a run with "scene", "strategy",
     "verdict" ("passed", "failed" or "not judged"), "outcome", "cause", "measures", "seconds" and "expectations"."""
 def sweep(scene: Scene, key: str | Mapping[str, Iterable[Any]], values: Iterable[Any] | None = None, *,
           strategy: str | Strategy | Sequence[str | Strategy] = "", set: Changes = None,
-          catalog: Catalog | None = None, progress: Callable[[str], object] | None = None, client: Any = None,
+          catalog: Catalog | None = None, progress: Progress = None, client: Any = None,
           **keys: Any) -> Sweep:
     """Runs a scene once for each value of one of its keys, sweep(scene, "material.poissons_ratio", [0.1, 0.2, 0.3]), or
     for each combination of the values of several, the last key fastest: sweep(scene, {"body.lattice.molecules": [[5,
@@ -690,14 +792,21 @@ def gradient(scene: Scene, of: Sequence[str] | None = None, by: Sequence[str] = 
     number at each equilibrium. of: names of measures, by default all, in the order of the result's; by: keys of the
     scene that state numbers, ["material.youngs_modulus", "loads.0.pressure"]. Scene and options are as for run.
     Experiments in time, friction and other histories raise InputError."""
-def identify(scene: Scene, data: Mapping[str, Path] | None = None, *, tests: Sequence[str] = (),
+def identify(scene: Scene | None = None, data: Mapping[str, Any] | None = None, *,
+             material: Material | Mapping[str, Any] | None = None, tests: Sequence[str] = (),
              laws: Sequence[str] = (), strategies: Sequence[str] = (), set: Changes = None,
-             progress: Callable[[str], object] | None = None, **keys: Any) -> Any:
-    """Fits the material of a scene's `identify` section to its measured tests and gives what the command writes as
-    JSON: "parameters" (name, value, unit, low, high), "correlation", "relative_rms", "warnings" and more; SI units.
-    The scene is a file, a dict or a Body, as for Laboratory. `data` names other CSV files, {test: path}; of `tests`
-    alone are fitted, the others predicted; `laws` are compared (["all"]); of several `strategies` of the specimens a
-    list, one each."""
+             catalog: Catalog | None = None, progress: Progress = None, **keys: Any) -> Any:
+    """Fits a material to measured tests and gives an Identification, of several `strategies` of the specimens a list.
+
+        elastin.identify(data={"uniaxial": {"stretch": stretch, "nominal_stress": stress}},
+                         material={"law": "ogden", "terms": [[1e5, 2]]})
+
+    The scene is a file, a dict or a Body, as for Laboratory, with an `identify` section whose tests are files, or
+    columns of arrays by name, {"kind": "uniaxial", "stretch": …, "nominal_stress": …}; SI units, unless a name has
+    another, "force [kN]". Without a scene the tests are those of `data` by their kind, each with its keys and
+    columns. With one `data` has what replaces the data of its tests, {test: path or columns}. Of `tests` alone are
+    fitted, the others predicted; `laws` are compared (["all"]). A Catalog brings strategies of one's own. progress:
+    True shows a line, a function is called with what is being done."""
 def strategies(catalog: Catalog | None = None) -> list[Strategy]:
     """Every strategy there is, with summary, source and parameters."""
 def steppers() -> list[Row]:
@@ -719,10 +828,30 @@ def experiments() -> list[type[Experiment]]:
 
 class Experiment:
     """What is done to a body, and what is read: an experiment of the scenes with its keys. Quantities are plain numbers
-    in SI units or text with a unit, "3 mm". Where the ends have grips, `grips` sets both."""
+    in SI units or text with a unit, "3 mm". Where the ends have grips, `grips` sets both.
+
+    A class of one's own is an experiment at rest with measures of its own:
+
+        class Squeeze(elastin.Experiment):
+            measures = {"force": "N", "bulge": "m"}                    # by name their SI unit, the most telling first
+            def __init__(self, depth):
+                self.depth = depth
+            def hold(self, body):                                      # who is held, and where it goes [m]
+                return [(bottom, (0, 0, 0)), (top, (0, 0, -self.depth), "xy")]
+            def measure(self, body, positions, reactions):             # (n, 3) [m] and [N]
+                return {"force": reactions[bottom, 2].sum(), "bulge": numpy.ptp(positions[:, 0])}
+
+    `hold` gives triples of molecules, a displacement (3,) or (k, 3), and directions that stay free, "xy" or a
+    projector, if any; `forces(body)`, if it is there, forces on all molecules (n, 3) [N]; `load_steps` is the number
+    of steps in which both grow. What either raises ends the run, and comes out."""
     kind: str
     in_time: bool
     table: dict[str, dict[str, str]]
+    given: dict[str, Any]
+    measures: Mapping[str, str]
+    load_steps: int
+    def forces(self, specimen: Body) -> ArrayLike | None:
+        """Of an experiment of one's own: forces on all molecules (n, 3) [N], or None."""
     def __init__(self, **keys: Any) -> None:
         """Initialize self. See help(type(self)) for accurate signature."""
     @classmethod

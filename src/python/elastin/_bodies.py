@@ -72,9 +72,14 @@ def _plot(body, ax=None, **options):
     return _plots.state(body.positions, body, None, "", ax, options)
 
 
+def _view(body):
+    """The body at rest in 3D: a View."""
+    return _pictures.View(_elastin._view(body))
+
+
 Body._repr_html_ = lambda body: _tables.with_picture(_tables.of_body(body), _pictures.of_body(body))
 Body.from_meshio = staticmethod(_exchange.body_from_meshio)
-for _name, _method in (("plot", _plot), ("to_vtu", _exchange.body_to_vtu), ("to_meshio", _exchange.body_to_meshio),
+for _name, _method in (("plot", _plot), ("view", _view), ("to_vtu", _exchange.body_to_vtu), ("to_meshio", _exchange.body_to_meshio),
                        ("to_pyvista", _exchange.body_to_pyvista)):
     _method.__name__, _method.__qualname__ = _name, f"Body.{_name}"
     setattr(Body, _name, _method)

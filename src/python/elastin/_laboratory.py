@@ -1,10 +1,13 @@
 """Scenes: run, compared, identified."""
 
 import json
+import logging
 import os
 
-from . import _elastin, _exchange, _pictures, _scenes, _tables, _yaml
-from ._elastin import Catalog, Strategy
+from . import _elastin, _exchange, _own, _pictures, _progress, _scenes, _tables, _yaml
+from ._elastin import Catalog, InputError, Strategy
+
+_log = logging.getLogger("elastin")
 
 
 class Laboratory(_elastin._Laboratory):
@@ -18,7 +21,8 @@ class Laboratory(_elastin._Laboratory):
         self._made_of = scene, {"experiment": experiment, "material": material, "set": set, "catalog": catalog, **keys}
         self._opened = opened
         with opened.messages():
-            super().__init__(opened.source, _yaml.overrides(set), catalog)
+            super().__init__(opened.source, _yaml.overrides(set), _own.catalog_with(catalog, opened.own),
+                             [one._info() for one in opened.experiments.values()])
 
     def __reduce__(self):
         return _laboratory_again, (type(self), *self._made_of)
@@ -35,6 +39,21 @@ class Laboratory(_elastin._Laboratory):
         "connections" have "a", "b", "rest_length" and "stiffness"; the keys are described in scenes/README.md."""
         return json.loads(self._exported(strategy))
 
+    def export(self, path, to, strategy=""):
+        """Writes the scene for another program, as `elastin export --to FORMAT` does: a file, or of an engine a folder with
+        its constants. What a user must know of it goes to the logger "elastin"."""
+        files, notes = self._export(to, strategy)
+        ending = _elastin._export_formats()[to]
+        if ending and not os.fspath(path).endswith(ending):
+            raise InputError(f"path: files of {to} end in {ending}")
+        for name, text in files:
+            target = os.path.join(path, name) if name else path
+            os.makedirs(os.path.dirname(os.path.abspath(target)), exist_ok=True)
+            with open(target, "w", encoding="utf8") as stream:
+                stream.write(text)
+        for note in notes:
+            _log.info(note)
+
     def measure(self, step):
         """Runs the experiment in a solver of one's own, with the constants of the scene's strategy: step(request) gets what
         an engine of `elastin compare --engine` reads, a dict, and gives what that prints: {"positions": (n, 3), …}.
@@ -50,38 +69,24 @@ def _laboratory_again(kind, scene, options):
     return kind(scene, **options)
 
 
-def _same(one, other):
-    """Whether two strategies are one: the same object, a copy of it, or one of Elastin's own."""
-    if one is other or getattr(one, "_made_by", one) == getattr(other, "_made_by", other):
-        return True
-    return (one.summary, one.source) == (other.summary, other.source) != ("", "")
-
-
 def _named(choices, catalog):
-    """Names of the strategies, and a catalog that has those which were handed over as objects. A name that is taken by
-    another strategy raises InputError."""
+    """Names of the strategies, and a catalog that has those which were handed over as objects."""
     own = [choice for choice in choices if isinstance(choice, Strategy)]
-    if own:
-        chosen, catalog = catalog, Catalog()
-        for strategy in list(getattr(chosen, "_own", [])) + own:
-            known = {one.name: one for one in [*catalog, *getattr(catalog, "_own", [])]}
-            if strategy.name in known and _same(known[strategy.name], strategy):
-                continue
-            catalog.add(strategy)
-    return [getattr(choice, "name", choice) for choice in choices], catalog
+    return [getattr(choice, "name", choice) for choice in choices], _own.catalog_with(catalog, own)
 
 
 def run(scene, strategy="", *, experiment=None, material=None, reference="none", set=None, catalog=None, progress=None,
         keep_states=False, derivatives_by=(), **keys):
     """Runs a scene with a strategy (a name, or a Strategy; "" is the scene's own) and gives its Result. The scene is a
     file, a dict or a Body, with further keys, as for Laboratory. Numbers equal those of the command to the
-    last bit. reference: "computed" first computes the values that errors refer to; keep_states: the result has the
+    last bit. progress: a function that is called with what is being done, or True for a line that says it. reference: "computed" first computes the values that errors refer to; keep_states: the result has the
     positions of every load step or frame; derivatives_by: the result's gradients are by these keys."""
     (name,), catalog = _named([strategy], catalog)
     opened = _scenes.opened(scene, [name] if name else [], experiment, material, keys)
     laboratory = Laboratory(opened, set=set, catalog=catalog)
-    laboratory.compute_reference(reference, progress=progress)
-    return laboratory.run(name, progress=progress, keep_states=keep_states, derivatives_by=list(derivatives_by))
+    with _progress.shown(progress) as report:
+        laboratory.compute_reference(reference, progress=report)
+        return laboratory.run(name, progress=report, keep_states=keep_states, derivatives_by=list(derivatives_by))
 
 
 def gradient(scene, of=None, by=(), strategy="", **options):
@@ -109,8 +114,22 @@ def compare(scene, strategies=None, *, experiment=None, material=None, reference
     names, catalog = _named(strategies or [], catalog)
     opened = _scenes.opened(scene, names, experiment, material, keys)
     laboratory = Laboratory(opened, set=set, catalog=catalog)
-    laboratory.compute_reference(reference, progress=progress)
-    return Comparison([laboratory.run(name, progress=progress) for name in names or laboratory.strategies])
+    names = names or laboratory.strategies
+    if opened.experiments and not reference:
+        reference = "none"  # finer cells would need the experiment made for them
+    with _progress.shown(progress) as report:
+        laboratory.compute_reference(reference, progress=report)
+        return Comparison([laboratory.run(name, progress=report and _counted(report, f"{number} of {len(names)}, {name}"))
+                           for number, name in enumerate(names, 1)])
+
+
+def _counted(report, which):
+    return lambda doing: report(f"{which}: {doing}")
+
+
+def export(scene, path, to, strategy="", *, experiment=None, material=None, set=None, catalog=None, **keys):
+    """Writes a scene for another program, see Laboratory.export."""
+    Laboratory(scene, experiment=experiment, material=material, set=set, catalog=catalog, **keys).export(path, to, strategy)
 
 
 def measure(step, scene, experiment=None, *, material=None, set=None, catalog=None, **keys):
@@ -123,24 +142,15 @@ def verify(scene, *, experiment=None, material=None, set=None, catalog=None, pro
     """Compares a scene, or each of a list, with what it expects: Verdicts, a dict a run with "scene", "strategy",
     "verdict" ("passed", "failed" or "not judged"), "outcome", "cause", "measures", "seconds" and "expectations"."""
     cases = []
-    for one in scene if isinstance(scene, (list, tuple)) else [scene]:
-        opened = _scenes.opened(one, (), experiment, material, keys)
-        with opened.messages():
-            cases += _elastin._verify(opened.source, _yaml.overrides(set), catalog, progress)
+    with _progress.shown(progress) as report:
+        for one in scene if isinstance(scene, (list, tuple)) else [scene]:
+            opened = _scenes.opened(one, (), experiment, material, keys)
+            if opened.experiments:
+                raise InputError("verify: takes experiments of the table; compare the measures of run() for one of your own")
+            with opened.messages():
+                cases += _elastin._verify(opened.source, _yaml.overrides(set), _own.catalog_with(catalog, opened.own),
+                                          report)
     return Verdicts(cases)
-
-
-def identify(scene, data=None, *, tests=(), laws=(), strategies=(), set=None, progress=None, **keys):
-    """Fits the material of a scene's `identify` section to its measured tests and gives what the command writes as JSON:
-    "parameters" (name, value, unit, low, high), "correlation", "relative_rms", "warnings" and more; SI units. The scene is
-    a file, a dict or a Body, as for Laboratory. `data` names other CSV files, {test: path}; of `tests` alone are fitted,
-    the others predicted; `laws` are compared (["all"]); of several `strategies` of the specimens a list, one each."""
-    files = [f"{test}={os.fspath(path)}" for test, path in (data or {}).items()]
-    opened = _scenes.opened(scene, (), keys=keys)
-    with opened.messages():
-        found = json.loads(_elastin._identify(opened.source, _yaml.overrides(set), files, list(tests), ",".join(laws),
-                                              ",".join(strategies), progress))
-    return found.get("identifications", found)
 
 
 def strategies(catalog=None):
@@ -192,6 +202,25 @@ class Comparison(list):
     def _repr_html_(self):
         return _tables.with_picture(self._table(), next(filter(None, map(_pictures.of_result, self)), ""))
 
+    @property
+    def recommended(self):
+        """The strategy that `elastin compare` recommends by these results; "" where none comes near enough."""
+        return _elastin._advice(list(self))[0]
+
+    @property
+    def advice(self):
+        """That strategy with its numbers in a sentence, or why none is recommended."""
+        return _elastin._advice(list(self))[1]
+
+    def to_html(self, path):
+        """Writes their page, as `elastin compare --out` does: advice, error against time, curves, the body in 3D, tables. It
+        needs no other file."""
+        _pictures.write(path, _elastin._page(list(self)))
+
+    def view(self):
+        """The body in 3D with the states of all results: a View."""
+        return _pictures.View(_elastin._view(list(self)))
+
     def to_frame(self):
         """A pandas DataFrame, one row a strategy: its outcome, measures, errors (error_MEASURE) and seconds."""
         return _exchange.frame_of_results(self)
@@ -220,6 +249,11 @@ def _measure_of(result, measure):
 def _get(result, measure, default=None):
     """The measure of this name, or `default` if it was not taken."""
     return result.measures.get(measure, default)
+
+
+def _view(result):
+    """The body in 3D with its states: a View. Where states were kept, all of them."""
+    return _pictures.View(_elastin._view([result]))
 
 
 def _states(result):
@@ -251,7 +285,7 @@ Result = _elastin.Result
 Result.states = property(_states)
 Result.__repr__ = lambda result: _tables.of_result(result).text()
 Result._repr_html_ = lambda result: _tables.with_picture(_tables.of_result(result), _pictures.of_result(result))
-for _name, _method in (("__getitem__", _measure_of), ("get", _get), ("plot", _plot), ("plot_curve", _plot_curve),
+for _name, _method in (("__getitem__", _measure_of), ("get", _get), ("view", _view), ("plot", _plot), ("plot_curve", _plot_curve),
                        ("animate", _animate), ("to_frame", _exchange.frame_of_curve),
                        ("to_vtu", _exchange.result_to_vtu), ("to_meshio", _exchange.result_to_meshio),
                        ("to_pyvista", _exchange.result_to_pyvista)):

@@ -1,4 +1,6 @@
-"""Small pictures of bodies as SVG, for notebooks."""
+"""Pictures of bodies: small ones as SVG, for notebooks, and those that turn."""
+
+from html import escape
 
 import numpy
 
@@ -7,6 +9,29 @@ MOST = 3000
 # From the right above; rows are the screen's right, up, and towards the eye.
 VIEW = numpy.array([[0.80, 0.60, 0.0], [-0.25, 0.33, 0.91], [0.546, -0.728, 0.415]])
 TENSION, PRESSURE, FACE, LINE = "#b2182b", "#2166ac", (120, 160, 200), "#5b6b7b"
+
+
+def write(path, html):
+    with open(path, "w", encoding="utf8") as stream:
+        stream.write(html)
+
+
+class View:
+    """A body in 3D, which a notebook shows: drag turns it. `html` is a page that needs no other file."""
+
+    def __init__(self, html):
+        self.html = html
+
+    def to_html(self, path):
+        """Writes it as a page."""
+        write(path, self.html)
+
+    def _repr_html_(self):
+        return (f'<iframe srcdoc="{escape(self.html)}" title="the body in 3D" '
+                'style="width:100%;height:690px;border:0"></iframe>')
+
+    def __repr__(self):
+        return f"<elastin.View: {len(self.html)} bytes of HTML>"
 
 
 def of_body(body, positions=None, tensions=None):

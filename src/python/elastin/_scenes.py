@@ -9,11 +9,11 @@ import re
 import numpy
 
 from . import _elastin, _yaml
-from ._elastin import Body, InputError, Material
+from ._elastin import Body, InputError, Load, Material, Stepper
 from ._experiments import Experiment
 
 ARRAYS = ("positions", "connections", "triangles", "tetrahedra", "cells", "rest_lengths", "masses", "radii", "density",
-          "thickness")
+          "thickness", "growth", "stiffness")
 
 
 class Held:
@@ -21,6 +21,7 @@ class Held:
 
     def __init__(self, tree, root="scene"):
         self.root, self.places, self.lines, self.bodies, self.materials = root, {}, [], [], []
+        self.own, self.experiments = [], {}  # loads and steppers; experiments by their kind
         self._write(tree, root, "", "")
         self.text = "\n".join(self.lines) + "\n"
         self.source = _elastin._HeldScene(self.text, self.bodies, self.materials)
@@ -59,7 +60,12 @@ class Held:
         if isinstance(value, Material):
             return {"given": self._number(self.materials, value)}
         if isinstance(value, Experiment):
+            if hasattr(value, "hold") and self.experiments.setdefault(value.keys()["kind"], value) is not value:
+                raise InputError(f"{place}: there is another experiment '{value.keys()['kind']}' in this scene")
             return value.keys()
+        if isinstance(value, (Load, Stepper)):
+            self.own.append(value)
+            return {value.name: {}} if isinstance(value, Load) else value.name
         if isinstance(value, dict) and "body" in value and place.startswith(f"{self.root}['bodies']["):
             return {key: item for key, item in value.items() if key != "body"} | self._plain(value["body"], place)
         if isinstance(value, dict) and "positions" in value:
@@ -111,6 +117,8 @@ class Held:
 class File:
     """A scene file, where a scene in memory could stand."""
 
+    own, experiments = (), {}
+
     def __init__(self, path):
         self.source = os.fspath(path)
 
@@ -137,8 +145,6 @@ def opened(scene, strategies=(), experiment=None, material=None, keys=None):
         tree = usual_strategies(scene, strategies) | tree
     elif strategies:
         tree = {"stiffness": strategies[0]} | tree
-    if isinstance(tree.get("experiment"), Experiment):
-        tree["experiment"] = tree["experiment"].keys()
     return Held(tree)
 
 

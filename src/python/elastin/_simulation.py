@@ -5,7 +5,7 @@ import os
 
 import numpy
 
-from . import _exchange, _pictures, _tables
+from . import _elastin, _exchange, _pictures, _tables
 from ._elastin import InputError, Simulation, StepError
 
 
@@ -27,6 +27,11 @@ def _animate(simulation, dt, frames, *, scale=1.0, interval=40, act=None, **opti
         simulation.step(dt)
         states.append(numpy.array(simulation.positions))
     return _plots.animation(simulation.body, states, scale, interval, options)
+
+
+def _view(simulation):
+    """The body as it is now in 3D: a View."""
+    return _pictures.View(_elastin._view(simulation))
 
 
 def _html(simulation):
@@ -68,7 +73,7 @@ def step_all(simulations, dt, count=1, *, check=True, threads=None):
 
 
 Simulation._repr_html_ = _html
-for _name, _method in (("plot", _plot), ("animate", _animate), ("to_vtu", _exchange.simulation_to_vtu),
+for _name, _method in (("plot", _plot), ("view", _view), ("animate", _animate), ("to_vtu", _exchange.simulation_to_vtu),
                        ("to_meshio", _exchange.simulation_to_meshio), ("to_pyvista", _exchange.simulation_to_pyvista)):
     _method.__name__, _method.__qualname__ = _name, f"Simulation.{_name}"
     setattr(Simulation, _name, _method)

@@ -5,7 +5,7 @@ import os
 
 import numpy
 
-from . import _laboratory, _tables
+from . import _laboratory, _progress, _tables
 
 
 def sweep(scene, key, values=None, *, strategy="", set=None, catalog=None, progress=None, client=None, **keys):
@@ -25,11 +25,14 @@ def sweep(scene, key, values=None, *, strategy="", set=None, catalog=None, progr
             for one in strategies]
     fixed = _laboratory._yaml.overrides(set)
     if client is None:
-        results = [_row(scene, one, fixed, changes, catalog, keys, progress) for changes, one in rows]
+        with _progress.shown(progress) as report:
+            results = [_row(scene, one, fixed, changes, catalog, keys, report and _laboratory._counted(
+                report, f"{number} of {len(rows)}")) for number, (changes, one) in enumerate(rows, 1)]
     else:
         if isinstance(scene, (str, os.PathLike)):
             scene = os.path.abspath(scene)
-        results = _by_workers(client, [(scene, one, fixed, changes, catalog, keys) for changes, one in rows], progress)
+        with _progress.shown(progress) as report:
+            results = _by_workers(client, [(scene, one, fixed, changes, catalog, keys) for changes, one in rows], report)
     return Sweep([changes for changes, _ in rows], results)
 
 

@@ -11,7 +11,7 @@ def error_text(result, name):
     """Relative; of a ratio the difference."""
     if name not in result.errors:
         return ""
-    return percent(result.errors[name]) if UNITS[name] else f"{result.errors[name]:+.4f}"
+    return percent(result.errors[name]) if UNITS.get(name) else f"{result.errors[name]:+.4f}"
 
 
 class Table:
@@ -82,7 +82,7 @@ def notes_of(result):
 def of_results(results, swept=None):
     """A row a result. `swept`: keys and the values that the rows have under them, in place of the strategies."""
     main = list(dict.fromkeys(name for result in results for name in result.main if name in result.measures))
-    with_error = [name for name in main if UNITS[name] and any(name in result.errors for result in results)]
+    with_error = [name for name in main if UNITS.get(name) and any(name in result.errors for result in results)]
     head = list(swept) if swept else ["strategy"]
     for name in main:
         head += [name, "error"] if name in with_error else [name]

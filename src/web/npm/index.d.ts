@@ -87,6 +87,8 @@ export class Elastin {
 export class Body {
   /** [m]; a copy. */
   positions(): Float64Array;
+  /** [kg], one a molecule; a copy. */
+  masses(): Float64Array;
   /** Two molecules of each connection. */
   connections(): Int32Array;
   /** Three molecules of each triangle. */

@@ -132,6 +132,7 @@ class Body {
   }
 
   positions() { return this.view('positions', 'HEAPF64'); }
+  masses() { return this.view('masses', 'HEAPF64'); }
   connections() { return this.view('connections', 'HEAP32'); }
   triangles() { return this.view('triangles', 'HEAP32'); }
 

@@ -3,6 +3,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "elastin/config/scene_source.h"
@@ -11,6 +12,8 @@
 
 namespace elastin::lab {
 
+struct Record;
+struct Scene;
 using config::HeldScene;
 using config::SceneSource;
 
@@ -61,9 +64,28 @@ struct LaboratoryResult {
   std::string solver;  ///< "newton pcg"; of a run in time its scheme
   int newton_iterations = 0, linear_iterations = 0;
   double build_seconds = 0, solve_seconds = 0;
+  /// What a page shows of it; null of one that was packed and unpacked.
+  std::shared_ptr<const Record> record;
+  std::shared_ptr<const Scene> scene;
   /// The measure of this name; NaN if it was not taken.
   double get(const std::string& name) const;
 };
+
+using LaboratoryResults = std::vector<const LaboratoryResult*>;
+/// What a comparison recommends.
+struct Advice {
+  std::string strategy;  ///< "" where none comes near enough
+  std::string text;      ///< that and its numbers, or why nothing is recommended
+};
+/// Of results on one scene, as `elastin compare` says it. Throws InputError where one of them was unpacked.
+Advice advice_of(const LaboratoryResults& results);
+/// Their page, as `elastin compare --out` writes it: HTML that needs no other file. Throws as advice_of.
+std::string page_of(const LaboratoryResults& results);
+/// The body with their states alone, to be turned in 3D.
+std::string view_of(const LaboratoryResults& results);
+/// The same of a simulation's present state.
+std::string view_of(const Simulation& simulation);
+std::string view_of(const Body& body);
 
 /// What a program may do while a scene runs.
 struct RunWatch {
@@ -111,6 +133,10 @@ class Laboratory {
   /// The body with the constants of a strategy ("": the scene's own) as JSON, see `elastin export --to json` in
   /// scenes/README.md. Throws InputError where the strategy does not suit.
   std::string exported(const std::string& strategy = "");
+  /// The files of `elastin export --to FORMAT` by name; of a format that is one file that under "". Throws InputError
+  /// for what the format cannot say. What a user must know of them is added to `notes`.
+  std::vector<std::pair<std::string, std::string>> exported(const std::string& format, const std::string& strategy,
+                                                            std::vector<std::string>& notes);
   /// Runs the experiment in a solver of the program's own with the constants of the scene's strategy, at the time step
   /// and iterations of its `engines`: `solve` gets a request and gives an answer, JSON as scenes/README.md describes
   /// it, and is measured as a strategy is. Numerical trouble is an outcome; what `solve` throws comes out.
