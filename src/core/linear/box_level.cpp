@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include "core/linear/block_inverse.h"
+#include "core/linear/smoothing.h"
 
 namespace elastin {
 namespace {
@@ -206,37 +207,31 @@ void BoxLevel::set_residual(const Vectors& b, const Vectors& x, Vectors& residua
       points(), [&](int i) { residual.col(i) = b.col(i) - difference(x, i); }, kPointThreshold);
 }
 
-void BoxLevel::start(const Vectors& b, Vectors& x) const {
-  parallel_for(points(), [&](int i) { x.col(i) = inverse_[i] * b.col(i); });
+void BoxLevel::start(const Vectors& b, Vectors& x, Vectors& d) const {
+  const auto now = static_cast<float>(smoothing_step(1).now);
+  parallel_for(points(), [&](int i) { d.col(i) = x.col(i) = now * (inverse_[i] * b.col(i)); });
 }
 
-void BoxLevel::smooth(const Vectors& b, const Vectors& x, Vectors& better) const {
+void BoxLevel::smooth(int step, const Vectors& b, const Vectors& x, Vectors& better, Vectors& d) const {
+  const auto [before, now] = smoothing_step(step);
+  const auto of_before = static_cast<float>(before), of_now = static_cast<float>(now);
   parallel_for(
-      points(), [&](int i) { better.col(i) = x.col(i) + inverse_[i] * (b.col(i) - difference(x, i)); },
+      points(),
+      [&](int i) {
+        d.col(i) = of_before * d.col(i) + of_now * (inverse_[i] * (b.col(i) - difference(x, i)));
+        better.col(i) = x.col(i) + d.col(i);
+      },
       kPointThreshold);
 }
 
-/// ω = 4/3 over the largest eigenvalue of D⁻¹ A, found by powers of it: what is left above a quarter of the spectrum
-/// falls to a third.
 void BoxLevel::set_damping() {
   Vectors x = vectors(), y = vectors();
-  for (int i = 0; i < points(); ++i)
-    for (int k = 0; k < 3; ++k)
-      x(k, i) = std::sin(1.F + 12.9898F * static_cast<float>(i % 4099) + 78.233F * static_cast<float>(k));
-  double largest = 1;
-  for (int step = 0; step < 8; ++step) {
+  const double largest = largest_eigenvalue(points(), x, y, [&](const Vectors& from, Vectors& to) {
     parallel_for(
-        points(), [&](int i) { y.col(i) = inverse_[i] * difference(x, i); }, kPointThreshold);
-    const double size =
-        std::sqrt(ordered_sum(points(), [&](int i) { return static_cast<double>(y.col(i).squaredNorm()); }));
-    const double before =
-        std::sqrt(ordered_sum(points(), [&](int i) { return static_cast<double>(x.col(i).squaredNorm()); }));
-    if (!(before > 0) || !std::isfinite(size)) break;
-    largest = std::max(1., size / before);
-    x = y / static_cast<float>(size);
-  }
-  const auto damping = static_cast<float>(4. / 3 / (1.1 * largest));
-  for (auto& inverse : inverse_) inverse *= damping;
+        points(), [&](int i) { to.col(i) = inverse_[i] * difference(from, i); }, kPointThreshold);
+  });
+  steps_ = smoothing_steps(largest);
+  for (auto& inverse : inverse_) inverse /= static_cast<float>(largest);
 }
 
 std::unique_ptr<BoxLevel> BoxLevel::coarser(BoxGrid::Coarser coarser, bool is_part) {

@@ -126,10 +126,12 @@ class BoxLevel {
 
   /// residual = b − A x
   void set_residual(const Vectors& b, const Vectors& x, Vectors& residual) const;
-  /// x = ω D⁻¹ b
-  void start(const Vectors& b, Vectors& x) const;
-  /// better = x + ω D⁻¹ (b − A x)
-  void smooth(const Vectors& b, const Vectors& x, Vectors& better) const;
+  /// x = d = what the first step of smoothing makes of b from zero
+  void start(const Vectors& b, Vectors& x, Vectors& d) const;
+  /// How many steps smooth.
+  int steps() const { return steps_; }
+  /// Step number i of smoothing x; see smoothing_step.
+  void smooth(int i, const Vectors& b, const Vectors& x, Vectors& better, Vectors& d) const;
 
   /// The points that share a box with this one, itself first; then perhaps itself again, with blocks of zeros.
   std::span<const int> neighbours(int point) const {
@@ -152,7 +154,8 @@ class BoxLevel {
   using Blocks = std::array<Eigen::Array<float, kWidth, 1>, 9>;
   std::vector<Blocks, Eigen::aligned_allocator<Blocks>> rows_;
   std::vector<Matrix3> sums_;
-  std::vector<Eigen::Matrix3f> inverse_;  ///< D⁻¹ with the damping ω
+  std::vector<Eigen::Matrix3f> inverse_;  ///< D⁻¹ over its largest eigenvalue with A
+  int steps_ = 1;
 };
 
 }  // namespace elastin

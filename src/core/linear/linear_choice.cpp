@@ -31,13 +31,20 @@ constexpr double kProductsOfIteration = 300;
 /// Numbers of the largest factor that is tried: 1.2 GB.
 constexpr double kMostNumbers = 1e8;
 
-FactorCost factor_cost_of(const Body& body) {
-  std::vector<std::array<int, 2>> pairs = body.connections.ends;
+/// Molecules that are fixed join nothing: what stands between plates may fall to pieces.
+FactorCost factor_cost_of(const Body& body, const std::vector<Support>& supports) {
+  std::vector<char> fixed(body.size(), 0);
+  for (const Support& support : supports) fixed[support.molecule] = support.free.isZero(0);
+  std::vector<std::array<int, 2>> pairs;
+  const auto add = [&](int a, int b) {
+    if (!fixed[a] && !fixed[b]) pairs.push_back({a, b});
+  };
+  for (const auto& [a, b] : body.connections.ends) add(a, b);
   for (const CellBlock& block : body.blocks)
     for (int cell = 0; cell < block.size(); ++cell)
       for (const int a : block.cell(cell))
         for (const int b : block.cell(cell))
-          if (a < b) pairs.push_back({a, b});
+          if (a < b) add(a, b);
   return factor_cost(body.size(), pairs);
 }
 
@@ -50,7 +57,7 @@ class MultigridOrDirect final : public LinearSolver, public KeepsCoarsePicture {
                      double tolerance, Positions& x) override {
     int before = 0;
     if (!direct_) {
-      body_ = &tangent.model().body();
+      body_ = &tangent.model().body(), supports_ = &supports;
       const LinearResult result = multigrid_->solve(tangent, supports, rhs, tolerance, x);
       if (!direct_) return result;
       dynamic_cast<KeepsCoarsePicture&>(*multigrid_).forget();
@@ -63,10 +70,11 @@ class MultigridOrDirect final : public LinearSolver, public KeepsCoarsePicture {
 
  private:
   const Body* body_ = nullptr;
+  const std::vector<Support>* supports_ = nullptr;
   std::optional<FactorCost> cost_;        ///< once it was asked
   std::unique_ptr<LinearSolver> direct_;  ///< once it is known to be quicker
   std::unique_ptr<LinearSolver> multigrid_ = make_multigrid([this](double to_come) {
-    if (!cost_) cost_ = factor_cost_of(*body_);
+    if (!cost_) cost_ = factor_cost_of(*body_, *supports_);
     if (cost_->numbers < kMostNumbers && cost_->products < kProductsOfIteration * to_come * body_->size())
       direct_ = make_direct();
     return direct_ != nullptr;

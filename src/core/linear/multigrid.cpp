@@ -40,6 +40,12 @@ class Multigrid::CoarsestSolver {
 
 namespace {
 
+/// Numbers of a grid's factor over those of its rows up to which it takes no longer than cycles, and products that make
+/// it, of a point.
+constexpr double kMostFill = 4, kMostProducts = 1.5e4;
+/// At least as much more has the factor of the next finer grid.
+constexpr double kFillGrows = 1.5;
+
 /// Whether to factorise a grid and not to go on: it is small, or so thin that larger boxes are no fewer by much.
 bool is_last(const BoxGrid& grid, const BoxGrid& coarser) {
   constexpr int small = 64, most = 4000;
@@ -57,11 +63,29 @@ Multigrid::Multigrid(const Tangent& tangent, const std::vector<Support>& support
     if (is_last(levels_.back()->grid(), coarser.grid)) break;
     levels_.push_back(levels_.back()->coarser(std::move(coarser)));
   }
+  drop_levels_below_cheap_factor();
   for (const auto& level : levels_) {
     const BoxLevel::Vectors zero = level->vectors();
-    workspaces_.push_back({zero, zero, zero, {}});
+    workspaces_.push_back({zero, zero, zero, zero, {}});
   }
   coarsest_ = std::make_unique<CoarsestSolver>(*levels_.back());
+}
+
+/// Boxes larger than a thin body is thick are too stiff in bending, and its factors have little fill.
+void Multigrid::drop_levels_below_cheap_factor() {
+  double fill = 1;
+  while (levels_.size() > 1 && kFillGrows * fill <= kMostFill) {
+    thin_ = levels_.size() == 2;
+    const BoxLevel& level = *levels_[levels_.size() - 2];
+    std::vector<std::array<int, 2>> pairs;
+    for (int i = 0; i < level.points(); ++i)
+      for (const int j : level.neighbours(i))
+        if (i < j) pairs.push_back({i, j});
+    const FactorCost cost = factor_cost(level.points(), pairs);
+    fill = cost.numbers / (9. * static_cast<double>(pairs.size() + level.points()));
+    if (fill > kMostFill || cost.products > kMostProducts * level.points()) break;
+    levels_.pop_back();
+  }
 }
 
 Multigrid::~Multigrid() = default;
@@ -70,9 +94,16 @@ bool Multigrid::positive() const { return coarsest_->positive(); }
 
 void Multigrid::cycle(std::size_t number) {
   const BoxLevel& level = *levels_[number];
-  auto& [b, x, other, of_boxes] = workspaces_[number];
+  auto& [b, x, other, step, of_boxes] = workspaces_[number];
   if (number + 1 == levels_.size()) return coarsest_->solve(b, x);
-  level.start(b, x);
+  const auto smooth = [&](int first) {
+    for (int i = first; i <= level.steps(); ++i) {
+      level.smooth(i, b, x, other, step);
+      std::swap(x, other);
+    }
+  };
+  level.start(b, x, step);
+  smooth(2);
   // Twice (a W-cycle), but for the coarsest, which is exact: what thin and porous bodies lose from grid to grid, boxes
   // that are thicker than the body being too stiff in bending, does not pile up.
   for (int visit = number + 2 < levels_.size() ? 2 : 1; visit > 0; --visit) {
@@ -81,8 +112,7 @@ void Multigrid::cycle(std::size_t number) {
     level.restrict_to(*levels_[number + 1], other, of_boxes, coarse.b);
     cycle(number + 1);
     level.prolong_from(*levels_[number + 1], coarse.x, x);
-    level.smooth(b, x, other);
-    std::swap(x, other);
+    smooth(1);
   }
 }
 

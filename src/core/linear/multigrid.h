@@ -21,12 +21,15 @@ class Multigrid {
   /// motion += P A⁻¹ Pᵀ forces, nearly. `size` of the forces [N], so that they fit into single precision.
   void add(const Positions& forces, double size, Positions& motion);
   int levels() const { return static_cast<int>(levels_.size()); }
+  /// Whether the body is so thin that even a fine grid's factor has little fill: the body's own may have little, too.
+  bool thin() const { return thin_; }
 
  private:
   struct LevelWorkspace {
-    BoxLevel::Vectors b, x, other, of_boxes;
+    BoxLevel::Vectors b, x, other, step, of_boxes;
   };
   class CoarsestSolver;
+  void drop_levels_below_cheap_factor();
   void cycle(std::size_t level);
 
   BoxMembers members_;
@@ -34,6 +37,7 @@ class Multigrid {
   std::vector<LevelWorkspace> workspaces_;
   BoxLevel::Vectors of_boxes_;  ///< of the finest grid, from the molecules
   std::unique_ptr<CoarsestSolver> coarsest_;
+  bool thin_ = false;
 };
 
 /// A solver that keeps its coarse picture of one stiffness for the ones after it, while it serves.
@@ -47,8 +51,8 @@ class KeepsCoarsePicture {
 /// Whether a search with so many iterations to come, at its pace, is given up for another solver.
 using GivesUp = std::function<bool(double to_come)>;
 
-/// As make_multigrid, but asks, where a good picture would have served and at twice as many iterations each time; of
-/// what is given up the result is limit_reached.
+/// As make_multigrid, but asks where many iterations are to come, early and at twice as many each time; of what is
+/// given up the result is limit_reached.
 std::unique_ptr<LinearSolver> make_multigrid(GivesUp gives_up);
 
 }  // namespace elastin

@@ -10,6 +10,7 @@
 #include "core/linear/linear_choice.h"
 #include "core/linear/multigrid.h"
 #include "core/linear/rigid_motions.h"
+#include "core/linear/smoothing.h"
 #include "core/linear/sparse_stiffness.h"
 #include "core/parallel/parallel.h"
 #include "elastin/core/base/stop.h"
@@ -24,7 +25,13 @@ int most_coarse_iterations(const Body& body, double tolerance) {
   return static_cast<int>(std::clamp(expected_iterations(body, tolerance) / 2, 100., 400.));
 }
 constexpr int kForADigit = 100;
-constexpr int kServedIterations = 60;
+
+/// Iterations after which the caller is asked first, so many to come that it is worth asking, and their number for each
+/// one before, beyond which a pace is not trusted.
+constexpr int kAsked = 16;
+constexpr double kWorthAsking = 60, kTrusted = 6;
+/// Of a thin body, whose factor is likely to be quicker, it is asked before the first.
+constexpr double kLeastOfThin = 24;
 
 /// A coarse picture of another stiffness serves until it takes as many times the iterations that it took when new.
 constexpr double kServes = 1.5;
@@ -47,12 +54,17 @@ class Pcg final : public LinearSolver, public KeepsCoarsePicture {
     if (multigrid_ && !kept) coarse_ = std::make_unique<Multigrid>(tangent, supports);
     if (coarse_ && !coarse_->positive()) coarse_.reset();
     Multigrid* coarse = coarse_.get();
+    if (gives_up_ && coarse && coarse->thin() && gives_up_(kLeastOfThin)) {
+      LinearResult none;
+      none.status = LinearStatus::limit_reached;
+      return none;
+    }
     int coarse_limit = coarse ? most_coarse_iterations(tangent.model().body(), tolerance) : 0;
     double at_limit = std::numeric_limits<double>::infinity();  // r·r at the limit before
     // Single precision makes a little of any motion that nothing resists; its size would then be whatever it is.
     std::optional<RigidMotions> whole;
     // What a preconditioner makes of r stands where K p stood: each molecule's is read before it is written.
-    Positions &r = r_, &p = p_, &kp = kp_, &z = kp_;
+    Positions &r = r_, &p = p_, &kp = kp_, &z = kp_, &unresolved = left_;
     if (coarse) whole.emplace(tangent, supports, p, kp);
     // Where no force works on these motions they stay out of every direction: the coarse picture, for which next to
     // nothing resists them, would drown the others in them.
@@ -77,11 +89,39 @@ class Pcg final : public LinearSolver, public KeepsCoarsePicture {
       keep_free(supports, z);  // single precision leads a little out of slanted supports
       return products;
     };
+    bool assembled = false;
+    const auto apply = [&](const Positions& motion, Positions& forces) {
+      assembled ? rows_.apply(motion, forces) : tangent.apply(motion, forces, workspace_);
+      keep_free(supports, forces);
+    };
+    // From this step on, z being what the ones before made of r.
+    const auto smooth = [&](int step) {
+      for (; step <= smoothing_steps(largest_); ++step) {
+        apply(z, unresolved);
+        const auto [before, now] = smoothing_step(step);
+        parallel_for(
+            n,
+            [&](int i) {
+              step_.col(i) = before * step_.col(i) + now / largest_ * inverse_.times(i, r.col(i) - unresolved.col(i));
+              z.col(i) += step_.col(i);
+            },
+            kMoleculeThreshold);
+        keep_free(supports, z);
+      }
+    };
+    // From D⁻¹ r: smoothed, corrected by the coarse picture and smoothed the same way back, which is symmetric.
     const auto add_coarse = [&](Eigen::Vector2d& products) {
       if (!coarse || !(products[1] > 0)) return;
-      coarse->add(r, std::sqrt(products[1]), z);
+      parallel_for(
+          n, [&](int i) { step_.col(i) = z.col(i) *= smoothing_step(1).now / largest_; }, kMoleculeThreshold);
+      smooth(2);
+      apply(z, unresolved);
+      parallel_for(
+          n, [&](int i) { unresolved.col(i) = r.col(i) - unresolved.col(i); }, kMoleculeThreshold);
+      coarse->add(unresolved, std::sqrt(products[1]), z);
       keep_free(supports, z);
       if (apart) whole->remove_from(tangent.positions(), z);
+      smooth(1);
       products[0] = ordered_sum(
           n, [&](int i) { return r.col(i).dot(z.col(i)); }, 0., kMoleculeThreshold);
     };
@@ -89,10 +129,19 @@ class Pcg final : public LinearSolver, public KeepsCoarsePicture {
     const double first = now[1];
     LinearResult result;
     if (first == 0) return result;
+    assembled = AssembledStiffness::pays(tangent, expected_iterations(tangent.model().body(), tolerance));
+    if (assembled) rows_.assemble(tangent);
+    if (coarse) {
+      unresolved.resize(3, n), step_.resize(3, n);
+      if (!kept)
+        largest_ = largest_eigenvalue(n, p, unresolved, [&](const Positions& from, Positions& to) {
+          apply(from, to);
+          parallel_for(
+              n, [&](int i) { to.col(i) = inverse_.times(i, to.col(i)); }, kMoleculeThreshold);
+        });
+    }
     add_coarse(now);
     p = z;
-    const bool assembled = AssembledStiffness::pays(tangent, expected_iterations(tangent.model().body(), tolerance));
-    if (assembled) rows_.assemble(tangent);
     double size_of_p = now[0];  // pᵀ M p, M the preconditioner: what pᵀ K p is small or large against
     const int limit = 10000 + 3 * n / 10;
     // On a stiffness that is not symmetric the search gets stuck: the best iterate is its result.
@@ -100,11 +149,10 @@ class Pcg final : public LinearSolver, public KeepsCoarsePicture {
     constexpr int patience = 100;
     double best = first;
     int best_at = 0;
-    int asked_before = 0, asked = kServedIterations;  // iterations at which the caller may give up
+    int asked_before = 0, asked = kAsked;  // iterations at which the caller may give up
     double when_asked = first;
     while (true) {
-      assembled ? rows_.apply(p, kp) : tangent.apply(p, kp, workspace_);
-      keep_free(supports, kp);
+      apply(p, kp);
       const double curvature = ordered_sum(
           n, [&](int i) { return p.col(i).dot(kp.col(i)); }, 0., kMoleculeThreshold);
       if (!(curvature > 1e-13 * size_of_p)) {
@@ -132,7 +180,8 @@ class Pcg final : public LinearSolver, public KeepsCoarsePicture {
       if (gives_up_ && result.iterations == asked) {
         const double found = std::max(1e-3, std::log(when_asked / now[1])),
                      left = std::log(now[1] / first) - 2 * std::log(tolerance);
-        if (gives_up_((asked - asked_before) * left / found)) {
+        const double to_come = std::min((asked - asked_before) * left / found, kTrusted * asked);
+        if (to_come > kWorthAsking && gives_up_(to_come)) {
           result.status = LinearStatus::limit_reached;
           break;
         }
@@ -174,11 +223,12 @@ class Pcg final : public LinearSolver, public KeepsCoarsePicture {
   bool multigrid_;
   GivesUp gives_up_;
   std::unique_ptr<Multigrid> coarse_;
-  double pace_ = 0;  ///< iterations a digit with it when new
+  double pace_ = 0;     ///< iterations a digit with it when new
+  double largest_ = 1;  ///< eigenvalue of D⁻¹ K, then
   // Kept from one solve to the next, so that steps in time ask for no memory.
   BlockInverses inverse_;
   AssembledStiffness rows_;
-  Positions r_, p_, kp_, best_x_;
+  Positions r_, p_, kp_, left_, step_, best_x_;
   Tangent::ApplyWorkspace workspace_;
 };
 
