@@ -32,8 +32,8 @@ class Sensitivity {
   /// ∂m/∂(ln stiffness) of each element of a law of the model: of the spring constants k_c, or of all moduli of cell c,
   /// ∂m/∂k_c = this / k_c. Empty for laws that are not sums of elements, such as those with a history.
   VectorX by_stiffness(const Elasticity& law, const Adjoint& adjoint) const;
-  /// What changes of ln stiffness of each element of such a law make of all forces [N], for forward(). Throws InputError
-  /// where the law has no elements, or another number of them.
+  /// What changes of ln stiffness of each element of such a law make of all forces [N], for forward(). Throws
+  /// InputError where the law has no elements, or another number of them.
   Positions forces_by_stiffness(const Elasticity& law, const VectorX& changes) const;
 
  private:
