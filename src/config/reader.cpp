@@ -14,6 +14,7 @@
 #include <set>
 
 #include "core/base/named.h"
+#include "elastin/core/base/text.h"
 
 namespace elastin::config {
 namespace {

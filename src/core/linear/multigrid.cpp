@@ -94,22 +94,23 @@ bool Multigrid::positive() const { return coarsest_->positive(); }
 
 void Multigrid::cycle(std::size_t number) {
   const BoxLevel& level = *levels_[number];
-  auto& [b, x, other, step, of_boxes] = workspaces_[number];
+  LevelWorkspace& own = workspaces_[number];
+  auto &b = own.b, &x = own.x, &other = own.other;
   if (number + 1 == levels_.size()) return coarsest_->solve(b, x);
   const auto smooth = [&](int first) {
     for (int i = first; i <= level.steps(); ++i) {
-      level.smooth(i, b, x, other, step);
+      level.smooth(i, b, x, other, own.step);
       std::swap(x, other);
     }
   };
-  level.start(b, x, step);
+  level.start(b, x, own.step);
   smooth(2);
   // Twice (a W-cycle), but for the coarsest, which is exact: what thin and porous bodies lose from grid to grid, boxes
   // that are thicker than the body being too stiff in bending, does not pile up.
   for (int visit = number + 2 < levels_.size() ? 2 : 1; visit > 0; --visit) {
     level.set_residual(b, x, other);
     LevelWorkspace& coarse = workspaces_[number + 1];
-    level.restrict_to(*levels_[number + 1], other, of_boxes, coarse.b);
+    level.restrict_to(*levels_[number + 1], other, own.of_boxes, coarse.b);
     cycle(number + 1);
     level.prolong_from(*levels_[number + 1], coarse.x, x);
     smooth(1);

@@ -98,11 +98,12 @@ class Pcg final : public LinearSolver, public KeepsCoarsePicture {
     const auto smooth = [&](int step) {
       for (; step <= smoothing_steps(largest_); ++step) {
         apply(z, unresolved);
-        const auto [before, now] = smoothing_step(step);
+        const SmoothingStep factors = smoothing_step(step);
         parallel_for(
             n,
             [&](int i) {
-              step_.col(i) = before * step_.col(i) + now / largest_ * inverse_.times(i, r.col(i) - unresolved.col(i));
+              step_.col(i) = factors.before * step_.col(i) +
+                             factors.now / largest_ * inverse_.times(i, r.col(i) - unresolved.col(i));
               z.col(i) += step_.col(i);
             },
             kMoleculeThreshold);

@@ -205,7 +205,8 @@ VtuDeclared put_vtu(const Body& body, const Snapshot& shot, const std::vector<Ce
                     const VectorX& constants, std::string& out, std::ostream* stream) {
   VtuDeclared declared;
   const int n = body.size(), m = body.connections.size();
-  const auto& [ends, rest_length, _] = body.connections;
+  const auto& ends = body.connections.ends;
+  const auto& rest_length = body.connections.rest_length;
   const Positions& positions = shot.positions;
   const auto along = [&](int c) -> Vector3 { return positions.col(ends[c][1]) - positions.col(ends[c][0]); };
   const auto length = [&](int c) { return along(c).norm(); };
