@@ -19,8 +19,8 @@
 namespace elastin {
 namespace {
 
-/// A coarse picture that serves takes some 30 iterations, one of a thin or porous body up to 300; each costs two to
-/// three without one. After as many as that it has to find a digit in each kForADigit.
+/// A coarse picture that serves takes some 15 iterations, one of a thin or porous body up to 150; each costs about four
+/// without one. After as many as that it has to find a digit in each kForADigit.
 int most_coarse_iterations(const Body& body, double tolerance) {
   return static_cast<int>(std::clamp(expected_iterations(body, tolerance) / 2, 100., 400.));
 }
