@@ -51,7 +51,9 @@ FactorCost factor_cost_of(const Body& body, const std::vector<Support>& supports
 class MultigridOrDirect final : public LinearSolver, public KeepsCoarsePicture {
  public:
   const char* name() const override { return direct_ ? direct_->name() : multigrid_->name(); }
-  void forget() override { dynamic_cast<KeepsCoarsePicture&>(*multigrid_).forget(), direct_.reset(), cost_.reset(); }
+  void forget() override {
+    dynamic_cast<KeepsCoarsePicture&>(*multigrid_).forget(), direct_.reset(), cost_.reset(), indefinite_ = false;
+  }
 
   LinearResult solve(const Tangent& tangent, const std::vector<Support>& supports, const Positions& rhs,
                      double tolerance, Positions& x) override {
@@ -64,16 +66,22 @@ class MultigridOrDirect final : public LinearSolver, public KeepsCoarsePicture {
       before = result.iterations;
     }
     LinearResult result = direct_->solve(tangent, supports, rhs, tolerance, x);
+    if (result.negative_modes > 0) {  // a factor leads to the saddle, iterations downhill, also in the solves to come
+      indefinite_ = true, direct_.reset();
+      result = multigrid_->solve(tangent, supports, rhs, tolerance, x);
+    }
     result.iterations += before;
     return result;
   }
 
  private:
+  bool indefinite_ = false;  ///< whether the stiffness has had negative modes
   const Body* body_ = nullptr;
   const std::vector<Support>* supports_ = nullptr;
   std::optional<FactorCost> cost_;        ///< once it was asked
   std::unique_ptr<LinearSolver> direct_;  ///< once it is known to be quicker
   std::unique_ptr<LinearSolver> multigrid_ = make_multigrid([this](double to_come) {
+    if (indefinite_) return false;
     if (!cost_) cost_ = factor_cost_of(*body_, *supports_);
     if (cost_->numbers < kMostNumbers && cost_->products < kProductsOfIteration * to_come * body_->size())
       direct_ = make_direct();

@@ -28,7 +28,7 @@ constexpr int kForADigit = 100;
 
 /// Iterations after which the caller is asked first, so many to come that it is worth asking, and their number for each
 /// one before, beyond which a pace is not trusted.
-constexpr int kAsked = 16;
+constexpr int kAsked = 30;
 constexpr double kWorthAsking = 60, kTrusted = 6;
 /// Of a thin body, whose factor is likely to be quicker, it is asked before the first.
 constexpr double kLeastOfThin = 24;
