@@ -229,16 +229,20 @@ class Simulation extends ElastinSimulation {
 
   /** Copies of the arrays of these lengths that a function of the C API fills; what it is given has other lengths. */
   filled(name, given, lengths) {
-    let rooms;
-    call(this.module, name, memory => {
-      const takes = Object.entries(given).map(([what, [values, length]]) => {
-        if (values && values.length !== length) throw new ElastinError(`${what} has ${values.length} numbers; it needs ${length}`);
-        return array(memory, values, what);
+    const out = new Memory(this.module);
+    try {
+      const rooms = lengths.map(length => out.room(8 * length));
+      call(this.module, name, memory => {
+        const takes = Object.entries(given).map(([what, [values, length]]) => {
+          if (values && values.length !== length) throw new ElastinError(`${what} has ${values.length} numbers; it needs ${length}`);
+          return array(memory, values, what);
+        });
+        return [this.handle, ...takes, ...rooms];
       });
-      rooms = lengths.map(length => memory.room(8 * length));
-      return [this.handle, ...takes, ...rooms];
-    });
-    return rooms.map((at, i) => this.module.HEAPF64.slice(at / 8, at / 8 + lengths[i]));
+      return rooms.map((at, i) => this.module.HEAPF64.slice(at / 8, at / 8 + lengths[i]));
+    } finally {
+      out.release();
+    }
   }
 
   get stiffness_count() {
