@@ -42,6 +42,25 @@ function array(memory, values, what, whole) {
   return at;
 }
 
+/** Copies of the arrays of these lengths that a function of the C API fills; what it is given has other lengths. */
+function filled(simulation, name, given, lengths) {
+  const {module, handle} = simulation;
+  const out = new Memory(module);
+  try {
+    const rooms = lengths.map(length => out.room(8 * length));
+    call(module, name, memory => {
+      const takes = Object.entries(given).map(([what, [values, length]]) => {
+        if (values && values.length !== length) throw new ElastinError(`${what} has ${values.length} numbers; it needs ${length}`);
+        return array(memory, values, what);
+      });
+      return [handle, ...takes, ...rooms];
+    });
+    return rooms.map((at, i) => module.HEAPF64.slice(at / 8, at / 8 + lengths[i]));
+  } finally {
+    out.release();
+  }
+}
+
 /** elastin_material of the keys that a material has here. */
 function material_of(memory, material) {
   checked(material, ['youngs_modulus', 'poissons_ratio', 'thickness', 'bending_rigidity', 'law'], 'a material');
@@ -227,24 +246,6 @@ class Simulation extends ElastinSimulation {
   get tensions() { return this.view('tensions'); }
   get host_forces() { return this.view('host_forces'); }
 
-  /** Copies of the arrays of these lengths that a function of the C API fills; what it is given has other lengths. */
-  filled(name, given, lengths) {
-    const out = new Memory(this.module);
-    try {
-      const rooms = lengths.map(length => out.room(8 * length));
-      call(this.module, name, memory => {
-        const takes = Object.entries(given).map(([what, [values, length]]) => {
-          if (values && values.length !== length) throw new ElastinError(`${what} has ${values.length} numbers; it needs ${length}`);
-          return array(memory, values, what);
-        });
-        return [this.handle, ...takes, ...rooms];
-      });
-      return rooms.map((at, i) => this.module.HEAPF64.slice(at / 8, at / 8 + lengths[i]));
-    } finally {
-      out.release();
-    }
-  }
-
   get stiffness_count() {
     this.check(this.module._elastin_stiffness_count(this.handle, this.scratch));
     return this.module.HEAPU32[this.scratch / 4];
@@ -252,14 +253,14 @@ class Simulation extends ElastinSimulation {
 
   vjp({positions, reactions} = {}) {
     const length = this.positions.length;
-    const [forces, displacement, stiffness] = this.filled('elastin_vjp',
+    const [forces, displacement, stiffness] = filled(this, 'elastin_vjp',
       {positions: [positions, length], reactions: [reactions, length]}, [length, length, this.stiffness_count]);
     return {forces, displacement, stiffness};
   }
 
   jvp({forces, displacement, stiffness} = {}) {
     const length = this.positions.length;
-    const [positions, reactions] = this.filled('elastin_jvp', {forces: [forces, length],
+    const [positions, reactions] = filled(this, 'elastin_jvp', {forces: [forces, length],
       displacement: [displacement, length], stiffness: [stiffness, this.stiffness_count]}, [length, length]);
     return {positions, reactions};
   }
