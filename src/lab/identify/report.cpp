@@ -239,7 +239,7 @@ Table strategy_table(const std::vector<Answer>& answers) {
 }
 
 std::string head_text(const Answer& answer) {
-  std::string text = answer.law.empty() ? "E and nu" : answer.law;
+  std::string text = answer.field ? "stiffness by cell" : answer.law.empty() ? "E and nu" : answer.law;
   if (!answer.strategy.empty()) text += ", " + answer.strategy;
   text += fmt::format(": {}", name_of(answer.outcome));
   if (answer.starts > 1)
