@@ -98,27 +98,28 @@ bool continue_in(const std::string& folder, std::string& out) {
 
 namespace {
 
-volatile std::sig_atomic_t noted = 0;
+volatile std::sig_atomic_t noted = 0;  // the signal
 
 /// Nobody has asked for a second: what is done now (a factorisation, a packing) has no end at which to stop.
 void give_up(int) {
   constexpr std::string_view message = "  stopped in the middle: this run is not complete\n";
-  std::signal(SIGINT, SIG_DFL);
-  if (write(STDERR_FILENO, message.data(), message.size()) >= 0 || noted) std::raise(SIGINT);
+  if (write(STDERR_FILENO, message.data(), message.size()) >= 0 || noted) std::raise(noted);
 }
 
-void note_interrupt(int) {
+void note_interrupt(int signal) {
   constexpr std::string_view message = "\n  stopping after this run or step; Ctrl-C again stops at once\n";
-  if (write(STDERR_FILENO, message.data(), message.size()) < 0) noted = 1;  // no terminal is left
-  noted = 1;
-  std::signal(SIGINT, SIG_DFL);
+  noted = signal;
+  if (write(STDERR_FILENO, message.data(), message.size()) < 0) noted = signal;  // no terminal is left
+  for (const int each : {SIGINT, SIGTERM}) std::signal(each, SIG_DFL);
   std::signal(SIGALRM, give_up);
   alarm(1);
 }
 
 }  // namespace
 
-void stop_on_interrupt() { std::signal(SIGINT, note_interrupt); }
+void stop_on_interrupt() {
+  for (const int each : {SIGINT, SIGTERM}) std::signal(each, note_interrupt);
+}
 bool interrupted() {
   if (noted) alarm(0);
   return noted != 0;

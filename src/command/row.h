@@ -62,9 +62,9 @@ void add_run_options(Options& options, lab::Request& request, const std::string&
 /// InputError where --out names another folder.
 bool continue_in(const std::string& folder, std::string& out);
 
-/// From now on the first interrupt (SIGINT) ends a run after its step, in time or of the load, and a comparison or a
-/// search after its run, with all files complete. The second one ends the program, and so does the first where nobody
-/// has asked for it within a second.
+/// From now on the first interrupt (SIGINT, SIGTERM) ends a run after its step, in time or of the load, and a
+/// comparison or a search after its run, with all files complete. The second one ends the program, and so does the
+/// first where nobody has asked for it within a second.
 void stop_on_interrupt();
 /// Whether there was one. Who asks has seen it, and ends what it does.
 bool interrupted();

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "command/row.h"
+#include "elastin/core/base/stop.h"
 #include "lab/report/records.h"
 #include "lab/report/screen.h"
 #include "lab/report/table.h"
@@ -45,19 +46,33 @@ struct VerifyCommand {
       progress.pause();
       fmt::print("{}", run_text(record, colours_on(STDOUT_FILENO), true));
     };
+    stop_on_interrupt();
+    const StopScope stop(interrupted);
     std::vector<Case> cases;
     std::vector<Record> records;
-    for (const SceneSource& source : sources)
-      for (Case& a_case : verify_scene(source, call.catalog, verify)) {
+    std::size_t verified = 0;
+    for (; verified < sources.size(); ++verified) {
+      std::vector<Case> of_scene;
+      try {
+        of_scene = verify_scene(sources[verified], call.catalog, verify);
+      } catch (const InputError&) {
+        if (!interrupted()) throw;
+      }
+      if (interrupted()) break;
+      for (Case& a_case : of_scene) {
         records.push_back(a_case.own);
         cases.push_back(std::move(a_case));
-        write_tables(output, records);
       }
+      write_tables(output, records);
+    }
     progress.pause();
-    if (output.to_screen()) fmt::print("{}", verdicts_text(cases, colours_on(STDOUT_FILENO), markdown));
+    if (output.to_screen() && !cases.empty())
+      fmt::print("{}", verdicts_text(cases, colours_on(STDOUT_FILENO), markdown));
     if (output.json == "-") fmt::print("{}", json_text(records));
     const auto failed = [](const Case& a_case) { return result_of(a_case) == CaseResult::failed; };
-    return std::any_of(cases.begin(), cases.end(), failed) ? 1 : 0;
+    if (interrupted())
+      fmt::print(stderr, "  stopped: {} of {} are verified\n", verified, counted(sources.size(), "scene"));
+    return interrupted() || std::any_of(cases.begin(), cases.end(), failed) ? 1 : 0;
   }
 };
 

@@ -131,3 +131,19 @@ TEST_CASE("a comparison that is stopped between two runs has not succeeded", "[c
               "p=$!; until [ -s " +
               rows + " ]; do sleep 0.01; done; kill -INT $p; wait $p; }") == 1);
 }
+
+TEST_CASE("a verification that is told to end prints what it has", "[command][slow]") {
+  const TemporaryFolder folder;
+  folder.write("bar.yaml",
+               "body: {lattice: {kind: cubic, molecules: [3, 3, 3], spacing: 1 mm, connections: [axis, face]}}\n"
+               "material: {youngs_modulus: 10 kPa}\nstiffness: lattice\n"
+               "experiment: {kind: tension, axis: x, strain: 0.1 %}\nreference: none\n"
+               "expect: [{measure: effective_modulus, value: 10 kPa, tolerance: 1 %, source: the material}]\n");
+  folder.write("oscillator.yaml", scene_of(100000));
+  CHECK(shell("cd '" + folder.path("") +
+              "' && { '" ELASTIN_COMMAND "' verify bar.yaml oscillator.yaml --out o > table 2> said & p=$!; "
+              "while kill -0 $p && ! grep -qs effective_modulus o/runs.json; do sleep 0.02; done; kill -TERM $p; wait "
+              "$p; }") == 1);
+  CHECK_THAT(text_of_file(folder.path("table")), Contains("passed") && Contains("1 of 1 passed"));
+  CHECK_THAT(text_of_file(folder.path("said")), Contains("stopped: 1 of 2 scenes are verified"));
+}

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "elastin/core/base/stop.h"
 #include "lab/report/comparison.h"
 #include "lab/report/table.h"
 #include "lab/run/specimen.h"
@@ -40,11 +41,17 @@ std::vector<Choice> choices_of_steppers(const Catalog& catalog) {
   return list;
 }
 
+RunOptions options_of(const Scene& scene) {
+  RunOptions options;
+  options.statics = scene.statics;
+  options.time = scene.time;
+  options.stop = &stop_requested;
+  return options;
+}
+
 Record run_case(Scene& scene, const StrategyChoice& choice, const VerifyOptions& options, const std::string& doing) {
   prepare(scene.specimen, choice.strategy);
-  RunOptions run_options;
-  run_options.statics = scene.statics;
-  run_options.time = scene.time;
+  RunOptions run_options = options_of(scene);
   run_options.keep_snapshots = options.keep_snapshots;
   if (options.progress) run_options.progress = [&](const std::string& what) { options.progress(doing + ": " + what); };
   return make_record(scene, run_strategy(scene.specimen, *scene.experiment, choice, run_options));
@@ -53,9 +60,7 @@ Record run_case(Scene& scene, const StrategyChoice& choice, const VerifyOptions&
 /// A scene with a checkpoint is run again from it: the result must be bitwise identical. Says what differs, or "".
 std::string resumed(Scene& scene, const StrategyChoice& choice, const Record& whole) {
   if (!scene.time || scene.time->checkpoint == 0 || whole.run.outcome != Outcome::converged) return "";
-  RunOptions options;
-  options.statics = scene.statics;
-  options.time = scene.time;
+  RunOptions options = options_of(scene);
   std::string saved;
   options.checkpoint = [&](const std::string& text) {
     if (saved.empty()) saved = text;
