@@ -36,8 +36,10 @@ constexpr int kDraws = 24;
 /// The cells with what makes their factors a body.
 class CellFactors {
  public:
-  explicit CellFactors(const Body& body)
-      : cells(solid_cells_of(body)), shares(shares_of_cells(cells, body.connections.ends, body.size())) {
+  CellFactors(const Body& body, const FieldChoice& a_choice)
+      : cells(solid_cells_of(body)),
+        choice(a_choice),
+        shares(shares_of_cells(cells, body.connections.ends, body.size())) {
     for (std::size_t cell = 0; cell < cells.size(); ++cell)
       of_nodes_[sorted(cells[cell].nodes)] = static_cast<int>(cell);
     for (int c = 0; c < body.connections.size(); ++c)
@@ -91,6 +93,7 @@ class CellFactors {
   }
 
   std::vector<SolidCell> cells;
+  const FieldChoice& choice;
   Eigen::SparseMatrix<double, Eigen::RowMajor> shares;  ///< connections × cells
 
  private:
@@ -131,13 +134,13 @@ class Linearised {
   Linearised(const SpecimenStep& step, const VectorX& weights, const CellFactors& cells, const VectorX& factors,
              const StaticOptions& options, bool factorise)
       : model_(step.model), state_(step.state), weights_(weights(step.rows)), responses_(model_, state_, options) {
-    if (!model_.symmetric()) throw InputError("a field needs forces with an energy; loads here follow the surface");
+    if (!model_.symmetric()) cells.choice.fail("a field needs forces with an energy; loads here follow the surface");
     const Tangent& tangent = responses_.tangent();
     for (const auto& law : model_.elasticity()) {
       Law own;
       if (law->local()) own.of_cells = cells.of_elements(*law->local(), factors);
       if (own.of_cells.size() == 0)
-        throw InputError("a field needs a strategy whose elements are connections or cells, each with a stiffness");
+        cells.choice.fail("a field needs a strategy whose elements are connections or cells, each with a stiffness");
       own.slopes = std::make_unique<StiffnessSlopes>(*law->local(), step.state.positions);
       laws_.push_back(std::move(own));
     }
@@ -446,7 +449,7 @@ FoundField find_field(const FieldChoice& choice, std::vector<WeightedTest>& test
       if (test.test->data().deviations.size() == 0)
         choice.fail("several tests count by their noise: give '" + test.stated->name +
                     "' its `sigma`, or a column of that name");
-  const CellFactors cells(*body);
+  const CellFactors cells(*body, choice);
   if (cells.cells.size() < 2) choice.fail("the body has no solid cells: give it `cells: delaunay`, or a mesh");
   FoundField found;
   found.middles.resize(3, static_cast<Eigen::Index>(cells.cells.size()));

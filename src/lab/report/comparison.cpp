@@ -231,10 +231,14 @@ std::string errors_text(const Ranking& ranking, const Record& record) {
   });
 }
 
-/// What comes nearer than anything without a warning; "" where nothing does that would be near enough.
+/// Whether what has a warning comes nearer than anything without one, and nothing is recommended.
+bool warned_is_nearer(const Ranking& ranking) {
+  return ranking.warned && !ranking.recommends() &&
+         (!ranking.best || ranking.error(*ranking.warned) < ranking.error(*ranking.best));
+}
+
 std::string warned_text(const Ranking& ranking) {
-  if (!ranking.warned || ranking.error(*ranking.warned) > ranking.near()) return "";
-  if (ranking.recommends()) return "";
+  if (!warned_is_nearer(ranking)) return "";
   return "\n    " + ranking.warned->run.strategy + " comes to " + errors_text(ranking, *ranking.warned) +
          ", with a warning: " + short_warning(ranking.warned->run.warnings.front());
 }
@@ -274,7 +278,8 @@ std::string advice_text(const Ranking& ranking, bool colours) {
   return fmt::format("\n  {} {}{}: {} (target: {}), {}{}{}{}\n",
                      ranking.recommends()
                          ? "recommended:"
-                         : "no strategy is near " + joined(ranking.measures, label_of) + "; the nearest is",
+                         : "no strategy is near " + joined(ranking.measures, label_of) + "; the nearest" +
+                               (warned_is_nearer(ranking) ? " without a warning is" : " is"),
                      painted(best->run.strategy, Tone::bold, colours), tied, found, best->target_text(),
                      readable_seconds(best->run.build_seconds + best->run.solve_seconds), warned_text(ranking),
                      passed_over, directions_text(ranking));

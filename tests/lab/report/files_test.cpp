@@ -505,6 +505,15 @@ TEST_CASE("a comparison says what came of each strategy and which to take", "[fi
              Contains("warning: mechanism: 12 zero-energy modes; the load is solved (somehow)\n"));
   warned.front().run.warnings.clear();
   CHECK_THAT(comparison_text(warned, false), !Contains("with a warning"));
+  // Where nothing is near, what is nearer with a warning is told as well.
+  warned.front().run.warnings = {"mechanism"};
+  for (Record& record : warned)
+    for (auto& [name, error] : record.errors) error *= 50;
+  REQUIRE(warned.back().run.warnings.size() == 1);
+  warned.back().run.warnings.clear();
+  CHECK_THAT(comparison_text(warned, false),
+             Contains("; the nearest without a warning is divided: ") &&
+                 Contains("    standard comes to E +56.18 %, with a warning: mechanism"));
 }
 
 TEST_CASE("an expectation can fail", "[files]") {
