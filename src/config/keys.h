@@ -250,7 +250,9 @@ class Keys {
     for (const Entry& entry : *entries_)
       for (const Key<Setup>& key : *entry.keys_)
         if (key.belongs_to(setup))
-          key.read(key.is_needed(setup) ? std::optional(map.at(key.name())) : map.find(key.name()), setup, frame);
+          key.read(key.is_needed(setup) ? std::optional(map.at(key.name(), key.rows().front().fallback))
+                                        : map.find(key.name()),
+                   setup, frame);
   }
   /// Lets `map.finish()` know all keys, where none is read.
   void add_to_known(Reader& map) const {

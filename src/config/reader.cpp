@@ -104,7 +104,7 @@ std::optional<Reader> Reader::value_of(const std::string& given, const std::stri
   return std::nullopt;
 }
 
-Reader Reader::at(const std::string& key) {
+Reader Reader::at(const std::string& key, const std::string& needed) {
   if (auto found = find(key)) return *found;
   // A misspelt key is read as what it must be: finish() then reports it together with all known keys.
   std::vector<std::string> unknown;
@@ -125,7 +125,7 @@ Reader Reader::at(const std::string& key) {
       if (const std::string instead = instead_of_key(given); !instead.empty())
         throw InputError(location_of_key(given),
                          (path_.empty() ? "" : path_ + ": ") + "unknown key '" + given + "'; " + instead);
-    fail("key '" + key + "' is missing");
+    fail("key '" + key + "' is missing" + (needed.starts_with("needed, ") ? needed.substr(6) : ""));
   }
   requested_->misspelt.emplace_back(misspelt, key);
   return *value_of(misspelt, key);

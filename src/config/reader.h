@@ -56,8 +56,9 @@ class Reader {
 
   bool has(const std::string& key);
   /// The value of a key that must be there; throws InputError if it is not. A misspelt one is read too: finish() names
-  /// it.
-  Reader at(const std::string& key);
+  /// it. `needed`: the reference's words for that, of which the message has what stands in the key's place: "needed, or
+  /// `molecules`".
+  Reader at(const std::string& key, const std::string& needed = "");
   /// Throws InputError where the map has the key under a name that it had in older scenes.
   std::optional<Reader> find(const std::string& key);
   /// Throws InputError where the map has this key under the name that it had in older scenes.

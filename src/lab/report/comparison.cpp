@@ -276,10 +276,10 @@ std::string advice_text(const Ranking& ranking, bool colours) {
   for (const Record* record : ranking.tied) tied += (tied.empty() ? " (tied with " : ", ") + record->run.strategy;
   if (!tied.empty()) tied += ")";
   return fmt::format("\n  {} {}{}: {} (target: {}), {}{}{}{}\n",
-                     ranking.recommends()
-                         ? "recommended:"
-                         : "no strategy is near " + joined(ranking.measures, label_of) + "; the nearest" +
-                               (warned_is_nearer(ranking) ? " without a warning is" : " is"),
+                     ranking.recommends() ? "recommended:"
+                                          : fmt::format("no strategy{} is near {}; the nearest is",
+                                                        warned_is_nearer(ranking) ? " without a warning" : "",
+                                                        joined(ranking.measures, label_of)),
                      painted(best->run.strategy, Tone::bold, colours), tied, found, best->target_text(),
                      readable_seconds(best->run.build_seconds + best->run.solve_seconds), warned_text(ranking),
                      passed_over, directions_text(ranking));

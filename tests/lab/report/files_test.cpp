@@ -512,7 +512,7 @@ TEST_CASE("a comparison says what came of each strategy and which to take", "[fi
   REQUIRE(warned.back().run.warnings.size() == 1);
   warned.back().run.warnings.clear();
   CHECK_THAT(comparison_text(warned, false),
-             Contains("; the nearest without a warning is divided: ") &&
+             Contains("no strategy without a warning is near E; the nearest is divided: ") &&
                  Contains("    standard comes to E +56.18 %, with a warning: mechanism"));
 }
 
