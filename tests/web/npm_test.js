@@ -70,7 +70,8 @@ function a_cut(elastin) {
   near(tissue.velocities[3 * 4 + 2], -9.81 * 1e-2, 1e-9);
   assert(!tissue.tear(1e3).changed);
   assert.throws(() => tissue.cut_blade([0, 0, 0], [1, 1, 1]), /6 numbers/);
-  assert.strictEqual(tissue.remove({connections: [0]}).removed_connections, 1);
+  assert.throws(() => tissue.remove({connections: [0]}), /side of cells/);
+  assert.strictEqual(tissue.remove({cells: [0]}).removed_cells, 1);
   [halves, tissue, body].forEach(one => one.free());
 }
 

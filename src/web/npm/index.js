@@ -65,9 +65,15 @@ function filled(simulation, name, given, lengths) {
 
 /** A change of a simulation's topology, and what it did. */
 function changed({module, handle}, name, arrange) {
-  const {values, word} = call(module, name, memory => [handle, ...arrange(memory), memory.structure(Array(6).fill(['whole', 0]))]);
-  const at = values[values.length - 1];
-  return {changed: word(at + 4) !== 0, split_molecules: word(at + 8), removed_connections: word(at + 12), removed_cells: word(at + 16)};
+  const out = new Memory(module);
+  try {
+    const at = out.structure(Array(6).fill(['whole', 0])) / 4;
+    call(module, name, memory => [handle, ...arrange(memory), 4 * at]);
+    const [changed, split_molecules, removed_connections, removed_cells] = module.HEAP32.slice(at + 1, at + 5);
+    return {changed: changed !== 0, split_molecules, removed_connections, removed_cells};
+  } finally {
+    out.release();
+  }
 }
 
 /** Of a law a direction [x, y, z] as C has it, a number for each axis. */

@@ -104,7 +104,9 @@ TEST_CASE("pieces that nothing joins move as wholes, each by itself", "[vibratio
   Body other = tetrahedral_block(BlockKind::body_centred, {5, 3, 2}, {0.05, 0.03, 0.02});
   other.rest.row(0).array() += 0.1;
   for (Body* piece : {&body, &other}) set_matter(*piece, 0.002, 1000, 0, 0);
-  add_part(body, other, {.name = "other"});
+  Part whole;
+  whole.name = "other";
+  add_part(body, other, whole);
   REQUIRE(3 * body.size() > 450);
   body.parts.clear();
   Model model = model_of(body, "neo_hookean", {.youngs_modulus = 1e4, .poissons_ratio = 0.35});
