@@ -6,7 +6,7 @@
 #   consumer_test.sh parts BUILD          its own stepper, load, and experiment with a measure of its own give the closed forms
 #   consumer_test.sh c BUILD              the example in C runs on the installed shared library
 #   consumer_test.sh pkg-config BUILD     the same program by pkg-config
-#   consumer_test.sh subdirectory BUILD   the project with Elastin's sources inside: builds the core, a few minutes
+#   consumer_test.sh subdirectory BUILD   the project with Elastin's sources inside, as a shared library: builds the core, a few minutes
 set -euo pipefail
 
 what=$1 build=$(readlink -f -- "$2")
@@ -96,12 +96,12 @@ END
     fi
     ;;
   subdirectory)
-    build_project "$work/subdirectory" -DELASTIN_SOURCE="$source" -DELASTIN_UNITY=ON -DELASTIN_WERROR=ON \
+    build_project "$work/subdirectory" -DELASTIN_SOURCE="$source" -DELASTIN_UNITY=ON -DELASTIN_WERROR=ON -DBUILD_SHARED_LIBS=ON \
       -DCMAKE_BUILD_TYPE=Debug -DCMAKE_CXX_FLAGS_DEBUG=-O0 \
       -DCMAKE_DISABLE_FIND_PACKAGE_fcl=ON -DCMAKE_DISABLE_FIND_PACKAGE_yaml-cpp=ON
     [[ ! -e $work/subdirectory/bin ]] || fail "Elastin changed where the project's programs go"
     "$work/subdirectory/core_alone"
-    links_eigen_alone "$work/subdirectory/core_alone"
+    links_eigen_alone "$(find "$work/subdirectory" -name 'libelastin_core.so')"
     ;;
   *) fail "unknown: $what" ;;
 esac

@@ -35,6 +35,9 @@ def main(root, build):
     python = open(f"{html}/python.html", encoding="utf8").read()
     for name in ("Simulation.settle", "compare", "Tension", "InputError"):  # of C++, of Python, of the table of experiments, an error
         assert f'id="elastin.{name}"' in python, f"python.html does not describe {name}"
+    index = open(f"{html}/genindex.html", encoding="utf8").read()
+    for name in ("Simulation", "add_part", "elastin_step", "elastin_arrays", "ElasticTerms"):  # of C++ and of C
+        assert re.search(rf">{name}<", index), f"the index of C++ and C lacks {name}"
     return 1 if dead or len(links) < 1000 else 0
 
 

@@ -82,6 +82,7 @@
 #include "elastin/core/simulation/saved_state.h"
 #include "elastin/core/simulation/simulation.h"
 #include "elastin/core/simulation/strategy_name.h"
+#include "elastin/core/solve/block_rows.h"
 #include "elastin/core/solve/energies.h"
 #include "elastin/core/solve/engine.h"
 #include "elastin/core/solve/homogenisation.h"

@@ -54,6 +54,13 @@ contact::ContactOptions contact_options(const elastin_simulation& handle, const 
   return options;
 }
 
+void put_of_obstacle(const std::vector<std::pair<std::string, Vector3>>& all, std::size_t obstacle, double numbers[3],
+                     const char* name) {
+  if (obstacle >= all.size())
+    throw InputError("obstacle " + std::to_string(obstacle) + ": there are " + std::to_string(all.size()) + ", from 0");
+  Eigen::Map<Vector3>(&given(numbers, name)) = all[obstacle].second;
+}
+
 #endif
 
 }  // namespace
@@ -94,13 +101,15 @@ elastin_status elastin_add_contact(elastin_simulation* simulation, const elastin
 
 elastin_status elastin_contact_force(const elastin_simulation* simulation, size_t obstacle, double force[3]) {
   return guarded([&] {
-    const elastin::Simulation& tissue = given(simulation, "simulation").simulation;
-    given(force, "force");
-    const auto forces = elastin::contact::forces_on_obstacles(tissue);
-    if (obstacle >= forces.size())
-      throw elastin::InputError("obstacle " + std::to_string(obstacle) + ": there are " +
-                                std::to_string(forces.size()) + ", from 0");
-    for (int axis = 0; axis < 3; ++axis) force[axis] = forces[obstacle].second[axis];
+    elastin::c::put_of_obstacle(elastin::contact::forces_on_obstacles(given(simulation, "simulation").simulation),
+                                obstacle, force, "force");
+  });
+}
+
+elastin_status elastin_contact_torque(const elastin_simulation* simulation, size_t obstacle, double torque[3]) {
+  return guarded([&] {
+    elastin::c::put_of_obstacle(elastin::contact::torques_on_obstacles(given(simulation, "simulation").simulation),
+                                obstacle, torque, "torque");
   });
 }
 
@@ -114,6 +123,7 @@ elastin_status no_contact() {
 
 elastin_status elastin_add_contact(elastin_simulation*, const elastin_contact*) { return no_contact(); }
 elastin_status elastin_contact_force(const elastin_simulation*, size_t, double[3]) { return no_contact(); }
+elastin_status elastin_contact_torque(const elastin_simulation*, size_t, double[3]) { return no_contact(); }
 
 #endif
 }

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "c/handles.h"
 #include "elastin/core/forces/load_table.h"
@@ -7,16 +8,20 @@
 namespace elastin::c {
 namespace {
 
-/// What numbers by name mean: NAME_x, NAME_y and NAME_z of a vector or direction, NAME once for each of molecules.
+bool is_vector(const ParameterInfo& info) {
+  return info.kind == ValueKind::vector || info.kind == ValueKind::direction;
+}
+
+/// What numbers by name mean: NAME_x, NAME_y and NAME_z of a vector or direction, or NAME for each of the three; NAME
+/// once for each of molecules.
 LoadValues load_values(const LoadKind& load, const elastin_value* values, std::size_t count) {
   LoadValues found;
   if (count > 0) given(values, "values");
   std::vector<std::string> names;
+  std::map<std::string, int> listed;  // how many numbers of a vector have come by its name alone
   for (const ParameterInfo& info : load.parameters)
-    if (info.kind == ValueKind::vector || info.kind == ValueKind::direction)
-      for (const char* axis : {"_x", "_y", "_z"}) names.push_back(info.name + axis);
-    else
-      names.push_back(info.name);
+    for (const char* ending : {"", "_x", "_y", "_z"})
+      if (*ending == 0 || is_vector(info)) names.push_back(info.name + ending);
   for (std::size_t i = 0; i < count; ++i) {
     const std::string key = &given(values[i].name, "a value's name");
     const double value = values[i].value;
@@ -28,13 +33,18 @@ LoadValues load_values(const LoadKind& load, const elastin_value* values, std::s
         if (!(std::abs(value) < 2e9 && value == std::floor(value)))
           throw InputError(load.name + "'s " + key + " must be whole numbers");
         found.molecules[key].push_back(static_cast<int>(value));
+      } else if (key == info.name && is_vector(info)) {
+        if (const int axis = listed[key]++; axis < 3)
+          found.vectors.try_emplace(key, Vector3::Zero()).first->second[axis] = value;
       } else if (key == info.name) {
         found.numbers[key] = value;
-      } else if (key.size() == info.name.size() + 2 && key.starts_with(info.name)) {
+      } else if (is_vector(info) && key.size() == info.name.size() + 2 && key.starts_with(info.name)) {
         found.vectors.try_emplace(info.name, Vector3::Zero()).first->second[key.back() - 'x'] = value;
       }
     }
   }
+  for (const auto& [key, many] : listed)
+    if (many != 3) throw InputError(load.name + "'s " + key + " has " + std::to_string(many) + " numbers; it takes 3");
   return found;
 }
 

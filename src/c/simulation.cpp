@@ -4,7 +4,9 @@
 #include "c/handles.h"
 #include "elastin/core/laws/local.h"
 #include "elastin/core/simulation/saved_state.h"
+#include "elastin/core/solve/block_rows.h"
 #include "elastin/core/solve/sensitivity.h"
+#include "elastin/core/solve/vibrations.h"
 
 namespace elastin::c {
 namespace {
@@ -18,6 +20,11 @@ elastin_status reported(const Result& result, int substeps, elastin_step_result*
     put(values, out, "elastin_step_result");
   }
   return result.outcome == Outcome::converged ? ELASTIN_OK : failed(ELASTIN_STOPPED, result.cause.c_str());
+}
+
+BlockRows matrix_of(elastin_simulation* simulation) {
+  Simulation& own = given(simulation, "simulation").simulation;
+  return stiffness_blocks(own.model(), own.state());
 }
 
 Matrix3 free_directions(int axes) {
@@ -137,6 +144,36 @@ elastin_status elastin_vjp(elastin_simulation* simulation, const double* of_posi
         const elastin::VectorX slopes = sensitivity.by_stiffness(*law, found);
         by_stiffness = std::copy(slopes.begin(), slopes.end(), by_stiffness);
       }
+  });
+}
+
+elastin_status elastin_matrix_blocks(elastin_simulation* simulation, size_t* blocks) {
+  return guarded([&] { given(blocks, "blocks") = elastin::c::matrix_of(simulation).columns.size(); });
+}
+
+elastin_status elastin_matrix(elastin_simulation* simulation, double* values, int* columns, int* starts) {
+  return guarded([&] {
+    given(values, "values"), given(columns, "columns"), given(starts, "starts");
+    const elastin::BlockRows rows = elastin::c::matrix_of(simulation);
+    std::copy(rows.values.begin(), rows.values.end(), values);
+    std::copy(rows.columns.begin(), rows.columns.end(), columns);
+    std::copy(rows.starts.begin(), rows.starts.end(), starts);
+  });
+}
+
+elastin_status elastin_vibrations(elastin_simulation* simulation, size_t count, double* frequencies, double* shapes,
+                                  size_t* found) {
+  return guarded([&] {
+    elastin::Simulation& own = given(simulation, "simulation").simulation;
+    given(frequencies, "frequencies"), given(found, "found");
+    if (count < 1 || count > 1000000) throw elastin::InputError("count: allowed: 1 to 1000000");
+    const elastin::Vibrations all = elastin::find_vibrations(own.model(), own.state(), static_cast<int>(count));
+    if (all.outcome != elastin::Outcome::converged)
+      throw elastin::InputError("no vibrations of this state: " + all.cause);
+    std::copy(all.frequencies.begin(), all.frequencies.end(), frequencies);
+    for (std::size_t i = 0; shapes && i < all.shapes.size(); ++i)
+      std::copy_n(all.shapes[i].data(), all.shapes[i].size(), shapes + i * all.shapes[i].size());
+    *found = static_cast<size_t>(all.frequencies.size());
   });
 }
 

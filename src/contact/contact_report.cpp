@@ -79,4 +79,19 @@ std::vector<std::pair<std::string, Vector3>> forces_on_obstacles(const Simulatio
   return forces;
 }
 
+std::vector<std::pair<std::string, Vector3>> torques_on_obstacles(const Simulation& simulation) {
+  std::vector<std::pair<std::string, Vector3>> torques;
+  for (const auto& load : simulation.model().loads())
+    if (const auto* contact = dynamic_cast<const Contact*>(load.get())) {
+      const std::size_t first = torques.size();
+      for (const Obstacle& obstacle : contact->obstacles()) torques.emplace_back(obstacle.name, Vector3::Zero());
+      const std::vector<Pose> poses = contact->poses(simulation.time());
+      for (const PressedPoint& point : pressed_points(*contact, simulation.state()))
+        if (point.obstacle >= 0)
+          torques[first + point.obstacle].second -=
+              Vector3(point.position - poses[point.obstacle].position).cross(point.force);
+    }
+  return torques;
+}
+
 }  // namespace elastin::contact

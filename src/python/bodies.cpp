@@ -218,7 +218,9 @@ double positive(const char* name, double value, const char* unit) {
 Material with_given_law(const py::dict& given, const Material& material) {
   static const Catalog catalog = built_in_catalog();
   if (!given.contains("law")) throw InputError("law: the dict needs a 'law', its name");
-  const auto row = catalog.material_laws.find(word_of(given["law"], "law"));
+  const auto row = py::isinstance<Strategy>(given["law"]) ? given["law"].cast<const Strategy&>().own_law
+                                                          : catalog.material_laws.find(word_of(given["law"], "law"));
+  if (!row) throw InputError("law: '" + given["law"].cast<const Strategy&>().name + "' has no constants of a material");
   LawConstants constants{.law = row->name};
   for (const auto& [key, value] : given) {
     const std::string name = word_of(key, "a key of the law");
@@ -295,6 +297,10 @@ std::string material_text(const Material& material) {
 py::tuple material_state(const Material& material) {
   if (const std::string why = beyond_numbers(material); !why.empty())
     throw py::type_error("this material cannot be pickled: " + why);
+  static const std::vector<std::string> laws = built_in_catalog().material_laws.names();
+  if (material.law && std::find(laws.begin(), laws.end(), material.law->law) == laws.end())
+    throw py::type_error("this material cannot be pickled: its law '" + material.law->law +
+                         "' is one's own; pickle the law and the constants");
   return py::make_tuple(packed(material));
 }
 
@@ -321,7 +327,8 @@ void add_material(py::module_& module) {
            "-0.99 to 0.5; density [kg/m^3]; of sheets their thickness [m] and bending_rigidity [N m]; of fibres their "
            "direction and modulus [Pa]; law: a dict of the law's name and its constants as scenes have them, {'law': "
            "'ogden', "
-           "'terms': [[6.3e5, 1.3]], 'bulk_modulus': 1e9}, and youngs_modulus and poissons_ratio follow; relaxation: "
+           "'terms': [[6.3e5, 1.3]], 'bulk_modulus': 1e9}, and youngs_modulus and poissons_ratio follow; a law of "
+           "one's own stands there itself, {'law': mine, 'k': 3e4, 'direction': (0, 0, 1)}; relaxation: "
            "pairs (share, time [s]) "
            "of strategies 'prony:NAME', of long-term moduli or of instantaneous ones.")
       .def_readonly("youngs_modulus", &Material::youngs_modulus,
@@ -446,13 +453,31 @@ void add_bodies(py::module_& module) {
       py::arg("body"),
       "The body with its molecules in the order of order_in_space, and the number that each molecule (n,) and each "
       "connection (c,) had: what is known of the old body goes over by x[molecule_from]. Bodies of parts keep theirs.");
+  module.def(
+      "of_labels",
+      [](const Body& body, const std::vector<int>& labels) {
+        RenumberedBody parted = interruptible([&] { return parts_of_labels(body, labels); });
+        return py::make_tuple(
+            std::make_shared<Body>(std::move(parted.body)),
+            py::array_t<int>(static_cast<py::ssize_t>(parted.molecule_from.size()), parted.molecule_from.data()));
+      },
+      py::arg("body"), py::arg("labels"),
+      "The body in parts, one for each label of its cells (k,), whole numbers as a mesh's cell_data has them, and the "
+      "number that each molecule had (n,). Simulation then takes a material for each label, ascending: "
+      "Simulation(body, 'neo_hookean', [fat, muscle]). Cells of a material that states another law than the first one "
+      "have that law, all others the strategy. Molecules that labels share are the lowest one's, and have its density "
+      "where the materials say it.");
   module.def("_cell_kinds", [] {
     py::dict numbers;
     for (const CellKind& kind : cell_kinds()) numbers[py::str(std::string(kind.name))] = kind.vtk;
     return numbers;
   });
   module.def(
-      "_material_of_scene", [](const lab::HeldScene& held) { return lab::make_material(held); }, py::arg("held"));
+      "_material_of_scene",
+      [](const lab::HeldScene& held, const std::shared_ptr<Catalog>& catalog) {
+        return lab::make_material(held, catalog ? *catalog : built_in_catalog());
+      },
+      py::arg("held"), py::arg("catalog"));
   module.def(
       "_material_of_scene", [](const std::string& yaml) { return lab::make_material(yaml); }, py::arg("yaml"));
   const auto body_of = [](const auto& scene, const Material& material, bool assumed) {

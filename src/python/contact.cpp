@@ -103,60 +103,36 @@ void add_contact_to(Moving& self, double stiffness, const std::vector<py::dict>&
                                       py::arg("self_contact") = self_contact));
 }
 
-struct Touched {
-  std::string obstacle;  ///< its name; "" = the body itself
-  contact::PressedPoint point;
-  Vector3 arm;  ///< from where the obstacle is [m]
-};
-
-std::vector<Touched> touched(Moving& self, std::vector<std::string>* names = nullptr) {
-  return self.in_turn([&](Simulation& simulation) {
-    std::vector<Touched> all;
-    for (const auto& load : simulation.model().loads())
-      if (const auto* contact = dynamic_cast<const contact::Contact*>(load.get())) {
-        const std::vector<Pose> poses = contact->poses(simulation.time());
-        if (names)
-          for (const contact::Obstacle& obstacle : contact->obstacles()) names->push_back(obstacle.name);
-        for (const contact::PressedPoint& point : contact::pressed_points(*contact, simulation.state()))
-          all.push_back(
-              {point.obstacle < 0 ? "" : contact->obstacles()[point.obstacle].name, point,
-               point.obstacle < 0 ? Vector3::Zero() : Vector3(point.position - poses[point.obstacle].position)});
-      }
-    return all;
-  });
-}
-
 py::dict contact_points(Moving& self) {
-  const std::vector<Touched> all = touched(self);
+  using Touched = std::pair<std::string, contact::PressedPoint>;  // the obstacle's name, "" = the body itself
+  const auto all = self.in_turn([&](Simulation& simulation) {
+    std::vector<Touched> found;
+    for (const auto& load : simulation.model().loads())
+      if (const auto* contact = dynamic_cast<const contact::Contact*>(load.get()))
+        for (const contact::PressedPoint& point : contact::pressed_points(*contact, simulation.state()))
+          found.emplace_back(point.obstacle < 0 ? "" : contact->obstacles()[point.obstacle].name, point);
+    return found;
+  });
   const auto count = static_cast<py::ssize_t>(all.size());
   py::array_t<double> positions({count, py::ssize_t{3}}), forces({count, py::ssize_t{3}});
   py::list obstacles;
   for (py::ssize_t i = 0; i < count; ++i) {
-    Eigen::Map<Vector3>(positions.mutable_data(i, 0)) = all[i].point.position;
-    Eigen::Map<Vector3>(forces.mutable_data(i, 0)) = all[i].point.force;
-    obstacles.append(all[i].obstacle);
+    Eigen::Map<Vector3>(positions.mutable_data(i, 0)) = all[i].second.position;
+    Eigen::Map<Vector3>(forces.mutable_data(i, 0)) = all[i].second.force;
+    obstacles.append(all[i].first);
   }
   return py::dict(py::arg("position") = positions, py::arg("force") = forces, py::arg("obstacle") = obstacles);
 }
 
-py::dict contact_torques(Moving& self) {
-  std::vector<std::string> names;
-  std::map<std::string, Vector3> torques;
-  for (const Touched& one : touched(self, &names))
-    if (!one.obstacle.empty())
-      torques.try_emplace(one.obstacle, Vector3::Zero()).first->second -= one.arm.cross(one.point.force);
-  py::dict named;
-  for (const std::string& name : names)
-    named[name.c_str()] = torques.contains(name) ? torques.at(name) : Vector3(Vector3::Zero());
-  return named;
-}
-
-py::dict contact_forces(Moving& self) {
-  std::vector<std::pair<std::string, Vector3>> forces;
-  self.in_turn([&](Simulation& simulation) { forces = contact::forces_on_obstacles(simulation); });
-  py::dict named;
-  for (const auto& [name, force] : forces) named[name.c_str()] = force;
-  return named;
+/// What `of` says of each obstacle, by its name.
+template <class Of>
+auto by_obstacle(Of of) {
+  return [of](Moving& self) {
+    py::dict named;
+    for (const auto& [name, vector] : self.in_turn([&](Simulation& simulation) { return of(simulation); }))
+      named[name.c_str()] = vector;
+    return named;
+  };
 }
 
 }  // namespace
@@ -191,8 +167,9 @@ void add_contact(MovingClass& simulation) {
           "(radius, length), 'convex' (points, their hull) or 'mesh' (points, closed triangles) [m]; where it is: "
           "tool, or position and turn; friction and name if one likes. surface: "
           "'triangles', or 'spheres' of the molecules, which push the parts of a cut apart.")
-      .def("contact_forces", &contact_forces, "Force of the body on each obstacle by its name [N].")
-      .def("contact_torques", &contact_torques,
+      .def("contact_forces", by_obstacle(&contact::forces_on_obstacles),
+           "Force of the body on each obstacle by its name [N].")
+      .def("contact_torques", by_obstacle(&contact::torques_on_obstacles),
            "Torque of the body on each obstacle by its name [N m], about where the obstacle, or its tool, is now.")
       .def("contact_points", &contact_points,
            "Where the body is pressed now: a dict of 'position' (k, 3) [m], 'force' on the body (k, 3) [N], and "

@@ -4,8 +4,8 @@
 #include <map>
 #include <vector>
 
-#include "elastin/core/forces/tangent.h"
 #include "elastin/core/simulation/simulation.h"
+#include "elastin/core/solve/block_rows.h"
 #include "elastin/core/solve/vibrations.h"
 #include "lab/run/cell_stress.h"
 #include "lab/run/contact_measures.h"
@@ -54,35 +54,6 @@ py::dict cell_states(Moving& self) {
   return result;
 }
 
-/// Blocks of 3 x 3 by rows, as scipy.sparse.bsr_matrix takes them.
-struct BlockRows {
-  std::vector<double> data;
-  std::vector<int> columns, starts;
-};
-
-BlockRows stiffness_of(Simulation& simulation) {
-  const Tangent tangent(simulation.model(), simulation.state());
-  if (!tangent.wide_terms().empty())
-    throw InputError(
-        "a load that joins all molecules with all has a full matrix: the stiffness is given without such loads");
-  std::vector<std::map<int, Matrix3>> rows(static_cast<std::size_t>(simulation.body().size()));
-  tangent.visit_blocks([&](int a, int b, const Matrix3& block) {
-    const auto [at, is_new] = rows[a].try_emplace(b, block);
-    if (!is_new) at->second += block;
-  });
-  BlockRows result;
-  result.starts.push_back(0);
-  for (const auto& row : rows) {
-    for (const auto& [column, block] : row) {
-      result.columns.push_back(column);
-      const Matrix3 by_rows = block.transpose();
-      result.data.insert(result.data.end(), by_rows.data(), by_rows.data() + 9);
-    }
-    result.starts.push_back(static_cast<int>(result.columns.size()));
-  }
-  return result;
-}
-
 template <class T>
 py::array_t<T> array_from(const std::vector<T>& values) {
   return py::array_t<T>(static_cast<py::ssize_t>(values.size()), values.data());
@@ -118,14 +89,14 @@ void add_state(MovingClass& simulation) {
       .def(
           "stiffness",
           [](Moving& self) {
-            const BlockRows rows = self.in_turn([](Simulation& s) { return stiffness_of(s); });
+            const BlockRows rows = self.in_turn([](Simulation& s) { return stiffness_blocks(s.model(), s.state()); });
             const py::array_t<double> data(
-                {static_cast<py::ssize_t>(rows.columns.size()), py::ssize_t{3}, py::ssize_t{3}}, rows.data.data());
+                {static_cast<py::ssize_t>(rows.columns.size()), py::ssize_t{3}, py::ssize_t{3}}, rows.values.data());
             return py::make_tuple(data, array_from(rows.columns), array_from(rows.starts));
           },
           "The stiffness -d(all forces)/d(positions) [N/m] now, supports not regarded: data (m, 3, 3), columns (m,) "
           "and "
-          "row starts (n + 1,) of its blocks, what scipy.sparse.bsr_matrix takes.");
+          "row starts (n + 1,) of its blocks, what scipy.sparse.bsr_matrix takes; tangent() gives them as CSR.");
 }
 
 }  // namespace elastin::python

@@ -153,6 +153,44 @@ static void arrays_of_older_structures(void) {
   elastin_body_free(cube);
 }
 
+/* A weight on a spring of 200 N/m: its matrix, and what swings sideways as a pendulum and along with sqrt(k / m). */
+static void matrices(void) {
+  const double places[6] = {0, 0, 0, 0, 0, -0.1}, masses[2] = {1, 0.5};
+  const int ends[2] = {0, 1};
+  const elastin_value constant = {"constant", 200}, short_one = {"acceleration", 1};
+  const elastin_value down[3] = {{"acceleration", 0}, {"acceleration", 0}, {"acceleration", -9.81}};
+  elastin_arrays arrays = {0};
+  elastin_material material = {0};
+  elastin_options options = {0};
+  elastin_body* body = NULL;
+  elastin_simulation* weight = NULL;
+  double values[36], frequencies[5], shapes[5 * 6];
+  const double pi = acos(-1);
+  int columns[4], starts[3];
+  size_t blocks = 0, found = 0;
+  arrays.size = sizeof arrays, material.size = sizeof material, options.size = sizeof options;
+  arrays.positions = places, arrays.masses = masses, arrays.connections = ends;
+  arrays.molecule_count = 2, arrays.connection_count = 1;
+  material.youngs_modulus = 1e3;
+  options.parameters = &constant, options.parameter_count = 1;
+  OK(elastin_body_from_arrays(&arrays, &body));
+  OK(elastin_simulate(body, "uniform", &material, &options, &weight));
+  OK(elastin_fix(weight, 0, 0));
+  REFUSED(elastin_add(weight, "gravity", &short_one, 1), "acceleration has 1 numbers; it takes 3");
+  OK(elastin_add(weight, "gravity", down, 3));
+  OK(elastin_settle(weight, NULL));
+  OK(elastin_matrix_blocks(weight, &blocks));
+  check(blocks == 4, "each molecule has a block with each");
+  OK(elastin_matrix(weight, values, columns, starts));
+  check(starts[2] == 4 && columns[1] == 1 && fabs(values[8] - 200) < 1e-6 && fabs(values[17] + 200) < 1e-6, "k and -k");
+  OK(elastin_vibrations(weight, 5, frequencies, shapes, &found));
+  check(found == 3, "three ways to swing");
+  check(fabs(2 * pi * frequencies[0] - sqrt(9.81 / (0.1 + 0.5 * 9.81 / 200))) < 1e-3, "a pendulum");
+  check(fabs(2 * pi * frequencies[2] - 20) < 1e-3 && fabs(fabs(shapes[2 * 6 + 5]) - sqrt(2)) < 1e-3, "a spring");
+  elastin_simulation_free(weight);
+  elastin_body_free(body);
+}
+
 int main(void) {
   elastin_simulation *tissue = lattice_of("backward_euler"), *other = lattice_of("backward_euler");
   const double above[3] = {2.5e-3, 2.5e-3, 8e-3};
@@ -161,7 +199,7 @@ int main(void) {
   elastin_contact contact = {0};
   elastin_simulation* both[2];
   int tools[2], i;
-  double force[3];
+  double force[3], torque[3];
   size_t bytes = 0, count = 0;
   char* saved;
   const int *origin = NULL, *surface = NULL;
@@ -180,6 +218,8 @@ int main(void) {
   run(tissue, 0, 60, tools[0]);
   OK(elastin_contact_force(tissue, 0, force));
   check(force[2] > 0, "the lattice pushes the ball up");
+  OK(elastin_contact_torque(tissue, 0, torque));
+  check(fabs(torque[0]) + fabs(torque[1]) < 1e-9 * force[2], "a ball without friction is not turned");
   REFUSED(elastin_contact_force(tissue, 1, force), "obstacle 1: there are 1");
   run(tissue, 60, 80, tools[0]);
   OK(elastin_origin(tissue, &origin, &count));
@@ -212,5 +252,6 @@ int main(void) {
   elastin_simulation_free(other);
   two_materials();
   arrays_of_older_structures();
+  matrices();
   return failures != 0;
 }

@@ -48,9 +48,33 @@ class Identification(unittest.TestCase):
         with self.assertRaisesRegex(KeyError, "did you mean 'c1'"):
             found["c11"]
 
+    def test_a_law_of_ones_own(self):
+        """Its constants are found: a solid that hardly changes its volume, pulled along its fibres, P = 2 c (s - s^-2) + 4 k (s^3 - s)."""
+        mine = elastin.law("mine", lambda I1_bar, I4_bar, J, c=1e3, k=1e3, bulk=1e9:
+                           c * (I1_bar - 3) + k * (I4_bar - 1) ** 2 + bulk / 2 * numpy.log(J) ** 2)
+        stretch = numpy.linspace(1.02, 1.5, 15)
+        stress = 2 * 800 * (stretch - stretch**-2) + 4 * 300 * (stretch**3 - stretch)
+        test = {"uniaxial": {"stretch": stretch, "nominal_stress": stress}}
+        material = {"law": mine, "c": 500, "k": 2e3, "direction": [0, 0, 1]}
+        found = elastin.identify(data=test, material=material, identify={"fixed": ["bulk"]})
+        self.assertAlmostEqual(found["c"] / 800, 1, 4)
+        self.assertAlmostEqual(found["k"] / 300, 1, 4)
+        self.assertIn("law: mine", found["material"])
+        found = elastin.identify(data=test, material=material, identify={"unknowns": ["k"]})
+        self.assertEqual([number["name"] for number in found["parameters"]], ["k"])
+
     def test_wrong_use(self):
         with self.assertRaisesRegex(elastin.InputError, "did you mean 'planar'"):
             elastin.identify(self.SCENE, tests=["planer"])
+
+        class Squeeze(elastin.Experiment):
+            measures = {"force": "N"}
+
+            def hold(self, body):
+                return []
+
+        with self.assertRaisesRegex(elastin.InputError, "identify: takes experiments of the table"):
+            elastin.identify({"body": elastin.lattice((3, 3, 3), 1e-3), "identify": {"tests": []}}, experiment=Squeeze())
 
 
 class Pages(unittest.TestCase):

@@ -1,5 +1,7 @@
 """Cell laws of one's own: their slopes are exact, and they stand beside the built-in ones."""
 
+import inspect
+import pickle
 import unittest
 
 import numpy
@@ -103,6 +105,55 @@ class BesideBuiltIn(unittest.TestCase):
         result = elastin.run(BAR, mine, experiment=PULL, material=RUBBER)
         self.assertEqual(result.outcome, "unsuited")
 
+    def test_fibres(self):
+        """Gasser, Ogden and Holzapfel's law with both families along the direction, in a wall whose direction turns, too."""
+        c, k1, k2, bulk = 2e4, 3e4, 1.5, 3e5
+
+        def written(I1_bar, I4_bar, J, c=c, k1=k1, k2=k2, bulk=bulk):
+            fibres = numpy.expm1(k2 * numpy.maximum(0, I4_bar - 1) ** 2)
+            return c / 2 * (I1_bar - 3) + k1 / k2 * fibres + bulk / 4 * (J ** 2 - 1 - 2 * numpy.log(J))
+
+        mine, direction = elastin.law("mine", written), [0.6, 0, 0.8]
+        constants = {"c": c, "k1": k1, "k2": k2, "direction": direction}
+        built_in = {"law": "holzapfel_gasser_ogden", "angle": 0, "across": [0, 1, 0], "bulk_modulus": bulk} | constants
+        own = elastin.Material(law={"law": mine, "bulk": bulk} | constants)
+        self.assertAlmostEqual(own.youngs_modulus / elastin.Material(law=built_in).youngs_modulus, 1, 10)
+        for body in (BAR, CUBE27):
+            positions = strained(body)
+            expected = forces_of(body, "holzapfel_gasser_ogden", positions, elastin.Material(law=built_in))
+            self.assertLess(abs(forces_of(body, mine, positions, own) - expected).max(), 1e-10 * abs(expected).max())
+        around = {"around": {"through": [-0.05, 0, 0], "axis": "z"}}
+        one, other = (elastin.run(BAR, strategy, experiment=PULL, material=material | around)
+                      for strategy, material in (("holzapfel_gasser_ogden", built_in), (mine, {"law": mine, "bulk": bulk} | constants)))
+        self.assertAlmostEqual(other["force"] / one["force"], 1, 9)
+
+    def test_fibres_need_a_direction(self):
+        mine = elastin.law("mine", lambda I1, I4, J, mu, k=1e4: mu / 2 * (I1 - 3) - mu * numpy.log(J) + k * (I4 - 1) ** 2
+                           + mu * (J - 1) ** 2)
+        result = elastin.run(BAR, mine, experiment=PULL, material=RUBBER)
+        self.assertEqual(result.outcome, "unsuited")
+        self.assertIn("`law: mine` and `direction`", result.cause)
+        with self.assertRaisesRegex(elastin.InputError, "needs the direction of its fibres"):
+            elastin.Simulation(BAR, mine, RUBBER).step(1e-6)
+        with self.assertRaisesRegex(elastin.InputError, "key 'direction' is missing"):
+            elastin.run(BAR, mine, experiment=PULL, material={"law": mine, "youngs_modulus": 1e4})
+        with self.assertRaisesRegex(elastin.InputError, "are those of solids"):
+            elastin.law("mine", lambda I4, mu: mu * (I4 - 1) ** 2, membrane=True)
+        with self.assertRaisesRegex(TypeError, "its law 'mine' is one's own"):
+            pickle.dumps(elastin.material({"law": mine, "youngs_modulus": 1e4, "direction": "x"}))
+
+    def test_constants_of_a_material(self):
+        """In a region they are others, and E follows from them."""
+        c1, c2, bulk = 2e4, 5e3, 2e5
+        mine = elastin.law("mine", lambda I1_bar, I2_bar, J, c1=1., c2=1., bulk=1.: c1 * (I1_bar - 3) + c2 * (I2_bar - 3)
+                           + bulk / 2 * numpy.log(J) ** 2)
+        scene = {"body": BAR, "experiment": PULL, "material": {"c1": c1, "c2": c2, "fields": {"regions": [
+            {"molecules": {"box": {"from": [0, 0, 0], "to": [5e-3, 1, 1]}}, "constants": {"c1": 3 * c1}}]}}}
+        one, other = (elastin.run(scene | {"material": scene["material"] | law}, law["law"]) for law in (
+            {"law": "mooney_rivlin", "bulk_modulus": bulk}, {"law": mine, "bulk": bulk}))
+        self.assertEqual(other.outcome, "converged")
+        self.assertAlmostEqual(other["force"] / one["force"], 1, 8)
+
     def test_relaxing(self):
         """prony: goes with it, as with every law."""
         material = elastin.Material(120e3, 0.3, relaxation=[(0.5, 1.0)])
@@ -128,7 +179,10 @@ class Slopes(unittest.TestCase):
         + mu * (numpy.cosh(J - 1) - numpy.cos(J - 1)) + mu * numpy.sinh(J - 1) ** 2
         + mu * (numpy.arctan(J - 1) ** 2 + numpy.sin(J - 1) ** 2),
         "roots": lambda I1, J, mu: mu * (numpy.sqrt(1 + (I1 - 3 - 2 * numpy.log(J))) - 1)
-        + mu * abs(numpy.maximum(J, 1 / J) - 1) ** 2 + mu * numpy.expm1((J - 1) ** 2)}
+        + mu * abs(numpy.maximum(J, 1 / J) - 1) ** 2 + mu * numpy.expm1((J - 1) ** 2),
+        "fibres": lambda I1, J, I4, I5, mu: mu / 2 * (I1 - 3) - mu * numpy.log(J) + mu * (J - 1) ** 2
+        + mu * numpy.expm1((I4 - 1) ** 2) + mu * (I5 - 1) ** 2 / 4 + mu / 8 * (I4 - 1) * (I5 - 1)}
+    DIRECTION = numpy.array([2, -1, 2]) / 3
 
     def test_against_differences(self):
         """Of the energy that a run reports, over a small displacement of one end."""
@@ -138,7 +192,9 @@ class Slopes(unittest.TestCase):
             for seed, amount in ((1, 0.15), (2, 0.3)):
                 numbers = numpy.random.default_rng(seed)
                 gradient = numpy.eye(3) + amount * numbers.uniform(-1, 1, (3, 3))
-                forces = forces_of(cell, law, cell.positions @ gradient.T)
+                constants = {"law": law} | ({"direction": self.DIRECTION} if name == "fibres" else {})
+                material = elastin.material(constants | {"youngs_modulus": RUBBER.youngs_modulus, "poissons_ratio": 0.3})
+                forces = forces_of(cell, law, cell.positions @ gradient.T, material)
                 expected = self.forces_by_differences(energy, cell, gradient)
                 with self.subTest(energy=name, amount=amount):
                     self.assertLess(abs(forces - expected).max(), 3e-8 * abs(expected).max())
@@ -151,8 +207,9 @@ class Slopes(unittest.TestCase):
         def stored(positions):
             F = (positions[1:] - positions[0]).T @ inverse
             C = F.T @ F
-            I1, J = numpy.trace(C), numpy.linalg.det(F)
-            return volume * energy(I1, J, mu)
+            a = self.DIRECTION
+            known = {"I1": numpy.trace(C), "J": numpy.linalg.det(F), "I4": a @ C @ a, "I5": a @ C @ C @ a, "mu": mu}
+            return volume * energy(*(known[name] for name in inspect.signature(energy).parameters))
 
         forces, step = numpy.zeros((4, 3)), 1e-6 * 1e-2 * 30
         for molecule in range(4):

@@ -86,6 +86,20 @@ class States(unittest.TestCase):
             differences = (forces[1] - forces[0]) / (2 * step)
             numpy.testing.assert_allclose(numpy.tensordot(K, by, 2), differences, rtol=1e-6, atol=1e-6 * abs(differences).max())
 
+    def test_matrices_have_the_natural_frequencies(self):
+        """Of scipy's kind of matrices, by numpy's eigenvalues: those of a free body, but its six rigid motions."""
+        tissue = elastin.Simulation(next(iter(BODIES.values())), "neo_hookean", SOFT)
+
+        def dense(data, indices, indptr):
+            matrix = numpy.zeros(2 * [len(indptr) - 1])
+            numpy.add.at(matrix, (numpy.repeat(numpy.arange(len(matrix)), numpy.diff(indptr)), indices), data)
+            return matrix
+
+        K, M = dense(*tissue.tangent()), dense(*tissue.mass_matrix())
+        root = numpy.sqrt(numpy.diag(M))
+        squares = numpy.linalg.eigvalsh(K / root / root[:, None])[6:10]
+        numpy.testing.assert_allclose(tissue.vibrations(4)[0], numpy.sqrt(squares) / (2 * numpy.pi), rtol=1e-5)
+
     def test_placed_molecules_go_on_from_there(self):
         body = elastin.Body([[0, 0, 0], [0, 0, 1]], [[0, 1]], masses=[1, 1])
         tissue = elastin.Simulation(body, "uniform", SOFT, parameters={"constant": 0})

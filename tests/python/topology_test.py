@@ -115,6 +115,35 @@ class Topology(unittest.TestCase):
         with self.assertRaisesRegex(ValueError, "several parts"):
             tissue.cut_plane((1e-3, 0, 0), (1, 0, 0))
 
+    def test_a_material_for_each_label(self):
+        """Forces are those of the cells of each label by themselves, with their own law."""
+        laws = {2: elastin.Material(2e4, 0.3), 7: elastin.Material(law={"law": "yeoh", "terms": [3e3, 500.], "bulk_modulus": 2e4})}
+        for shape in ({"tetrahedra": {"kind": "kuhn", "cubes": [2, 2, 3], "size": [2e-2, 2e-2, 3e-2]}},
+                      {"lattice": {"kind": "cubic", "molecules": [3, 3, 4], "spacing": 1e-2, "order": 2}}):
+            body = elastin.body(shape)
+            (name, cells), = body.cells.items()
+
+            def of_cells(own, positions):
+                return elastin.Body(positions, **{"tetrahedra": own} if name == "tetrahedron4" else {"cells": {name: own}})
+
+            labels = numpy.random.default_rng(3).choice(list(laws), len(cells))
+            parted, molecule_from = elastin.of_labels(of_cells(cells, body.positions), labels)
+            numpy.testing.assert_array_equal(parted.positions, body.positions[molecule_from])
+            moved = body.positions + numpy.random.default_rng(4).uniform(-1e-3, 1e-3, body.positions.shape)
+            tissue = elastin.Simulation(parted, "neo_hookean", [laws[label] for label in sorted(laws)])
+            tissue.positions = moved[molecule_from]
+            expected = numpy.zeros(moved.shape)
+            for label, law in laws.items():
+                own = cells[labels == label]
+                used = numpy.unique(own)
+                alone = elastin.Simulation(of_cells(numpy.searchsorted(used, own), body.positions[used]),
+                                           "yeoh" if law.law else "neo_hookean", law)
+                alone.positions = moved[used]
+                expected[used] += alone.forces
+            numpy.testing.assert_allclose(tissue.forces, expected[molecule_from], atol=1e-12 * abs(expected).max(), rtol=1e-9)
+        with self.assertRaisesRegex(ValueError, "labels: has 3 values; the body has"):
+            elastin.of_labels(of_cells(cells, body.positions), [1, 2, 3])
+
     def test_what_is_refused(self):
         tissue = hanging(3)
         with self.assertRaisesRegex(ValueError, "two ends of the blade"):

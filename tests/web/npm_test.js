@@ -9,7 +9,8 @@ function weight_on_a_spring(elastin) {
   const body = elastin.body({positions: [0, 0, 0, 0, 0, -0.1], connections: [0, 1], masses: [1, 0.5]});
   assert.deepStrictEqual([...body.constants('uniform', {youngs_modulus: 1e3}, {constant: 200})], [200]);
   const tissue = body.simulate('uniform', {youngs_modulus: 1e3}, {scheme: 'backward_euler', parameters: {constant: 200}});
-  const weight = tissue.add('gravity', {acceleration_z: -1});
+  const weight = tissue.add('gravity', {acceleration: [0, 0, -1]});
+  assert.throws(() => tissue.add('gravity', {acceleration: [0, -1]}), /acceleration has 2 numbers; it takes 3/);
   tissue.set_load(weight, {acceleration_z: -9.81});
   tissue.remove_load(tissue.add('gravity', {acceleration_z: -5}));
   assert.throws(() => tissue.remove_load(7), /no load 7/);
@@ -24,6 +25,13 @@ function weight_on_a_spring(elastin) {
   near(by.stiffness[0], 0.5 * 9.81 / 200, 1e-6), near(by.forces[5], 1 / 200, 1e-9), near(by.displacement[2], 1, 1e-9);
   near(tissue.jvp({stiffness: [1]}).positions[5], 0.5 * 9.81 / 200, 1e-6);
   assert.throws(() => tissue.vjp({positions: [1]}), /positions has 1 numbers; it needs 6/);
+  // [k, -k; -k, k] along z; the weight swings along it with sqrt(k / m), and across it as a pendulum of g / length.
+  const {values, columns, starts} = tissue.stiffness();
+  assert.deepStrictEqual([[...columns], [...starts]], [[0, 1, 0, 1], [0, 2, 4]]);
+  near(values[8], 200, 1e-9), near(values[17], -200, 1e-9);
+  const {frequencies, shapes} = tissue.vibrations(3), swings = [9.81 / -tissue.positions[5], 9.81 / -tissue.positions[5], 200 / 0.5];
+  swings.forEach((square, i) => near(frequencies[i], Math.sqrt(square) / (2 * Math.PI), 1e-4));
+  near(Math.abs(shapes[2][5]), 1 / Math.sqrt(0.5), 1e-4);
   tissue.free();
   body.free();
 }
@@ -43,6 +51,28 @@ function modulus_of_a_lattice(elastin) {
   let force = 0;
   for (const m of ends) if (rest[3 * m + 2] > 1e-9) force += tissue.reaction(m)[2];
   near(force / top ** 2 / strain, E, 1e-5);
+}
+
+/** A block that is cut in two: nothing is lost, and each half falls or stays by itself. */
+function a_cut(elastin) {
+  const body = elastin.lattice([5, 3, 3], 1e-2, {density: 1000});
+  const tissue = body.simulate('lattice', {youngs_modulus: 1e4}, {scheme: 'backward_euler'});
+  const mass = of => of.masses().reduce((sum, one) => sum + one, 0), before = body.surface_triangles().length;
+  const report = tissue.cut_plane([0.015, 0.01, 0.01], [1, 0, 0]);
+  assert(report.changed && report.split_molecules === 9, JSON.stringify(report));
+  const halves = tissue.body();
+  near(mass(halves), mass(body), 1e-12);
+  assert.strictEqual(tissue.origin.length, 45 + 9);
+  assert(halves.surface_triangles().length > before);
+  body.positions().forEach((x, i) => { if (i % 3 === 0 && x === 0) tissue.fix(i / 3); });
+  tissue.add('gravity', {acceleration: [0, 0, -9.81]});
+  for (let i = 0; i < 10; ++i) tissue.step(1e-3);
+  near(tissue.velocities[3 * 4 + 2], -9.81 * 1e-2, 1e-9);
+  assert(!tissue.tear(1e3).changed);
+  assert.throws(() => tissue.cut_blade([0, 0, 0], [1, 1, 1]), /6 numbers/);
+  assert.throws(() => tissue.remove({connections: [0]}), /side of cells/);
+  assert.strictEqual(tissue.remove({cells: [0]}).removed_cells, 1);
+  [halves, tissue, body].forEach(one => one.free());
 }
 
 /** A triangle within a block moves with it, in single precision. */
@@ -160,7 +190,7 @@ function example_of_the_page() {
   const divisor = elastin.rows('strategies').find(row => row.name === 'divided').parameters[0], gravity = elastin.rows('loads')[0].parameters;
   assert.deepStrictEqual([divisor.name, divisor.default, divisor.low, divisor.kind], ['divisor', 3.75, 1e-6, 'number']);
   assert.deepStrictEqual([gravity[0].name, gravity[0].kind, gravity[0].unit], ['acceleration', 'vector', 'm/s^2']);
-  for (const check of [weight_on_a_spring, modulus_of_a_lattice, a_surface_that_is_drawn, a_cell_law_from_arrays, a_rest_of_its_own, wrong_input, poissons_ratio, warnings, types, example_of_the_page]) check(elastin);
+  for (const check of [weight_on_a_spring, modulus_of_a_lattice, a_cut, a_surface_that_is_drawn, a_cell_law_from_arrays, a_rest_of_its_own, wrong_input, poissons_ratio, warnings, types, example_of_the_page]) check(elastin);
   const same = await import('file://' + path.join(folder, 'node.mjs'));
   assert.strictEqual(same.load, load);
 })().catch(problem => {

@@ -8,10 +8,12 @@ function(elastin_rooms result)
   set(${result} ${all} PARENT_SCOPE)
 endfunction()
 
-# elastin_library(NAME sources…): the static library elastin_NAME, known as elastin::NAME, with the project's options.
+# elastin_library(NAME sources…): the library elastin_NAME, known as elastin::NAME, with the project's options: static, or
+# shared with BUILD_SHARED_LIBS. The layout of C++ classes may change with each version, so that its number is the soname's.
 # Its sources include public headers from include/ and private ones from src/.
 function(elastin_library name)
-  add_library(elastin_${name} STATIC ${ARGN})
+  add_library(elastin_${name} ${ARGN})
+  set_target_properties(elastin_${name} PROPERTIES VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION})
   add_library(elastin::${name} ALIAS elastin_${name})
   target_compile_features(elastin_${name} PUBLIC cxx_std_20)
   target_include_directories(elastin_${name} PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include>

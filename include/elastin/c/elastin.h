@@ -232,8 +232,8 @@ ELASTIN_API elastin_status elastin_simulate_parts(const elastin_body* body, cons
 ELASTIN_API void elastin_simulation_free(elastin_simulation* simulation); /* null is allowed */
 
 /* What acts on it, at any time between steps: a row of the table "loads" by name, as scenes have it under `loads`. A
- * vector's numbers go by NAME_x, NAME_y, NAME_z (0 where they are left out): gravity takes acceleration_z; of
- * molecules, the name once for each. */
+ * vector's numbers go by NAME_x, NAME_y, NAME_z (0 where they are left out), or by NAME three times: gravity takes
+ * acceleration_z; of molecules, the name once for each. */
 ELASTIN_API elastin_status elastin_add(elastin_simulation* simulation, const char* load, const elastin_value* values,
                                        size_t value_count);
 /* The same, and gives its number, by which it gets other values (all of them) or is taken away from the next step on.
@@ -277,6 +277,17 @@ ELASTIN_API elastin_status elastin_vjp(elastin_simulation*, const double* of_pos
                                        double* by_forces, double* by_displacement, double* by_stiffness);
 ELASTIN_API elastin_status elastin_jvp(elastin_simulation*, const double* forces, const double* displacement,
                                        const double* stiffness, double* positions, double* reactions);
+
+/* The stiffness -d(all forces)/d(positions) [N/m] now, supports not regarded, by rows of 3 x 3 blocks: the blocks of
+ * molecule a are those from starts[a] up to starts[a + 1], ascending columns, 9 numbers each, row by row. For
+ * elastin_matrix_blocks of them `values` has 9 numbers and `columns` one each, `starts` one more than molecules. */
+ELASTIN_API elastin_status elastin_matrix_blocks(elastin_simulation*, size_t* blocks);
+ELASTIN_API elastin_status elastin_matrix(elastin_simulation*, double* values, int* columns, int* starts);
+/* The `count` slowest free vibrations about the present state, an equilibrium, or as many as there are, `found`:
+ * frequencies [Hz], 0 of a mechanism and NaN where it is unstable, and shapes, 3 numbers a molecule, of unit modal mass
+ * [1/sqrt(kg)]; may be null. */
+ELASTIN_API elastin_status elastin_vibrations(elastin_simulation*, size_t count, double* frequencies, double* shapes,
+                                              size_t* found);
 
 /* Views: one address as long as the simulation lives and its topology stays; `count` numbers, may be null. */
 ELASTIN_API elastin_status elastin_positions(const elastin_simulation*, const double** values, size_t* count); /* [m] */
@@ -342,6 +353,8 @@ typedef struct elastin_contact {
 ELASTIN_API elastin_status elastin_add_contact(elastin_simulation*, const elastin_contact* contact);
 /* Force of the body on an obstacle [N], counted through all that elastin_add_contact was given, from 0. */
 ELASTIN_API elastin_status elastin_contact_force(const elastin_simulation*, size_t obstacle, double force[3]);
+/* The same of its torque [N m], about where the obstacle, or its tool, is now. */
+ELASTIN_API elastin_status elastin_contact_torque(const elastin_simulation*, size_t obstacle, double torque[3]);
 
 /* ---- topology ---- */
 typedef struct elastin_topology_report {

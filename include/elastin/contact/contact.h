@@ -68,5 +68,7 @@ std::unique_ptr<Contact> make_contact(const Body& body, const ContactOptions& op
 /// Force of a simulation's body on each obstacle by its name [N], what a device gets that holds the obstacle's tool:
 /// of all contacts that act on it, in order. Searches once more, and allocates.
 std::vector<std::pair<std::string, Vector3>> forces_on_obstacles(const Simulation& simulation);
+/// The same of its torque [N m], about where the obstacle, or its tool, is now.
+std::vector<std::pair<std::string, Vector3>> torques_on_obstacles(const Simulation& simulation);
 
 }  // namespace elastin::contact

@@ -23,6 +23,8 @@ enum class Kind {
   first,
   second,
   swelling,
+  fibre,
+  fibre_square,
   add,
   subtract,
   multiply,
@@ -61,26 +63,43 @@ struct Named {
   Kind kind;
   int takes;
 };
-constexpr Named kKinds[] = {{"number", Kind::number, 0},     {"parameter", Kind::parameter, 0},
-                            {"first", Kind::first, 0},       {"second", Kind::second, 0},
-                            {"swelling", Kind::swelling, 0}, {"add", Kind::add, 2},
-                            {"subtract", Kind::subtract, 2}, {"multiply", Kind::multiply, 2},
-                            {"divide", Kind::divide, 2},     {"power", Kind::power, 2},
-                            {"negate", Kind::negate, 1},     {"square", Kind::square, 1},
-                            {"sqrt", Kind::sqrt, 1},         {"exp", Kind::exp, 1},
-                            {"expm1", Kind::expm1, 1},       {"log", Kind::log, 1},
-                            {"log1p", Kind::log1p, 1},       {"sin", Kind::sin, 1},
-                            {"cos", Kind::cos, 1},           {"sinh", Kind::sinh, 1},
-                            {"cosh", Kind::cosh, 1},         {"tanh", Kind::tanh, 1},
-                            {"arctan", Kind::arctan, 1},     {"absolute", Kind::absolute, 1},
-                            {"maximum", Kind::maximum, 2},   {"minimum", Kind::minimum, 2},
-                            {"less", Kind::less, 2},         {"select", Kind::select, 3}};
+constexpr Named kKinds[] = {{"number", Kind::number, 0},
+                            {"parameter", Kind::parameter, 0},
+                            {"first", Kind::first, 0},
+                            {"second", Kind::second, 0},
+                            {"swelling", Kind::swelling, 0},
+                            {"fibre", Kind::fibre, 0},
+                            {"fibre_square", Kind::fibre_square, 0},
+                            {"add", Kind::add, 2},
+                            {"subtract", Kind::subtract, 2},
+                            {"multiply", Kind::multiply, 2},
+                            {"divide", Kind::divide, 2},
+                            {"power", Kind::power, 2},
+                            {"negate", Kind::negate, 1},
+                            {"square", Kind::square, 1},
+                            {"sqrt", Kind::sqrt, 1},
+                            {"exp", Kind::exp, 1},
+                            {"expm1", Kind::expm1, 1},
+                            {"log", Kind::log, 1},
+                            {"log1p", Kind::log1p, 1},
+                            {"sin", Kind::sin, 1},
+                            {"cos", Kind::cos, 1},
+                            {"sinh", Kind::sinh, 1},
+                            {"cosh", Kind::cosh, 1},
+                            {"tanh", Kind::tanh, 1},
+                            {"arctan", Kind::arctan, 1},
+                            {"absolute", Kind::absolute, 1},
+                            {"maximum", Kind::maximum, 2},
+                            {"minimum", Kind::minimum, 2},
+                            {"less", Kind::less, 2},
+                            {"select", Kind::select, 3}};
 
 const Named& named(const EnergyOperation& operation) {
   return elastin::named(kKinds, operation.kind, "unknown operation '" + operation.kind + "'");
 }
 
-Jet3 power(const Jet3& a, const Jet3& b) {
+template <class Jet>
+Jet power(const Jet& a, const Jet& b) {
   const double x = a.value, p = b.value;
   const bool fixed = std::all_of(b.slope.begin(), b.slope.end(), [](double s) { return s == 0; });
   const double value = std::pow(x, p);
@@ -89,12 +108,13 @@ Jet3 power(const Jet3& a, const Jet3& b) {
     return a.through(value, f1, p == 0 || p == 1 ? 0 : p * (p - 1) * std::pow(x, p - 2));
   }
   const double log_x = std::log(x), below = std::pow(x, p - 1);
-  return Jet3::through(a, b, value, p * below, value * log_x, p * (p - 1) * std::pow(x, p - 2), below * (1 + p * log_x),
-                       value * log_x * log_x);
+  return Jet::through(a, b, value, p * below, value * log_x, p * (p - 1) * std::pow(x, p - 2), below * (1 + p * log_x),
+                      value * log_x * log_x);
 }
 
 /// Of one value.
-Jet3 applied(Kind kind, const Jet3& a) {
+template <class Jet>
+Jet applied(Kind kind, const Jet& a) {
   const double x = a.value;
   switch (kind) {
     case Kind::negate:
@@ -140,18 +160,19 @@ Jet3 applied(Kind kind, const Jet3& a) {
   }
 }
 
-Jet3 applied(Kind kind, const Jet3& a, const Jet3& b) {
+template <class Jet>
+Jet applied(Kind kind, const Jet& a, const Jet& b) {
   const double x = a.value, y = b.value;
   switch (kind) {
     case Kind::add:
-      return Jet3::through(a, b, x + y, 1, 1, 0, 0, 0);
+      return Jet::through(a, b, x + y, 1, 1, 0, 0, 0);
     case Kind::subtract:
-      return Jet3::through(a, b, x - y, 1, -1, 0, 0, 0);
+      return Jet::through(a, b, x - y, 1, -1, 0, 0, 0);
     case Kind::multiply:
-      return Jet3::through(a, b, x * y, y, x, 0, 1, 0);
+      return Jet::through(a, b, x * y, y, x, 0, 1, 0);
     case Kind::divide: {
       const double r = 1 / y, ratio = x * r;
-      return Jet3::through(a, b, x / y, r, -ratio * r, 0, -r * r, 2 * ratio * r * r);
+      return Jet::through(a, b, x / y, r, -ratio * r, 0, -r * r, 2 * ratio * r * r);
     }
     case Kind::power:
       return power(a, b);
@@ -160,7 +181,7 @@ Jet3 applied(Kind kind, const Jet3& a, const Jet3& b) {
     case Kind::minimum:
       return y < x ? b : a;
     default:  // less
-      return Jet3::constant(x < y ? 1 : 0);
+      return Jet::constant(x < y ? 1 : 0);
   }
 }
 
@@ -174,36 +195,48 @@ struct EnergyExpression::Point::Step {
 
 namespace {
 
-/// The invariants at a point, as far from rest as they are: I₁ − 3, I₂ − 3, J − 1.
-struct Invariants {
-  double first, second, swelling;
+/// The invariants at a point, as far from rest as they are: I₁ − 3, I₂ − 3, J − 1, I₄ − 1, I₅ − 1.
+std::array<double, 5> invariants(const Matrix3& A, const Dilatation& now, const Vector3& fibre) {
+  const double first = A.trace();
+  const Vector3 along = A * fibre;
+  const double stretched = fibre.dot(along);
+  return {first, 2 * first + (first * first - A.cwiseProduct(A.transpose()).sum()) / 2, now.swelling(), stretched,
+          2 * stretched + along.squaredNorm()};
+}
 
-  Invariants(const Matrix3& A, const Dilatation& now) : first(A.trace()), swelling(now.swelling()) {
-    second = 2 * first + (first * first - A.cwiseProduct(A.transpose()).sum()) / 2;
-  }
-};
-
-template <class Steps>
-Jet3 evaluated(const Steps& steps, const Invariants& at) {
-  std::array<Jet3, kMost> results;
+template <class Jet, class Steps>
+Jet evaluated(const Steps& steps, const std::array<double, 5>& at) {
+  std::array<Jet, kMost> results;
   std::size_t next = 0;
   for (const auto& step : steps) {
-    const auto of = [&](std::size_t i) -> const Jet3& { return results[step.of[i]]; };
-    Jet3& result = results[next++];
+    const auto of = [&](std::size_t i) -> const Jet& { return results[step.of[i]]; };
+    Jet& result = results[next++];
+    const auto invariant = static_cast<std::size_t>(step.kind) - static_cast<std::size_t>(Kind::first);
     if (step.kind == Kind::number)
-      result = Jet3::constant(step.number);
-    else if (step.kind == Kind::first)
-      result = Jet3::variable(at.first, 0);
-    else if (step.kind == Kind::second)
-      result = Jet3::variable(at.second, 1);
-    else if (step.kind == Kind::swelling)
-      result = Jet3::variable(at.swelling, 2);
+      result = Jet::constant(step.number);
+    else if (invariant < std::tuple_size_v<decltype(Jet::slope)>)
+      result = Jet::variable(at[invariant], invariant);
     else if (step.kind == Kind::select)
       result = of(0).value != 0 ? of(1) : of(2);
     else
       result = step.of[1] < 0 ? applied(step.kind, of(0)) : applied(step.kind, of(0), of(1));
   }
   return results[next - 1];
+}
+
+/// ∂(a · C² a)/∂C = a (C a)ᵀ + C a aᵀ, and what of a strain makes it change, the same of each unit strain.
+Components square_slope(const Vector3& fibre, const Matrix3& A) {
+  return 2 * symmetric_product(fibre, fibre + A * fibre);
+}
+TangentModuli<3> square_curvature(const Vector3& fibre) {
+  TangentModuli<3> result;
+  for (int column = 0; column < 6; ++column) {
+    const auto [k, l] = kComponents[column];
+    Matrix3 unit = Matrix3::Zero();
+    unit(k, l) = unit(l, k) = k == l ? 1 : 0.5;
+    result.col(column) = 2 * symmetric_product(fibre, unit * fibre);
+  }
+  return result;
 }
 
 }  // namespace
@@ -241,7 +274,14 @@ std::vector<std::string> EnergyExpression::parameters() const {
   return names;
 }
 
-EnergyExpression::Point EnergyExpression::at(const std::vector<double>& values, double factor) const {
+bool EnergyExpression::has_fibre() const {
+  return std::any_of(operations_->begin(), operations_->end(), [](const EnergyOperation& operation) {
+    return operation.kind == "fibre" || operation.kind == "fibre_square";
+  });
+}
+
+EnergyExpression::Point EnergyExpression::at(const std::vector<double>& values, double factor,
+                                             const Vector3& fibre) const {
   const std::vector<std::string> names = parameters();
   std::vector<Point::Step> steps;
   for (const EnergyOperation& operation : *operations_) {
@@ -257,53 +297,79 @@ EnergyExpression::Point EnergyExpression::at(const std::vector<double>& values, 
   Point point;
   point.steps_ = std::make_shared<const std::vector<Point::Step>>(std::move(steps));
   point.factor_ = factor;
+  point.has_fibre_ = has_fibre(), point.fibre_ = fibre;
   const Matrix3 rest = Matrix3::Zero();
-  const Jet3 W = evaluated(*point.steps_, Invariants(rest, Dilatation(rest)));
-  point.at_rest_ = W.value;
+  const double W = point.energy(rest) / factor;
+  point.at_rest_ = W;
   const TangentModuli<3> tangent = point.tangent(rest);
-  const double stress = point.stress(rest).norm(), size = tangent.norm();
-  if (!std::isfinite(W.value) || !std::isfinite(size))
-    throw InputError("the energy has no finite value or slope at rest, I1 = 3, I2 = 3, J = 1");
-  if (stress > 1e-8 * size)
-    throw InputError("the energy has a stress of " + number(point.stress(rest)(0, 0)) +
-                     " Pa at rest: W must be least there, I1 = 3, I2 = 3, J = 1");
+  const Matrix3 at_rest = point.stress(rest);
+  const double size = tangent.norm();
+  const std::string where = point.has_fibre_ ? "I1 = 3, I2 = 3, J = 1, I4 = 1, I5 = 1" : "I1 = 3, I2 = 3, J = 1";
+  if (!std::isfinite(W) || !std::isfinite(size))
+    throw InputError("the energy has no finite value or slope at rest, " + where);
+  if (at_rest.norm() > 1e-8 * size)
+    throw InputError("the energy has a stress of " + number(point.has_fibre_ ? at_rest.norm() : at_rest(0, 0)) +
+                     " Pa at rest: W must be least there, " + where);
   if (!(symmetric_eigenvalues(tangent)[0] > 1e-9 * size))
-    throw InputError("the energy is unstable at rest, I1 = 3, I2 = 3, J = 1: a small strain lowers it");
+    throw InputError("the energy is unstable at rest, " + where + ": a small strain lowers it");
   return point;
 }
 
 Matrix3 EnergyExpression::Point::stress(const Matrix3& A) const {
   const Dilatation now(A);
-  const Invariants at(A, now);
-  const auto& [W1, W2, WJ] = evaluated(*steps_, at).slope;
-  // 2 (W₁ + 2 W₂) + W_J is zero at rest.
-  const Matrix3 S = 2 * ((W1 + W2 * (2 + at.first)) * Matrix3::Identity() - W2 * A) + WJ * now.J() * now.inverse;
+  const auto at = invariants(A, now, fibre_);
+  const auto of_slopes = [&](double W1, double W2, double WJ) {
+    // 2 (W₁ + 2 W₂) + W_J is zero at rest.
+    return Matrix3(2 * ((W1 + W2 * (2 + at[0])) * Matrix3::Identity() - W2 * A) + WJ * now.J() * now.inverse);
+  };
+  Matrix3 S;
+  if (has_fibre_) {
+    const auto& [W1, W2, WJ, W4, W5] = evaluated<JetOf<5>>(*steps_, at).slope;
+    S = of_slopes(W1, W2, WJ) + 2 * W4 * fibre_ * fibre_.transpose() + 2 * W5 * tensor(square_slope(fibre_, A));
+  } else {
+    const auto& [W1, W2, WJ] = evaluated<Jet3>(*steps_, at).slope;
+    S = of_slopes(W1, W2, WJ);
+  }
   return S.allFinite() ? Matrix3(factor_ * S) : Matrix3(Matrix3::Zero());
 }
 
 TangentModuli<3> EnergyExpression::Point::tangent(const Matrix3& A) const {
   const Dilatation now(A);
-  const Invariants at(A, now);
-  const Jet3 W = evaluated(*steps_, at);
-  const double J = now.J(), W2 = W.slope[1], WJ = W.slope[2];
+  const auto at = invariants(A, now, fibre_);
+  const double J = now.J();
   const Components unit = components(Matrix3::Identity()), G = components(now.inverse);
-  const std::array<Components, 3> slopes{unit, (2 + at.first) * unit - components(A), J / 2 * G};
-  TangentModuli<3> result = 2 * W2 * (unit * unit.transpose() - symmetric_square(Matrix3::Identity())) +
-                            WJ * J * (G * G.transpose() / 2 - symmetric_square(now.inverse));
-  for (std::size_t p = 0; p < 6; ++p) {
-    const auto i = static_cast<std::size_t>(Jet3::pairs[p][0]), j = static_cast<std::size_t>(Jet3::pairs[p][1]);
-    if (W.curvature[p] == 0) continue;
-    if (i == j)
-      result += 2 * W.curvature[p] * (slopes[i] * slopes[i].transpose());
-    else
-      result += 2 * W.curvature[p] * both_ways(slopes[i], slopes[j]);
+  std::array<Components, 5> slopes{unit, (2 + at[0]) * unit - components(A), J / 2 * G, Components::Zero(),
+                                   Components::Zero()};
+  const auto of_jet = [&]<class Jet>(const Jet& W) -> TangentModuli<3> {
+    const double W2 = W.slope[1], WJ = W.slope[2];
+    TangentModuli<3> result = 2 * W2 * (unit * unit.transpose() - symmetric_square(Matrix3::Identity())) +
+                              WJ * J * (G * G.transpose() / 2 - symmetric_square(now.inverse));
+    for (std::size_t p = 0; p < Jet::kPairs; ++p) {
+      const auto [i, j] = Jet::pairs[p];
+      if (W.curvature[p] == 0) continue;
+      if (i == j)
+        result += 2 * W.curvature[p] * (slopes[i] * slopes[i].transpose());
+      else
+        result += 2 * W.curvature[p] * both_ways(slopes[i], slopes[j]);
+    }
+    return result;
+  };
+  TangentModuli<3> result;
+  if (has_fibre_) {
+    slopes[3] = symmetric_product(fibre_, fibre_), slopes[4] = square_slope(fibre_, A);
+    const JetOf<5> W = evaluated<JetOf<5>>(*steps_, at);
+    result = of_jet(W) + 2 * W.slope[4] * square_curvature(fibre_);
+  } else {
+    result = of_jet(evaluated<Jet3>(*steps_, at));
   }
   return result.allFinite() ? TangentModuli<3>(factor_ * result) : TangentModuli<3>(TangentModuli<3>::Zero());
 }
 
 double EnergyExpression::Point::energy(const Matrix3& A) const {
   const Dilatation now(A);
-  const double W = evaluated(*steps_, Invariants(A, now)).value - at_rest_;
+  const auto at = invariants(A, now, fibre_);
+  const double W =
+      (has_fibre_ ? evaluated<JetOf<5>>(*steps_, at).value : evaluated<Jet3>(*steps_, at).value) - at_rest_;
   return now.flat || !std::isfinite(W) ? std::numeric_limits<double>::infinity() : factor_ * W;
 }
 

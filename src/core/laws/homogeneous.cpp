@@ -43,14 +43,14 @@ Prescribed prescribed(HomogeneousTest test, double amount) {
 class TestedLaw {
  public:
   TestedLaw(const MaterialLaw& law, const Material& material, const Matrix3& axes)
-      : shape_(law.shape(material)),
-        incompressible_(!law.from_moduli && !material.law->numbers.contains("bulk_modulus")),
-        axes_(axes) {
-    if (!incompressible_) volume_ = law.solid(material).volume;
+      : shape_(law.shape(material)), incompressible_(is_incompressible(law, material)), axes_(axes) {
+    if (incompressible_) return;
+    volume_ = law.solid(material).volume;
+    bulk_modulus_ = law.whole ? material.youngs_modulus / (3 * (1 - 2 * material.poissons_ratio)) : volume_.modulus;
   }
 
   bool incompressible() const { return incompressible_; }
-  double bulk_modulus() const { return volume_.modulus; }
+  double bulk_modulus() const { return bulk_modulus_; }
   Matrix3 stress(const Matrix3& A, double pressure) const {
     const Matrix3 world = axes_ * A * axes_.transpose();
     const Matrix3 S = axes_.transpose() * (incompressible_ ? shape_.stress(world) : whole().stress(world)) * axes_;
@@ -104,6 +104,7 @@ class TestedLaw {
 
   AnyPoint<3> shape_;
   Volumetric volume_;
+  double bulk_modulus_ = 0;
   bool incompressible_;
   Matrix3 axes_;
 };

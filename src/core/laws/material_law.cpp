@@ -77,12 +77,11 @@ void set_moduli(const MaterialLaw& row, Material& material) {
     throw InputError(row.name + ": these constants make the material unstable at rest: its " +
                      (std::abs(softest - mu) < 1e-6 * std::abs(mu) ? "" : "least ") + "shear modulus would be " +
                      number(softest) + " Pa, and it must be above 0");
-  const auto bulk = material.law->numbers.find(kBulkModulus);
-  if (bulk == material.law->numbers.end()) {
+  if (is_incompressible(row, material)) {
     material.youngs_modulus = 3 * mu, material.poissons_ratio = 0.5;
     return;
   }
-  const double K = bulk->second;
+  const double K = row.whole ? c.topLeftCorner<3, 3>().sum() / 9 : material.law->numbers.at(kBulkModulus);
   material.youngs_modulus = 9 * K * mu / (3 * K + mu);
   material.poissons_ratio = (3 * K - 2 * mu) / (2 * (3 * K + mu));
 }
@@ -112,6 +111,10 @@ Material with_law(const MaterialLaw& row, LawConstants constants, Material mater
     return state ? std::optional(state->stress) : std::nullopt;
   };
   return material;
+}
+
+bool is_incompressible(const MaterialLaw& law, const Material& material) {
+  return !law.from_moduli && !law.whole && !material.law->numbers.contains(kBulkModulus);
 }
 
 std::string law_unsuited(std::string_view law, bool solid, const Material& material) {

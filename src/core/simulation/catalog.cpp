@@ -272,6 +272,7 @@ const char* name_of(StrategyKind kind) {
 void Catalog::add(Strategy strategy) {
   for (const Strategy& other : strategies_)
     if (other.name == strategy.name) throw InputError("the catalog has a strategy '" + strategy.name + "' already");
+  if (strategy.own_law) material_laws.add(*strategy.own_law);
   strategies_.push_back(std::move(strategy));
 }
 

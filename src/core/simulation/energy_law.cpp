@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "elastin/core/base/error.h"
@@ -71,39 +72,65 @@ bool comes_from_material(const std::string& name) {
   return std::find(kOfMaterial.begin(), kOfMaterial.end(), name) != kOfMaterial.end();
 }
 
+/// A law as a program states it.
+struct Written {
+  std::string name;
+  EnergyExpression energy;
+  std::vector<ParameterInfo> parameters;
+
+  /// At work in a material, with its constants of this law, if it has any. What is `given` counts before these. All of
+  /// W grows with E over `modulus`, or over that of the constants.
+  EnergyExpression::Point at(const Material& here, const ParameterValues& given, double modulus) const {
+    const LawConstants* constants = here.law && here.law->law == name ? &*here.law : nullptr;
+    if (constants) modulus = constants->youngs_modulus;
+    ParameterValues own = given;
+    if (constants) own.insert(constants->numbers.begin(), constants->numbers.end());
+    own = complete_values(name, parameters, own);
+    Material even = here;
+    if (modulus > 0) even.youngs_modulus = modulus;
+    std::vector<double> values;
+    for (const std::string& parameter : energy.parameters())
+      values.push_back(comes_from_material(parameter) ? of_material(parameter, even) : own.at(parameter));
+    if (energy.has_fibre() && !constants)
+      throw InputError("law '" + name + "': the material has no direction of fibres");
+    try {
+      return energy.at(values, modulus > 0 ? here.youngs_modulus / modulus : 1,
+                       energy.has_fibre() ? constants->directions.at("direction") : Vector3::UnitX());
+    } catch (const InputError& error) {
+      throw InputError("law '" + name + "': " + error.what());
+    }
+  }
+};
+
 }  // namespace
 
 Strategy make_energy_law(const std::string& name, EnergyExpression energy, std::vector<ParameterInfo> parameters,
                          int dimensions) {
   if (dimensions != 2 && dimensions != 3)
     throw InputError("law '" + name + "': has " + std::to_string(dimensions) + " dimensions; allowed: 2, 3");
+  const std::vector<std::string> names = energy.parameters();
   std::vector<std::string> known = kOfMaterial;
   for (const ParameterInfo& parameter : parameters) {
     if (comes_from_material(parameter.name))
       throw InputError("law '" + name + "': '" + parameter.name + "' comes from the material");
     known.push_back(parameter.name);
   }
-  for (const std::string& wanted : energy.parameters())
+  for (const std::string& wanted : names)
     if (std::find(known.begin(), known.end(), wanted) == known.end())
       throw InputError("law '" + name + "': there is no parameter '" + wanted + "'" + suggestion(wanted, known));
+  if (dimensions == 2 && energy.has_fibre())
+    throw InputError("law '" + name + "': I4 and I5 are those of solids; a membrane's fibres have no direction here");
+  const bool from_moduli = std::any_of(names.begin(), names.end(), comes_from_material);
   Strategy law;
   law.name = name;
-  law.parameters = std::move(parameters);
+  law.parameters = parameters;
   law.kind = StrategyKind::cell_law;
   law.dimensions = dimensions;
   law.unsuited = dimensions == 3 ? &no_cells<3> : &no_cells<2>;
-  law.make = [name, energy, dimensions, described = law.parameters](const Body& body, const Material& material,
-                                                                    const ParameterValues& given) {
-    const ParameterValues own = complete_values(name, described, given);
-    std::vector<double> values;
-    for (const std::string& parameter : energy.parameters())
-      values.push_back(comes_from_material(parameter) ? of_material(parameter, material) : own.at(parameter));
-    const auto make = [name, energy, values, modulus = material.youngs_modulus](const Material& here) {
-      try {
-        return energy.at(values, here.youngs_modulus / modulus);
-      } catch (const InputError& error) {
-        throw InputError("law '" + name + "': " + error.what());
-      }
+  const Written written{name, std::move(energy), std::move(parameters)};
+  law.make = [written, dimensions](const Body& body, const Material& material, const ParameterValues& given) {
+    const auto make = [written, given, modulus = material.youngs_modulus](const Material& here) {
+      return written.at(here, given, modulus);
     };
     if (dimensions == 2)
       return make_cells<2>(body, material, AnyMembrane{[make](const Material& here) {
@@ -111,6 +138,28 @@ Strategy make_energy_law(const std::string& name, EnergyExpression energy, std::
                            }});
     return make_cells<3>(body, material, AnySolid{[make](const Material& here) { return AnyPoint<3>(make(here)); }});
   };
+  if (dimensions == 2) return law;
+  law.law = name;
+  if (written.energy.has_fibre())
+    law.unsuited_material = [name](const Material& material) {
+      return material.law && material.law->law == name
+                 ? std::string()
+                 : "needs the direction of its fibres: `law: " + name + "` and `direction` in the material";
+    };
+  MaterialLaw row;
+  row.name = name;
+  row.parameters = written.parameters;
+  if (written.energy.has_fibre())
+    row.parameters.push_back({"direction", dimension::none, 0, 0, std::numeric_limits<double>::quiet_NaN(),
+                              "direction of the fibres at rest, of I4 and I5", false, ValueKind::direction, true});
+  row.from_moduli = from_moduli, row.whole = true;
+  row.shape = [written](const Material& material) {
+    return AnyPoint<3>(written.at(material, {}, material.youngs_modulus));
+  };
+  row.solid = [shape = row.shape](const Material& material) {
+    return SplitPoint<AnyPoint<3>>{shape(material), Volumetric{}};
+  };
+  law.own_law = std::make_shared<const MaterialLaw>(std::move(row));
   return law;
 }
 

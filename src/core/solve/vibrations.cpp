@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <numeric>
 
 #include "elastin/core/base/dense.h"
 #include "elastin/core/base/stop.h"
@@ -14,13 +15,24 @@ using Block = MatrixX;  // columns are motions times √mass, 3n long
 
 constexpr int kDenseLimit = 450;  // directions of a body that is solved as a whole
 constexpr int kIterationLimit = 200;
+constexpr int kMostPieces = 16;    // whose own rigid motions are looked for
 constexpr double kSteering = 0.1;  // how far the static solver goes in each step
 
 class ScaledStiffness {
  public:
   ScaledStiffness(Model& model, const State& state)
       : model_(model), tangent_(model, state), root_(model.body().mass.cwiseSqrt()), solver_(make_pcg()) {
-    find_rigid_motions(state.positions);
+    const int n = model.body().size();
+    rigid_.resize(3 * n, 0);
+    std::vector<int> all(n);
+    std::iota(all.begin(), all.end(), 0);
+    add_rigid_motions(state.positions, all);
+    if (model.body().share) return;
+    const BodyFindings found = inspect(model.body());
+    if (found.pieces < 2 || found.pieces > kMostPieces) return;
+    std::vector<std::vector<int>> pieces(found.pieces);
+    for (const int molecule : all) pieces[found.piece_of[molecule]].push_back(molecule);
+    for (const std::vector<int>& piece : pieces) add_rigid_motions(state.positions, piece);
   }
 
   Eigen::Index size() const { return 3 * model_.body().size(); }
@@ -67,19 +79,21 @@ class ScaledStiffness {
   }
 
  private:
-  /// Of the six of a body in space, those that supports leave and that no stiffness resists; orthonormal.
-  void find_rigid_motions(const Positions& positions) {
+  /// Of the six of these molecules in space, those that supports leave and that no stiffness resists; orthonormal.
+  void add_rigid_motions(const Positions& everywhere, const std::vector<int>& molecules) {
     const int n = model_.body().size();
-    const Vector3 centre = positions * model_.body().mass / model_.body().mass.sum();
+    const Positions positions = everywhere(Eigen::all, molecules);
+    const VectorX mass = model_.body().mass(molecules);
+    const Vector3 centre = positions * mass / mass.sum();
     const double reach = std::max((positions.colwise() - centre).colwise().norm().maxCoeff(), 1e-300);
     Block all = Block::Zero(3 * n, 6);
-    for (int i = 0; i < n; ++i)
+    for (const int i : molecules)
       for (int axis = 0; axis < 3; ++axis) {
         const Vector3 unit = Vector3::Unit(axis);
         all.block<3, 1>(3 * i, axis) = root_[i] * unit;
-        all.block<3, 1>(3 * i, 3 + axis) = root_[i] / reach * unit.cross(Vector3(positions.col(i) - centre));
+        all.block<3, 1>(3 * i, 3 + axis) = root_[i] / reach * unit.cross(Vector3(everywhere.col(i) - centre));
       }
-    all /= std::sqrt(model_.body().mass.sum());
+    all /= std::sqrt(mass.sum());
     // What they move against the supports, and how much they move at all.
     Block held = all;
     for (Eigen::Index c = 0; c < 6; ++c) {
@@ -88,7 +102,6 @@ class ScaledStiffness {
       held.col(c) -= free.reshaped();
     }
     const SymmetricEigen moves = symmetric_eigen(transposed_product(all, all));
-    rigid_.resize(3 * n, 0);
     Block basis(6, 0);
     for (int k = 0; k < 6; ++k)
       if (moves.values[k] > 1e-10) {
@@ -101,8 +114,12 @@ class ScaledStiffness {
     for (int i = 0; i < n; ++i) stiffest = std::max(stiffest, tangent_.diagonal(i).norm() / model_.body().mass[i]);
     for (Eigen::Index k = 0; k < against.cols(); ++k) {
       if (free.values[k] > 1e-12) continue;
-      const Block motion = product(all, basis * free.vectors.col(k));
+      Block motion = product(all, basis * free.vectors.col(k));
       if (apply(motion).norm() > 1e-9 * stiffest) continue;
+      for (int round = 0; round < 2 && rigid_.cols() > 0; ++round)
+        motion -= product(rigid_, transposed_product(rigid_, motion));
+      if (!(motion.norm() > 1e-6)) continue;
+      motion /= motion.norm();
       rigid_.conservativeResize(3 * n, rigid_.cols() + 1);
       rigid_.rightCols(1) = motion;
     }

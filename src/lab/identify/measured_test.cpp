@@ -108,8 +108,9 @@ std::unique_ptr<MeasuredTest> make_homogeneous_test(const DataTest& test, const 
     if (read.up->name == "true_stress") test.fail("a curve is over the section at rest: give nominal_stress");
     return std::make_unique<CurveTest>(as_strain_and_stress(test, read));
   }
-  if (read.up->name == "true_stress" && (row->from_moduli || material.law->numbers.contains("bulk_modulus")))
-    test.fail("true_stress is that of an incompressible law alone; give nominal_stress, or leave out bulk_modulus");
+  if (read.up->name == "true_stress" && !is_incompressible(*row, material))
+    test.fail("true_stress is that of an incompressible law alone; give nominal_stress" +
+              std::string(row->whole ? "" : ", or leave out bulk_modulus"));
   return std::make_unique<HomogeneousDataTest>(as_strain_and_stress(test, read), *test.kind->homogeneous,
                                                axes_of_law(*row, material));
 }

@@ -69,9 +69,9 @@ std::optional<StrategyChoice> applicable_with_volume(const Catalog& catalog, con
 }
 
 bool has_constants(const Strategy& strategy, const std::vector<Material>& materials) {
-  return strategy.law.empty() || std::any_of(materials.begin(), materials.end(), [&](const Material& material) {
-           return material.law && material.law->law == strategy.law;
-         });
+  return strategy.law.empty() || strategy.own_law ||
+         std::any_of(materials.begin(), materials.end(),
+                     [&](const Material& material) { return material.law && material.law->law == strategy.law; });
 }
 
 std::vector<StrategyChoice> all_strategies(const Catalog& catalog, const Body& body,

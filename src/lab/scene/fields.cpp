@@ -275,7 +275,7 @@ void add_regions(const Reader& list, const MaterialLaw* law, const Material& mat
     for (const auto& place : {setup.modulus_place, setup.ratio_place})
       if (place && !moduli) place->fail("follows from the constants of the law; write `constants`");
     if (!setup.constants) continue;
-    if (moduli) setup.constants->fail("are those of a `law`, and the material has none");
+    if (!law || law->parameters.empty()) setup.constants->fail("are those of a `law`, and the material has none");
     for (const auto& [key, value] : setup.constants->entries()) {
       std::vector<ParameterInfo> numbers = law->parameters;
       std::erase_if(numbers, [](const ParameterInfo& own) { return own.kind == ValueKind::direction; });
@@ -330,7 +330,7 @@ Keys<FieldsSetup> keys_of_fields() {
 std::vector<Setter> read_setters(const FieldsSetup& fields, const MaterialLaw* law, const Material& material) {
   std::vector<Setter> setters;
   if (const auto& field = fields.constants) {
-    if (!law || law->from_moduli) field->fail("are those of a `law`, and the material has none");
+    if (!law || law->parameters.empty()) field->fail("are those of a `law`, and the material has none");
     read_constants(*field, *law, material, setters);
   }
   if (const auto& field = fields.poissons_ratio) {

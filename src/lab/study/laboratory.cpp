@@ -314,9 +314,9 @@ Simulation Laboratory::simulation(const std::string& strategy, SimulationOptions
 
 namespace {
 
-Material material_of(Reader reader) {
+Material material_of(Reader reader, const Catalog& catalog = built_in_catalog()) {
   if (reader.has("fields")) reader.at("fields").fail("are those of a body: write the material into the scene, as keys");
-  return read_material(reader, built_in_catalog().material_laws);
+  return read_material(reader, catalog.material_laws);
 }
 
 Body body_of(const Reader& reader, const Material& material, std::vector<std::string>& warnings,
@@ -332,7 +332,9 @@ Material make_material(const std::string& yaml) {
   return material_of(open_scene(SceneSource::of_text("material", yaml), {}, kMostMolecules));
 }
 
-Material make_material(const HeldScene& held) { return material_of(open_scene(held, {}, kMostMolecules)); }
+Material make_material(const HeldScene& held, const Catalog& catalog) {
+  return material_of(open_scene(held, {}, kMostMolecules), catalog);
+}
 
 Body make_body(const std::string& yaml, const Material& material, std::vector<std::string>& warnings,
                std::vector<std::string>& notes) {

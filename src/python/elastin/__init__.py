@@ -29,7 +29,7 @@ if "OMP_WAIT_POLICY" not in _os.environ:
 
 from ._elastin import (Body, Catalog, InputError, Load, Material, MissingFileError, Parameter, Result, Row, Simulation, SimulationState,
                        StaticResult, StepError, StepResult, Stepper, Strategy, Surface, TopologyReport, __version__, linear_solvers, loads,
-                       material_laws, measures, numbered_in_space, of_parts, order_in_space, set_threads, steppers, threads)
+                       material_laws, measures, numbered_in_space, of_labels, of_parts, order_in_space, set_threads, steppers, threads)
 from . import _bodies, _simulation  # the methods that Python adds to classes of C++
 from ._bodies import body, lattice, material, read_mesh
 from ._experiments import CLASSES as _experiments, Experiment, experiments
@@ -46,5 +46,5 @@ globals().update(_experiments)
 __all__ = ["Body", "Catalog", "Comparison", "Experiment", "Identification", "InputError", "Laboratory", "Load", "Material", "MissingFileError", "Parameter", "Result",
            "Row", "Simulation", "SimulationState", "StaticResult", "StepError", "StepResult", "Stepper", "Strategy", "Surface", "Sweep",
            "TopologyReport", "Verdicts", "View", "body", "compare", "experiments", "export", "gradient", "identify", "lattice", "law", "linear_solvers", "load",
-           "loads", "material", "material_laws", "measure", "measures", "numbered_in_space", "of_parts", "order_in_space", "read_mesh", "run",
+           "loads", "material", "material_laws", "measure", "measures", "numbered_in_space", "of_labels", "of_parts", "order_in_space", "read_mesh", "run",
            "set_threads", "step_all", "stepper", "steppers", "strategies", "sweep", "threads", "verify", "where", *_experiments]

@@ -112,8 +112,9 @@ class Material:
         """youngs_modulus [Pa] > 0 or `curve`, pairs (strain, stress [Pa]) in uniaxial stress; poissons_ratio from -0.99
         to 0.5; density [kg/m^3]; of sheets their thickness [m] and bending_rigidity [N m]; of fibres their direction
         and modulus [Pa]; law: a dict of the law's name and its constants as scenes have them, {'law': 'ogden',
-        'terms': [[6.3e5, 1.3]], 'bulk_modulus': 1e9}, and youngs_modulus and poissons_ratio follow; relaxation:
-        pairs (share, time [s]) of strategies 'prony:NAME', of long-term moduli or of instantaneous ones."""
+        'terms': [[6.3e5, 1.3]], 'bulk_modulus': 1e9}, and youngs_modulus and poissons_ratio follow; a law of one's
+        own stands there itself, {'law': mine, 'k': 3e4, 'direction': (0, 0, 1)}; relaxation: pairs (share, time [s])
+        of strategies 'prony:NAME', of long-term moduli or of instantaneous ones."""
     @property
     def youngs_modulus(self) -> float:
         """E [Pa]; of a curve its slope at no strain, of a law at rest."""
@@ -416,7 +417,7 @@ class Simulation:
         springs the stress is the virial of the cell's sides."""
     def stiffness(self) -> tuple[Floats, Ints, Ints]:
         """The stiffness -d(all forces)/d(positions) [N/m] now, supports not regarded: data (m, 3, 3), columns (m,) and
-        row starts (n + 1,) of its blocks, what scipy.sparse.bsr_matrix takes."""
+        row starts (n + 1,) of its blocks, what scipy.sparse.bsr_matrix takes; tangent() gives them as CSR."""
     def view(self) -> View:
         """The body as it is now in 3D: a View."""
     def to_vtu(self, path: Path) -> None:
@@ -700,12 +701,15 @@ def law(name: str, energy: Callable[..., Any], *, summary: str = "", source: str
         elastin.law("mine", lambda I1, J, mu, lam: mu / 2 * (I1 - 3) - mu * numpy.log(J) + lam / 2 * (J - 1)**2)
 
     The names of the function's arguments determine their meaning: of the right Cauchy-Green tensor C the invariants
-    I1 = tr C, I2, I3 = J^2, J and those of J^(-2/3) C, I1_bar and I2_bar, all at the rest values 3, 3, 1; of the
-    material E, nu, mu, lam and kappa [Pa]. Every other argument is a parameter that a scene may set and has a
-    default, a number or a Parameter. The function is called once, with values that record what it computes by + - *
-    / **, numpy's functions and elastin.where; slopes and second slopes follow by the rules of differentiation, so
-    they are exact, and run in C++. With membrane=True it is a law of membranes, which thin so that there is no
-    stress across. Raises InputError where W has a stress at rest, or is unstable there, as soon as the law meets a
+    I1 = tr C, I2, I3 = J^2, J and those of J^(-2/3) C, I1_bar and I2_bar, all at the rest values 3, 3, 1; of fibres
+    along a unit vector a at rest I4 = a.Ca, I5 = a.CCa, I4_bar and I5_bar, 1 at rest; of the material E, nu, mu, lam
+    and kappa [Pa]. Every other argument is a parameter that a scene may set and has a default, a number or a
+    Parameter. A law of solids is a material's, too, and then has its constants and the direction a from there:
+    {"law": mine, "k": 3e4, "direction": [0, 0, 1]}, in scenes by its name; E and nu follow, unless W takes them, and
+    identify() finds the constants. The function is called once, with values that record what it computes by + - * /
+    **, numpy's functions and elastin.where; slopes and second slopes follow by the rules of differentiation, so they
+    are exact, and run in C++. With membrane=True it is a law of membranes, which thin so that there is no stress
+    across. Raises InputError where W has a stress at rest, or is unstable there, as soon as the law meets a
     material."""
 def load(name: str, forces: Callable[..., ArrayLike], energy: Callable[..., float] | None = None, *,
          summary: str = "", source: str = "") -> Load:
@@ -804,9 +808,11 @@ def identify(scene: Scene | None = None, data: Mapping[str, Any] | None = None, 
     The scene is a file, a dict or a Body, as for Laboratory, with an `identify` section whose tests are files, or
     columns of arrays by name, {"kind": "uniaxial", "stretch": …, "nominal_stress": …}; SI units, unless a name has
     another, "force [kN]". Without a scene the tests are those of `data` by their kind, each with its keys and
-    columns. With one `data` has what replaces the data of its tests, {test: path or columns}. Of `tests` alone are
-    fitted, the others predicted; `laws` are compared (["all"]). A Catalog brings strategies of one's own. progress:
-    True shows a line, a function is called with what is being done."""
+    columns, and identify={"fixed": ["bulk_modulus"]} has the section's other keys. With one `data` has what replaces
+    the data of its tests, {test: path or columns}. Of `tests` alone are fitted, the others predicted; `laws` are
+    compared (["all"]); a law of one's own, elastin.law, is named where the material has its constants,
+    material={"law": mine, "k": 3e4}. A Catalog brings strategies of one's own. progress: True shows a line, a
+    function is called with what is being done."""
 def strategies(catalog: Catalog | None = None) -> list[Strategy]:
     """Every strategy there is, with summary, source and parameters."""
 def steppers() -> list[Row]:

@@ -4,7 +4,7 @@ import logging
 import os
 import warnings
 
-from . import _elastin, _exchange, _pictures, _scenes, _tables
+from . import _elastin, _exchange, _own, _pictures, _scenes, _tables
 from ._elastin import Body
 
 _log = logging.getLogger("elastin")
@@ -41,7 +41,7 @@ def material(description):
         return _elastin._material_of_scene(description)
     held = _scenes.Held(description, "material")
     with held.messages():
-        return _elastin._material_of_scene(held.source)
+        return _elastin._material_of_scene(held.source, _own.catalog_with(None, held.own))
 
 
 def lattice(molecules, spacing, connections=("axis", "face"), *, radius=None, density=None):

@@ -97,15 +97,17 @@ def identify(scene=None, data=None, *, material=None, tests=(), laws=(), strateg
 
     The scene is a file, a dict or a Body, as for Laboratory, with an `identify` section whose tests are files, or columns of
     arrays by name, {"kind": "uniaxial", "stretch": …, "nominal_stress": …}; SI units, unless a name has another,
-    "force [kN]". Without a scene the tests are those of `data` by their kind, each with its keys and columns. With one `data`
+    "force [kN]". Without a scene the tests are those of `data` by their kind, each with its keys and columns, and
+    identify={"fixed": ["bulk_modulus"]} has the section's other keys. With one `data`
     has what replaces the data of its tests, {test: path or columns}. Of `tests` alone are fitted, the others predicted;
-    `laws` are compared (["all"]). A Catalog brings strategies of one's own. progress: True shows a line, a function is called
+    `laws` are compared (["all"]); a law of one's own, elastin.law, is named where the material has its constants,
+    material={"law": mine, "k": 3e4}. A Catalog brings strategies of one's own. progress: True shows a line, a function is called
     with what is being done."""
     with tempfile.TemporaryDirectory() as folder, _progress.shown(progress) as report:
         files = []
         if scene is None:
             made = [{"kind": kind} | test for kind, test in (data or {}).items()]
-            scene, data = {"identify": {"tests": made}}, None
+            scene, data = {"identify": keys.pop("identify", {}) | {"tests": made}}, None
         if isinstance(scene, dict) and isinstance(scene.get("identify"), dict):
             section = dict(scene["identify"])
             section["tests"] = [_with_file(test, test.get("name", test.get("kind", "")), folder)
@@ -115,6 +117,9 @@ def identify(scene=None, data=None, *, material=None, tests=(), laws=(), strateg
             path = _with_file(given, test, folder)["file"] if isinstance(given, dict) else os.fspath(given)
             files.append(f"{test}={path}")
         opened = _scenes.opened(scene, (), material=material, keys=keys)
+        if opened.experiments:
+            raise InputError("identify: takes experiments of the table; fit one of your own by the measures of run() and "
+                             "scipy.optimize.least_squares")
         with opened.messages():
             try:
                 answers = _elastin._identify(opened.source, _yaml.overrides(set), files, list(tests), ",".join(laws),

@@ -146,17 +146,18 @@ def where(condition, one, other):
 
 
 def invariants():
-    """I1, I2, J and what follows from them, by name."""
+    """I1, I2, J, I4, I5 and what follows from them, by name."""
     J = Value("swelling", offset=1)
     I1, I2 = Value("first", offset=3), Value("second", offset=3)
+    I4, I5 = Value("fibre", offset=1), Value("fibre_square", offset=1)
 
     def isochoric(invariant, power):
-        """J^power I, 3 at rest: 3 + 3 (J^power - 1) + J^power (I - 3)."""
-        stretch = J ** power
-        return (3 * stretch.moved(-1) + stretch * invariant.moved(-3)) + 3
+        """J^power I, r at rest: r + r (J^power - 1) + J^power (I - r)."""
+        stretch, rest = J ** power, invariant.offset
+        return (rest * stretch.moved(-1) + stretch * invariant.moved(-rest)) + rest
 
-    return {"I1": I1, "I2": I2, "J": J, "I3": J**2, "I1_bar": isochoric(I1, -2 / 3),
-            "I2_bar": isochoric(I2, -4 / 3)}
+    return {"I1": I1, "I2": I2, "J": J, "I3": J**2, "I1_bar": isochoric(I1, -2 / 3), "I2_bar": isochoric(I2, -4 / 3),
+            "I4": I4, "I5": I5, "I4_bar": isochoric(I4, -2 / 3), "I5_bar": isochoric(I5, -4 / 3)}
 
 
 def operations_of(value):
@@ -181,9 +182,12 @@ def law(name, energy, *, summary="", source="", membrane=False):
         elastin.law("mine", lambda I1, J, mu, lam: mu / 2 * (I1 - 3) - mu * numpy.log(J) + lam / 2 * (J - 1)**2)
 
     The names of the function's arguments determine their meaning: of the right Cauchy-Green tensor C the invariants I1 = tr C,
-    I2, I3 = J^2, J and those of J^(-2/3) C, I1_bar and I2_bar, all at the rest values 3, 3, 1; of the material E, nu, mu,
+    I2, I3 = J^2, J and those of J^(-2/3) C, I1_bar and I2_bar, all at the rest values 3, 3, 1; of fibres along a unit
+    vector a at rest I4 = a.Ca, I5 = a.CCa, I4_bar and I5_bar, 1 at rest; of the material E, nu, mu,
     lam and kappa [Pa]. Every other argument is a parameter that a scene may set and has a default, a number or a
-    Parameter. The function is called once, with values that record what it computes by + - * / **, numpy's functions and
+    Parameter. A law of solids is a material's, too, and then has its constants and the direction a from there:
+    {"law": mine, "k": 3e4, "direction": [0, 0, 1]}, in scenes by its name; E and nu follow, unless W takes them, and
+    identify() finds the constants. The function is called once, with values that record what it computes by + - * / **, numpy's functions and
     elastin.where; slopes and second slopes follow by the rules of differentiation, so they are exact, and run in C++.
     With membrane=True it is a law of membranes, which thin so that there is no stress across.
     Raises InputError where W has a stress at rest, or is unstable there, as soon as the law meets a material."""

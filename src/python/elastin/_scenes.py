@@ -9,7 +9,7 @@ import re
 import numpy
 
 from . import _elastin, _yaml
-from ._elastin import Body, InputError, Load, Material, Stepper
+from ._elastin import Body, InputError, Load, Material, Stepper, Strategy
 from ._experiments import Experiment
 
 ARRAYS = ("positions", "connections", "triangles", "tetrahedra", "cells", "rest_lengths", "masses", "radii", "density",
@@ -21,7 +21,7 @@ class Held:
 
     def __init__(self, tree, root="scene"):
         self.root, self.places, self.lines, self.bodies, self.materials = root, {}, [], [], []
-        self.own, self.experiments = [], {}  # loads and steppers; experiments by their kind
+        self.own, self.experiments = [], {}  # loads, steppers and strategies; experiments by their kind
         self._write(tree, root, "", "")
         self.text = "\n".join(self.lines) + "\n"
         self.source = _elastin._HeldScene(self.text, self.bodies, self.materials)
@@ -63,7 +63,7 @@ class Held:
             if hasattr(value, "hold") and self.experiments.setdefault(value.keys()["kind"], value) is not value:
                 raise InputError(f"{place}: there is another experiment '{value.keys()['kind']}' in this scene")
             return value.keys()
-        if isinstance(value, (Load, Stepper)):
+        if isinstance(value, (Load, Stepper, Strategy)):
             self.own.append(value)
             return {value.name: {}} if isinstance(value, Load) else value.name
         if isinstance(value, dict) and "body" in value and place.startswith(f"{self.root}['bodies']["):

@@ -40,6 +40,23 @@ def _html(simulation):
     return _tables.with_picture(table, _pictures.of_body(simulation.body, simulation.positions, simulation.tensions))
 
 
+def _tangent(simulation):
+    """The stiffness -d(all forces)/d(positions) [N/m] now, (3 n, 3 n), supports not regarded, as the arrays that
+    scipy.sparse.csr_matrix takes: data, column indices and indptr. Molecule m has rows 3 m, 3 m + 1 and 3 m + 2."""
+    blocks, columns, starts = simulation.stiffness()
+    counts = numpy.repeat(numpy.diff(starts), 3)  # blocks of each row
+    rows = [slice(starts[m], starts[m + 1]) for m in range(len(starts) - 1)]
+    data = [blocks[row].transpose(1, 0, 2).ravel() for row in rows]
+    indices = [numpy.tile((3 * columns[row, None] + numpy.arange(3)).ravel(), 3) for row in rows]
+    return numpy.concatenate(data), numpy.concatenate(indices), numpy.concatenate([[0], 3 * numpy.cumsum(counts)])
+
+
+def _mass_matrix(simulation):
+    """The masses of the molecules [kg] on the diagonal, (3 n, 3 n), as tangent() has its matrix."""
+    data = numpy.repeat(simulation.body.masses, 3)
+    return data, numpy.arange(len(data)), numpy.arange(len(data) + 1)
+
+
 def step_all(simulations, dt, count=1, *, check=True, threads=None):
     """Brings many simulations forward by dt [s], `count` times, at the same time: each goes on in one thread at a time, of
     `threads`, by default one a core. Gives their last results in order, bitwise those of step(). One that fails stops, and
@@ -73,7 +90,7 @@ def step_all(simulations, dt, count=1, *, check=True, threads=None):
 
 
 Simulation._repr_html_ = _html
-for _name, _method in (("plot", _plot), ("view", _view), ("animate", _animate), ("to_vtu", _exchange.simulation_to_vtu),
+for _name, _method in (("plot", _plot), ("view", _view), ("animate", _animate), ("tangent", _tangent), ("mass_matrix", _mass_matrix), ("to_vtu", _exchange.simulation_to_vtu),
                        ("to_meshio", _exchange.simulation_to_meshio), ("to_pyvista", _exchange.simulation_to_pyvista)):
     _method.__name__, _method.__qualname__ = _name, f"Simulation.{_name}"
     setattr(Simulation, _name, _method)

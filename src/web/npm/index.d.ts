@@ -41,8 +41,8 @@ export interface Material {
   thickness?: number;
   /** D [N m] of a sheet. */
   bending_rigidity?: number;
-  /** A row of the table "material_laws" and its constants: {name: 'ogden', constants: {mu_1: 630, alpha_1: 1.3, …}}. */
-  law?: {name: string; constants: Record<string, number>};
+  /** A row of the table "material_laws" and its constants: {name: 'ogden', constants: {mu_1: 630, alpha_1: 1.3, …}}; a direction is [x, y, z]. */
+  law?: {name: string; constants: Record<string, number | number[]>};
 }
 
 export interface Options {
@@ -93,6 +93,8 @@ export class Body {
   connections(): Int32Array;
   /** Three molecules of each triangle. */
   triangles(): Int32Array;
+  /** Three molecules of each triangle of its surface, counter-clockwise seen from outside: what a renderer draws. */
+  surface_triangles(): Int32Array;
   /** Spring constants [N/m] that a rule, also calibrated:RULE, gives each connection: what other engines take. */
   constants(strategy: string, material: Material, parameters?: Record<string, number>): Float64Array;
   /** A surface that is drawn with the body: points in its shape at rest, three numbers each, and three of their numbers a triangle. */
@@ -107,6 +109,14 @@ export class Surface {
   /** Where its points are in a simulation of its body, and the unit normals there; views of the module's memory. */
   draw(simulation: Simulation): {points: Float32Array, normals: Float32Array};
   free(): void;
+}
+
+/** What a cut did. */
+export interface Change {
+  changed: boolean;
+  split_molecules: number;
+  removed_connections: number;
+  removed_cells: number;
 }
 
 /** A body that moves. The arrays are views of the module's memory: read them at once, or copy them. */
@@ -125,7 +135,7 @@ export class Simulation {
   readonly tensions: Float64Array;
   /** The host's own forces [N], to be written: they act until they are changed. */
   readonly host_forces: Float64Array;
-  /** A row of the table "loads", at any time between steps: add('gravity', {acceleration_z: -9.81}). */
+  /** A row of the table "loads", at any time between steps: add('gravity', {acceleration: [0, 0, -9.81]}), or {acceleration_z: -9.81}. */
   add(load: string, values?: Record<string, number | number[]>): number;
   /** Other values of a load, all of them, by the number that add gave. */
   set_load(load: number, values?: Record<string, number | number[]>): void;
@@ -144,6 +154,25 @@ export class Simulation {
   /** How positions and reactions change along changes of these. */
   jvp(along: {forces?: ArrayLike<number>, displacement?: ArrayLike<number>, stiffness?: ArrayLike<number>}):
     {positions: Float64Array, reactions: Float64Array};
+  /** The stiffness −d(all forces)/d(positions) [N/m] now, without supports: the 3 × 3 blocks of molecule a are those from starts[a]
+   *  up to starts[a + 1], each in the column of its molecule, 9 numbers row by row. */
+  stiffness(): {values: Float64Array, columns: Int32Array, starts: Int32Array};
+  /** The slowest free vibrations about the present state, an equilibrium: frequencies [Hz], and shapes of unit modal mass. */
+  vibrations(count?: number): {frequencies: Float64Array, shapes: Float64Array[]};
+  /** These part the body in its present positions, between its cells. Molecules keep their numbers, and those that are split off
+   *  come last; views must be asked for again, and body() has the surface that is then to be drawn. */
+  cut_plane(point: Numbers, normal: Numbers): Change;
+  /** What a straight blade sweeps whose two ends, 6 numbers, go from one place to another. */
+  cut_blade(from: ArrayLike<number>, to: ArrayLike<number>): Change;
+  cut_triangles(points: ArrayLike<number>, triangles: ArrayLike<number>): Change;
+  /** Where it is strained above this limit. */
+  tear(strain: number): Change;
+  /** Connections and cells by their numbers. */
+  remove(what: {connections?: ArrayLike<number>, cells?: ArrayLike<number>}): Change;
+  /** Of each molecule its number in the body that the simulation was made of. */
+  readonly origin: Int32Array;
+  /** A copy of the body as it is now; free() it. */
+  body(): Body;
   /** Holds a molecule where it is, but for the axes that are free. */
   fix(molecule: number, free?: Axis | Axis[]): void;
   release(molecule: number): void;

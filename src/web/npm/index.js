@@ -42,14 +42,16 @@ function array(memory, values, what, whole) {
   return at;
 }
 
-/** Copies of the arrays of these lengths that a function of the C API fills; what it is given has other lengths. */
+/** Copies of the arrays of these lengths that a function of the C API fills; it is given numbers, or [array, its length] by names. */
 function filled(simulation, name, given, lengths) {
   const {module, handle} = simulation;
   const out = new Memory(module);
   try {
     const rooms = lengths.map(length => out.room(8 * length));
     call(module, name, memory => {
-      const takes = Object.entries(given).map(([what, [values, length]]) => {
+      const takes = Object.entries(given).map(([what, one]) => {
+        if (!Array.isArray(one)) return one;
+        const [values, length] = one;
         if (values && values.length !== length) throw new ElastinError(`${what} has ${values.length} numbers; it needs ${length}`);
         return array(memory, values, what);
       });
@@ -61,13 +63,32 @@ function filled(simulation, name, given, lengths) {
   }
 }
 
+/** A change of a simulation's topology, and what it did. */
+function changed({module, handle}, name, arrange) {
+  const out = new Memory(module);
+  try {
+    const at = out.structure(Array(6).fill(['whole', 0])) / 4;
+    call(module, name, memory => [handle, ...arrange(memory), 4 * at]);
+    const [changed, split_molecules, removed_connections, removed_cells] = module.HEAP32.slice(at + 1, at + 5);
+    return {changed: changed !== 0, split_molecules, removed_connections, removed_cells};
+  } finally {
+    out.release();
+  }
+}
+
+/** Of a law a direction [x, y, z] as C has it, a number for each axis. */
+function by_axes(constants) {
+  return Object.fromEntries(Object.entries(constants).flatMap(([name, value]) =>
+    Array.isArray(value) ? value.map((one, axis) => [`${name}_${'xyz'[axis]}`, one]) : [[name, value]]));
+}
+
 /** elastin_material of the keys that a material has here. */
 function material_of(memory, material) {
   checked(material, ['youngs_modulus', 'poissons_ratio', 'thickness', 'bending_rigidity', 'law'], 'a material');
   const {law, youngs_modulus = 0, poissons_ratio = law ? 0 : 0.25, thickness = 0, bending_rigidity = 0} = material;
   return memory.structure([['number', youngs_modulus], ['number', poissons_ratio], ['number', thickness],
     ['number', bending_rigidity],
-    ['word', law ? memory.structure([['word', memory.text(law.name)], ...named_values(memory, law.constants)]) : 0],
+    ['word', law ? memory.structure([['word', memory.text(law.name)], ...named_values(memory, by_axes(law.constants))]) : 0],
     ['word', 0]]);
 }
 
@@ -154,6 +175,7 @@ class Body {
   masses() { return this.view('masses', 'HEAPF64'); }
   connections() { return this.view('connections', 'HEAP32'); }
   triangles() { return this.view('triangles', 'HEAP32'); }
+  surface_triangles() { return this.view('surface', 'HEAP32'); }
 
   surface(points, triangles) { return new Surface(this, points, triangles); }
 
@@ -264,6 +286,58 @@ class Simulation extends ElastinSimulation {
       displacement: [displacement, length], stiffness: [stiffness, this.stiffness_count]}, [length, length]);
     return {positions, reactions};
   }
+
+  stiffness() {
+    const {module} = this, memory = new Memory(module), molecules = this.positions.length / 3;
+    try {
+      this.check(module._elastin_matrix_blocks(this.handle, this.scratch));
+      const blocks = module.HEAPU32[this.scratch / 4];
+      const values = memory.room(72 * blocks), columns = memory.room(4 * blocks), starts = memory.room(4 * (molecules + 1));
+      this.check(module._elastin_matrix(this.handle, values, columns, starts));
+      return {values: module.HEAPF64.slice(values / 8, values / 8 + 9 * blocks), columns: module.HEAP32.slice(columns / 4, columns / 4 + blocks),
+              starts: module.HEAP32.slice(starts / 4, starts / 4 + molecules + 1)};
+    } finally {
+      memory.release();
+    }
+  }
+
+  vibrations(count = 6) {
+    const length = this.positions.length, most = Math.min(count, length);
+    const [frequencies, shapes, found] = filled(this, 'elastin_vibrations', [most], [most, most * length, 1]);
+    const many = new Uint32Array(found.buffer)[0];
+    return {frequencies: frequencies.slice(0, many), shapes: Array.from({length: many}, (_, i) => shapes.slice(i * length, (i + 1) * length))};
+  }
+
+  cut_plane(point, normal) {
+    return changed(this, 'elastin_cut_plane', () => [this.vector(point), this.vector(normal, this.scratch + 24)]);
+  }
+
+  cut_blade(from, to) {
+    return changed(this, 'elastin_cut_blade', memory => [from, to].map(ends => {
+      if (ends?.length !== 6) throw new ElastinError(`the ends of a blade are 6 numbers, not ${JSON.stringify(ends)}`);
+      return array(memory, ends, 'ends of a blade');
+    }));
+  }
+
+  cut_triangles(points, triangles) {
+    return changed(this, 'elastin_cut_triangles', memory => [array(memory, points, 'points'), points.length / 3,
+      array(memory, triangles, 'triangles', true), triangles.length / 3]);
+  }
+
+  tear(strain) { return changed(this, 'elastin_tear', () => [strain]); }
+
+  remove({connections = [], cells = []}) {
+    return changed(this, 'elastin_remove', memory => [array(memory, connections, 'connections', true), connections.length,
+      array(memory, cells, 'cells', true), cells.length]);
+  }
+
+  get origin() {
+    this.check(this.module._elastin_origin(this.handle, this.scratch, this.scratch + 4));
+    const [at, count] = this.module.HEAPU32.subarray(this.scratch / 4, this.scratch / 4 + 2);
+    return this.module.HEAP32.slice(at / 4, at / 4 + count);
+  }
+
+  body() { return new Body(this.elastin, this.elastin.handle_of('elastin_current_body', () => [this.handle])); }
 
   save() {
     this.check(this.module._elastin_save(this.handle, 0, 0, this.scratch));

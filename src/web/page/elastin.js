@@ -69,9 +69,8 @@ function call(module, name, arrange) {
   try {
     const values = arrange(memory), status = module['_' + name](...values);
     if (status !== 0) throw new ElastinError(module.UTF8ToString(module._elastin_message()), status === 2);
-    return {memory, values, word: at => module.HEAPU32[at / 4], number: at => module.HEAPF64[at / 8]};
   } finally {
-    memory.release();  // what was read is still there until the next call
+    memory.release();
   }
 }
 

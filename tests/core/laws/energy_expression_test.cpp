@@ -116,6 +116,30 @@ TEST_CASE("Every operation has the slopes of its values", "[laws]") {
   }
 }
 
+TEST_CASE("Invariants of fibres have the slopes of their values", "[laws]") {
+  // W = μ/2 (I₁ − 3) − μ ln J + μ (J − 1)² + μ (e^(x²) − 1) + μ x y, x = I₄ − 1, y = I₅ − 1.
+  const EnergyExpression energy({parameter("mu"), of("first"), of("swelling"), of("fibre"), of("fibre_square"),
+                                 fixed(0.5), of("multiply", {1, 5}), of("log1p", {2}), of("subtract", {6, 7}),
+                                 of("square", {2}), of("add", {8, 9}), of("square", {3}), of("expm1", {11}),
+                                 of("add", {10, 12}), of("multiply", {3, 4}), of("add", {13, 14}),
+                                 of("multiply", {0, 15})});
+  REQUIRE(energy.has_fibre());
+  const auto law = energy.at({1e4}, 1, Vector3(2, -1, 2) / 3);
+  const Matrix3 A = strain(0.2, 7);
+  const auto tangent = law.tangent(A);
+  CHECK((tangent - tangent.transpose()).norm() <= 1e-12 * tangent.norm());
+  for (int column = 0; column < 6; ++column) {
+    const auto [i, j] = kComponents[column];
+    Matrix3 step = Matrix3::Zero();
+    const double h = 1e-5;
+    step(i, j) += h / 2, step(j, i) += h / 2;
+    const double slope = (law.energy(A + step) - law.energy(A - step)) / (2 * h);
+    CHECK(law.stress(A)(i, j) / 2 == Approx(slope).epsilon(1e-6).margin(1e-6 * law.stress(A).norm()));
+    const Components change = components((law.stress(A + step) - law.stress(A - step)) / (2 * h));
+    CHECK((tangent.col(column) - change).norm() <= 1e-6 * tangent.norm());
+  }
+}
+
 TEST_CASE("What is no energy is refused", "[laws]") {
   CHECK_THROWS_WITH(EnergyExpression({of("squre", {0})}), Contains("did you mean 'square'"));
   CHECK_THROWS_WITH(EnergyExpression({of("first"), of("add", {0})}), Contains("takes 2 values, and not 1"));

@@ -5,6 +5,7 @@
 
 #include "elastin/core/base/dense.h"
 #include "elastin/core/forces/tangent.h"
+#include "elastin/core/model/parts.h"
 #include "elastin/core/simulation/catalog.h"
 #include "support/bodies.h"
 
@@ -96,6 +97,24 @@ TEST_CASE("supports leave as many rigid motions as they must", "[vibrations]") {
   CHECK(find_vibrations(model, state_at_rest(body), 3).rigid_motions == 3);  // the turns about the point
   model.supports.clear();
   CHECK(find_vibrations(model, state_at_rest(body), 3).rigid_motions == 6);
+}
+
+TEST_CASE("pieces that nothing joins move as wholes, each by itself", "[vibrations]") {
+  Body body = tetrahedral_block(BlockKind::body_centred, {3, 3, 3}, {0.03, 0.03, 0.03});
+  Body other = tetrahedral_block(BlockKind::body_centred, {5, 3, 2}, {0.05, 0.03, 0.02});
+  other.rest.row(0).array() += 0.1;
+  for (Body* piece : {&body, &other}) set_matter(*piece, 0.002, 1000, 0, 0);
+  Part whole;
+  whole.name = "other";
+  add_part(body, other, whole);
+  REQUIRE(3 * body.size() > 450);
+  body.parts.clear();
+  Model model = model_of(body, "neo_hookean", {.youngs_modulus = 1e4, .poissons_ratio = 0.35});
+  const Vibrations found = find_vibrations(model, state_at_rest(body), 5);
+  REQUIRE(found.outcome == Outcome::converged);
+  CHECK(found.rigid_motions == 12);
+  const VectorX all = dense_frequencies(model, 12);
+  for (int k = 0; k < 5; ++k) CHECK(found.frequencies[k] == Approx(all[k]).epsilon(1e-7));
 }
 
 TEST_CASE("frequencies of a mechanism are zero, and its own", "[vibrations]") {

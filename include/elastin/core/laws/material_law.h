@@ -26,6 +26,7 @@ struct MaterialLaw : Descriptor {
   std::vector<ParameterInfo> columns = {};  ///< of each of its terms; none: it has no terms
   int most_terms = 0;
   bool from_moduli = false;  ///< whether it follows from E and ν, so that these are given and not derived
+  bool whole = false;  ///< whether its shape says of volume, too, what there is to say: there is no `bulk_modulus`
   /// The law's change of shape at work, all that does not depend on `bulk_modulus`. Throws InputError on constants that
   /// are missing or inadmissible.
   std::function<AnyPoint<3>(const Material&)> shape = {};
@@ -38,6 +39,9 @@ struct MaterialLaw : Descriptor {
 /// default. Throws InputError with the nearest name on what the law does not have, on what is missing or out of range,
 /// and on constants with which the law is unstable at rest.
 Material with_law(const MaterialLaw& row, LawConstants constants, Material material = {});
+
+/// Whether the law keeps the volume exactly with this material, whose bulk_modulus is missing.
+bool is_incompressible(const MaterialLaw& law, const Material& material);
 
 /// Why a strategy of the law called `law` cannot take this material, or "".
 /// @param solid whether its cells are solids, which need a bulk_modulus; membranes are taken as incompressible.

@@ -43,6 +43,8 @@ struct Strategy : Descriptor {
   std::function<std::string(const Body&)> unsuited = [](const Body&) { return std::string(); };
   /// Cell laws with constants of their own: their row among the material laws; else "".
   std::string law;
+  /// That row of a law that a program makes as it runs (see make_energy_law), which Catalog::add adds; else null.
+  std::shared_ptr<const MaterialLaw> own_law;
   /// Why it cannot take this material, or "": a law whose constants the material lacks. See material_unsuited.
   std::function<std::string(const Material&)> unsuited_material = [](const Material&) { return std::string(); };
   /// Whether it needs the Voronoi cells of this body (Body::voronoi).

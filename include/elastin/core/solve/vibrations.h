@@ -10,7 +10,7 @@ namespace elastin {
 struct Vibrations {
   VectorX frequencies;            ///< [Hz], ascending; 0 = no stiffness (a mechanism), NaN = unstable
   std::vector<Positions> shapes;  ///< of unit modal mass, Σ m |u|² = 1 [1/√kg]
-  int rigid_motions = 0;          ///< of the whole body, free of its supports: none of the above
+  int rigid_motions = 0;          ///< of the body, or of pieces that nothing joins, free of supports: none of the above
   int iterations = 0;
   Outcome outcome = Outcome::converged;
   std::string cause;

@@ -164,6 +164,6 @@ Body make_body(const HeldScene& held, const Material& material, std::vector<std:
 /// Files are named from the working directory. Throws InputError: material:line:column.
 Material make_material(const std::string& yaml);
 /// The same with materials of the program. Throws InputError: scene:line:column.
-Material make_material(const HeldScene& held);
+Material make_material(const HeldScene& held, const Catalog& catalog = built_in_catalog());
 
 }  // namespace elastin::lab

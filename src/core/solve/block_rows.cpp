@@ -1,0 +1,33 @@
+#include "elastin/core/solve/block_rows.h"
+
+#include <map>
+
+#include "elastin/core/base/error.h"
+#include "elastin/core/forces/tangent.h"
+
+namespace elastin {
+
+BlockRows stiffness_blocks(Model& model, const State& state) {
+  const Tangent tangent(model, state);
+  if (!tangent.wide_terms().empty())
+    throw InputError(
+        "a load that joins all molecules with all has a full matrix: the stiffness is given without such loads");
+  std::vector<std::map<int, Matrix3>> rows(static_cast<std::size_t>(model.body().size()));
+  tangent.visit_blocks([&](int a, int b, const Matrix3& block) {
+    const auto [at, is_new] = rows[a].try_emplace(b, block);
+    if (!is_new) at->second += block;
+  });
+  BlockRows result;
+  result.starts.push_back(0);
+  for (const auto& row : rows) {
+    for (const auto& [column, block] : row) {
+      result.columns.push_back(column);
+      const Matrix3 by_rows = block.transpose();
+      result.values.insert(result.values.end(), by_rows.data(), by_rows.data() + 9);
+    }
+    result.starts.push_back(static_cast<int>(result.columns.size()));
+  }
+  return result;
+}
+
+}  // namespace elastin
