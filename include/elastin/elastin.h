@@ -91,6 +91,7 @@
 #include "elastin/core/solve/sensitivity.h"
 #include "elastin/core/solve/stable_step.h"
 #include "elastin/core/solve/statics.h"
+#include "elastin/core/solve/trajectory.h"
 #include "elastin/core/solve/unloaded.h"
 #include "elastin/core/solve/vibrations.h"
 #include "elastin/febio/febio.h"

@@ -11,6 +11,7 @@
 #include "elastin/core/simulation/parts.h"
 #include "elastin/core/simulation/saved_state.h"
 #include "elastin/core/solve/sensitivity.h"
+#include "elastin/core/solve/trajectory.h"
 #include "elastin/mesh/voronoi.h"
 #include "python/bind.h"
 
@@ -315,6 +316,61 @@ void check_solve(const StaticResult& result) {
   if (result.outcome != Outcome::converged) throw InputError("no derivative at this equilibrium: " + result.cause);
 }
 
+/// Equal steps from a simulation's state, on its model, which is another one where its topology has changed.
+struct KeptTrajectory {
+  std::shared_ptr<Moving> of;
+  std::shared_ptr<Moving::Generation> generation;
+  Trajectory run;
+};
+
+py::dict trajectory_vjp(KeptTrajectory& self, const py::object& positions, const py::object& velocities) {
+  const Positions of_positions = given_or_zero(positions, "positions", *self.of),
+                  of_velocities = given_or_zero(velocities, "velocities", *self.of);
+  const TrajectoryAdjoint found = self.of->in_turn([&](Simulation& s) {
+    if (self.generation != self.of->generation) throw InputError("the body's topology has changed since these steps");
+    TrajectoryAdjoint adjoint = self.run.adjoint([&](int number, const State&, Positions& of_x, Positions& of_v) {
+      if (number == self.run.steps()) of_x += of_positions, of_v += of_velocities;
+    });
+    s.model().begin_step(s.state(), s.state().time);
+    return adjoint;
+  });
+  return py::dict(py::arg("positions") = Rows(found.positions.transpose()),
+                  py::arg("velocities") = Rows(found.velocities.transpose()),
+                  py::arg("forces") = Rows(found.forces.transpose()), py::arg("stiffness") = found.stiffness);
+}
+
+void add_trajectory(py::module_& module, Class& simulation) {
+  py::class_<KeptTrajectory>(module, "Trajectory", "Equal steps that can be differentiated, see Simulation.trajectory.")
+      .def_property_readonly(
+          "positions", [](const KeptTrajectory& self) { return Rows(self.run.end().positions.transpose()); },
+          "Of the end [m], (n, 3).")
+      .def_property_readonly(
+          "velocities", [](const KeptTrajectory& self) { return Rows(self.run.end().velocities.transpose()); },
+          "Of the end [m/s], (n, 3).")
+      .def("vjp", &trajectory_vjp, py::arg("positions") = py::none(), py::arg("velocities") = py::none(),
+           "What a function of the end changes with, by one sweep backward: from its derivatives by positions and "
+           "velocities there, each (n, 3) or None, a dict of those by 'positions' and 'velocities' at the start and by "
+           "'forces' on molecules throughout, each (n, 3), and a list, 'stiffness', as that of Simulation.vjp.");
+  simulation.def(
+      "trajectory",
+      [](const std::shared_ptr<Moving>& self, double dt, int steps, const std::string& scheme,
+         const ParameterValues& parameters) {
+        return self->in_turn([&](Simulation& s) {
+          IntegratorOptions options{scheme, parameters};
+          options.newton.tolerance = 1e-12;
+          KeptTrajectory kept{self, self->generation, Trajectory(s.model(), s.state(), dt, steps, options)};
+          s.model().begin_step(s.state(), s.state().time);
+          return kept;
+        });
+      },
+      py::arg("dt"), py::arg("steps"), py::arg("scheme") = "symplectic_euler",
+      py::arg("parameters") = ParameterValues(),
+      "Takes equal steps by dt [s] from the present state, which stays as it is, so that their end can be "
+      "differentiated. Schemes: symplectic_euler, velocity_verlet, backward_euler, newmark, generalized_alpha, with "
+      "their parameters by name; explicit ones must be given steps short enough, for no step is parted. Nothing that "
+      "acts on the body may change until the last vjp().");
+}
+
 void add_derivatives(Class& simulation) {
   simulation
       .def(
@@ -513,6 +569,7 @@ void add_simulation(py::module_& module) {
   add_views(simulation);
   add_hands(simulation);
   add_derivatives(simulation);
+  add_trajectory(module, simulation);
   add_loads(simulation);
   add_state(simulation);
   add_contact(simulation);

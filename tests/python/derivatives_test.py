@@ -79,6 +79,31 @@ class Derivatives(unittest.TestCase):
                         + 1e-12 * numpy.linalg.norm(of_reactions) * numpy.linalg.norm(reactions))
         self.assertEqual(len(found["stiffness"][0]), len(body.connections))
 
+    def test_a_run_in_time_backward(self):
+        body = elastin.lattice((3, 3, 4), 0.01, density=1000)
+        simulation = elastin.Simulation(body, "lattice", elastin.Material(9000, 0.25))
+        for molecule in numpy.flatnonzero(body.positions[:, 2] < 1e-6):
+            simulation.fix(molecule)
+        random = numpy.random.default_rng(4)
+        shape = (len(body.positions), 3)
+        start, weights, direction = (random.normal(size=shape) for _ in range(3))
+        start[body.positions[:, 2] < 1e-6] = direction[body.positions[:, 2] < 1e-6] = 0
+
+        def end(size):
+            simulation.velocities = 0.01 * start + size * direction
+            return simulation.trajectory(1e-4, 400, "velocity_verlet")
+        h = 1e-5
+        difference = numpy.sum(weights * (end(h).positions - end(-h).positions)) / (2 * h)
+        found = end(0).vjp(weights)
+        self.assertAlmostEqual(numpy.sum(found["velocities"] * direction) / difference, 1, 6)
+        self.assertEqual(len(found["stiffness"][0]), len(body.connections))
+        run = end(0)
+        for _ in range(400):
+            simulation.step(1e-4)
+        self.assertLess(numpy.abs(simulation.positions - run.positions).max(), 1e-5)
+        with self.assertRaisesRegex(elastin.InputError, "has no transpose"):
+            simulation.trajectory(1e-4, 4, "xpbd")
+
     @unittest.skipUnless(importlib.util.find_spec("torch"), "PyTorch is not installed")
     def test_pytorch(self):
         import torch

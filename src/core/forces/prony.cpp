@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "core/forces/relaxing.h"
+#include "core/forces/transposed_history.h"
 #include "core/forces/unstressed_lengths.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/base/text.h"
@@ -15,7 +16,7 @@ namespace {
 class PronySlopes;
 
 /// The terms' force densities together, relaxing.
-class Prony final : public EdgeDensities, public LawHistory {
+class Prony final : public EdgeDensities, public LawHistory, public TransposedHistory {
  public:
   /// @param elastic EdgeDensities all
   Prony(const Body& body, std::vector<std::unique_ptr<Elasticity>> elastic, Relaxing relaxing)
@@ -94,6 +95,36 @@ class Prony final : public EdgeDensities, public LawHistory {
     }
     relaxing_.commit_step(name, state);
     for_each_history(name, [&](LawHistory& term, const std::string& own) { term.commit_step(own, state); });
+  }
+
+  /// ∂q/∂s of the terms is symmetric.
+  void transpose_commit(double step, const Positions& positions, std::vector<double>& slopes,
+                        Positions& of_positions) const override {
+    const VectorX of_now = relaxing_.transpose_commit(step, slopes);
+    VectorX own = VectorX::Zero(of_now.size()), change = own;
+    Workspace workspace;
+    for (const auto* term : elastic_) {
+      const auto at = term->slopes();
+      at->linearise_at(positions);
+      at->add_own_slopes(own);
+      at->add_change(of_now, change, workspace);
+    }
+    change += own.cwiseProduct(of_now);
+    for (int c = 0; c < body_.connections.size(); ++c) {
+      const auto& [a, b] = body_.connections.ends[c];
+      const Vector3 slope = 2 * change[c] * (positions.col(b) - positions.col(a));
+      of_positions.col(b) += slope;
+      of_positions.col(a) -= slope;
+    }
+  }
+  void transpose_forces(double step, const Positions& positions, const Positions& lambda,
+                        std::vector<double>& slopes) const override {
+    VectorX work(body_.connections.size());
+    for (int c = 0; c < body_.connections.size(); ++c) {
+      const auto& [a, b] = body_.connections.ends[c];
+      work[c] = (positions.col(b) - positions.col(a)).dot(lambda.col(a) - lambda.col(b));
+    }
+    relaxing_.transpose_fixed(step, work, slopes);
   }
 
  private:

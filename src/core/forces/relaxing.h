@@ -81,6 +81,28 @@ class Relaxing {
     begin_step(name, state, state.time);
   }
 
+  /// As TransposedHistory::transpose_commit; gives the slopes by now().
+  VectorX transpose_commit(double step, std::vector<double>& slopes) const {
+    VectorX of_now = row(slopes, 0);
+    row(slopes, 0).setZero();
+    for (std::size_t i = 0; i < terms_.size(); ++i) {
+      const Part own = step > 0 ? part(i, step) : Part{0, 0};
+      auto of_own = row(slopes, 1 + i);
+      of_now += own.of_change * of_own;
+      row(slopes, 0) -= own.of_change * of_own;
+      of_own *= own.left;
+    }
+    return of_now;
+  }
+  /// Adds what a function has by the history through fixed(), by which it has `of_fixed`.
+  void transpose_fixed(double step, const VectorX& of_fixed, std::vector<double>& slopes) const {
+    for (std::size_t i = 0; i < terms_.size(); ++i) {
+      const Part own = part(i, step);
+      row(slopes, 1 + i) += own.left * of_fixed;
+      row(slopes, 0) -= own.of_change * of_fixed;
+    }
+  }
+
  private:
   struct Term {
     double share, time;  ///< gᵢ, τᵢ [s]; of a dashpot θ [s], 0
@@ -102,8 +124,9 @@ class Relaxing {
   Eigen::Map<const VectorX> values(const HistoryBlock& block, std::size_t row) const {
     return {block.values.data() + 1 + static_cast<Eigen::Index>(row) * fixed_.size(), fixed_.size()};
   }
-  Eigen::Map<VectorX> values(HistoryBlock& block, std::size_t row) const {
-    return {block.values.data() + 1 + static_cast<Eigen::Index>(row) * fixed_.size(), fixed_.size()};
+  Eigen::Map<VectorX> values(HistoryBlock& block, std::size_t number) const { return row(block.values, number); }
+  Eigen::Map<VectorX> row(std::vector<double>& values, std::size_t number) const {
+    return {values.data() + 1 + static_cast<Eigen::Index>(number) * fixed_.size(), fixed_.size()};
   }
   void note_stored(const HistoryBlock* block) {
     in_terms_ = linear_ = 0;

@@ -8,6 +8,8 @@
 
 #include "core/parallel/parallel.h"
 #include "core/solve/newton.h"
+#include "core/solve/transposed_step.h"
+#include "elastin/core/base/error.h"
 #include "elastin/core/model/share.h"
 
 namespace elastin {
@@ -25,7 +27,7 @@ void set_accelerations(const Model& model, const State& state, Positions& accele
 }
 
 /// Passes over the molecules are bound by memory: each array is read and written as seldom as can be.
-class Explicit final : public Integrator, public FrequencyWatch {
+class Explicit final : public Integrator, public FrequencyWatch, public TransposedStep {
  public:
   explicit Explicit(bool verlet) : verlet_(verlet) {}
   void watch(const SeenFrequency& before) override { watches_ = true, seen_ = before; }
@@ -40,6 +42,38 @@ class Explicit final : public Integrator, public FrequencyWatch {
     StepResult result = in_substeps(model, state, dt, std::min(substeps, kMaxSubsteps));
     if (result.outcome != Outcome::converged) go_back(model, state, before_);
     return result;
+  }
+
+  void transpose(Model& model, const State& from, const State& to, StateSlopes& slopes, const Visit& visit) override {
+    const double dt = to.time - from.time;
+    for (const auto& load : model.loads())
+      load->visit_points([](int, double, double) { throw InputError("a coupling has no transposed explicit step"); });
+    transpose_commit(model, from, to, slopes);
+    for (Positions* each : {&slopes.positions, &slopes.velocities}) keep_free(model.supports, *each);
+    TransposedForces forces(model);
+    State at = verlet_ ? to : from;
+    Positions lambda = verlet_ ? Positions(slopes.accelerations + dt / 2 * slopes.velocities)
+                               : Positions(dt * (slopes.velocities + dt * slopes.positions));
+    keep_free(model.supports, lambda);
+    lambda *= model.body().mass.cwiseInverse().asDiagonal();
+    if (!verlet_) {
+      at.accelerations = (to.velocities - from.velocities) / dt;
+      slopes.velocities += dt * slopes.positions;
+      forces.begin(from, from.time, at, dt);
+      forces.add(lambda, slopes);
+    } else {
+      const Positions of_velocities = slopes.velocities;
+      if (model.feels_velocity()) at.velocities = from.velocities + dt * from.accelerations;
+      move_with_supports(model.supports, at.velocities);
+      slopes.velocities.setZero();  // by the guess, until the positions are known
+      forces.begin(from, to.time, at, dt);
+      forces.add(lambda, slopes);
+      for (Positions* each : {&slopes.positions, &slopes.velocities}) keep_free(model.supports, *each);
+      slopes.accelerations = dt / 2 * of_velocities + dt * dt / 2 * slopes.positions + dt * slopes.velocities;
+      slopes.velocities += of_velocities + dt * slopes.positions;
+    }
+    for (Positions* each : {&slopes.positions, &slopes.velocities}) keep_free(model.supports, *each);
+    visit(at, lambda);
   }
 
  private:

@@ -18,6 +18,10 @@ namespace {
 /// A step that fails goes in halves, and those in halves, down to this part of it.
 constexpr double kSmallestSubstep = 1. / 1024;
 
+/// Of a transposed step: residual of its linear solves, and how many there are where damping turns with the body.
+constexpr double kTransposedTolerance = 1e-13;
+constexpr int kTransposedRounds = 30;
+
 template <class Vectors>
 double largest_square(const Vectors& vectors) {
   return vectors.colwise().squaredNorm().maxCoeff();
@@ -249,6 +253,82 @@ void Implicit::balance_as_one(const Model& model) {
   next_.positions.colwise() += missing / weights.acceleration;
 }
 
+/// λ of Kᵀ λ = rhs, K the workspace's tangent and what of the damping it leaves out.
+Positions ImplicitByNewton::transposed_balance(const TransposedForces& forces, const Positions& rhs) {
+  const Tangent& tangent = *workspace_.tangent;
+  const Model& model = tangent.model();
+  Positions lambda = Positions::Zero(3, rhs.cols()), left = rhs, change;
+  UsedSolver used;
+  workspace_.solver.forget();
+  for (int round = 0; round < kTransposedRounds; ++round) {
+    const LinearResult solved = solve_linear(tangent, model.supports, left, kTransposedTolerance, newton_, true, change,
+                                             used, workspace_.solver);
+    if (solved.residual > std::sqrt(kTransposedTolerance) || !change.allFinite()) break;
+    lambda += change;
+    if (model.viscosity().empty() || change.norm() <= 1e-13 * lambda.norm()) return lambda;
+    left = rhs;
+    forces.add_turning(lambda, left);
+    tangent.apply(lambda, change);
+    left -= change;
+    keep_free(model.supports, left);
+  }
+  throw InputError("a step's stiffness is too near to singular for derivatives");
+}
+
+/// The balance M a = f at x, v = v₀ + w_v (x − x₀), a = a₀ + w_a (x − x₀), of which m has the slopes x̄, v̄, ā:
+///   Kᵀ λ = x̄ + w_v v̄ + w_a ā,  K = w_a M + w_v C − ∂f/∂x,  C = −∂f/∂v
+/// and of x₀: w_a M λ + w_v C λ − w_v v̄ − w_a ā, of v₀: v̄ − C λ, of a₀: ā − M λ.
+void ImplicitByNewton::transpose(Model& model, const State& from, const State& to, StateSlopes& slopes,
+                                 const Visit& visit) {
+  const double dt = to.time - from.time;
+  const auto [share, of_inertia] = shares_;
+  const VectorX& mass = model.body().mass;
+  const auto free = [&](Positions vectors) {
+    keep_free(model.supports, vectors);
+    return vectors;
+  };
+  transpose_commit(model, from, to, slopes);
+  set_kinematics(from, from.accelerations, dt);
+  const Weights& weights = kinematics_.weights;
+  State at = to;
+  Positions of_x = free(slopes.positions), of_v = free(slopes.velocities), of_a = free(slopes.accelerations);
+  Positions start_x = Positions::Zero(3, of_x.cols()), start_v = start_x, start_a = start_x;
+  if (within()) {
+    at.positions = from.positions + share * (to.positions - from.positions);
+    at.time = from.time + share * dt;
+    of_a += dt * gamma_ * of_v;
+    start_v = of_v, start_a = dt * (1 - gamma_) * of_v + (1 - 1 / of_inertia) * of_a;
+    start_x = (1 - 1 / share) * of_x;
+    of_x /= share, of_a /= of_inertia, of_v.setZero();
+    at.velocities = kinematics_.velocities + weights.velocity * (at.positions - kinematics_.start);
+    const Positions between = from.velocities + share * (to.velocities - from.velocities);
+    at.velocities += between - at.velocities - free(between - at.velocities);
+  }
+  at.accelerations = kinematics_.accelerations + weights.acceleration * (at.positions - kinematics_.start);
+  const Positions reached = from.accelerations + of_inertia * (to.accelerations - from.accelerations);
+  if (free(at.accelerations - reached).norm() > 1e-6 * (reached.norm() + weights.acceleration * at.positions.norm()))
+    throw InputError("something that pushed has parted within a step, which has no derivative there");
+  TransposedForces forces(model);
+  forces.begin(from, at.time, at, dt);
+  workspace_.tangent = std::make_unique<Tangent>(model, at, weights);
+  const Positions lambda =
+      transposed_balance(forces, free(of_x + weights.velocity * of_v + weights.acceleration * of_a));
+  const Positions inertia = lambda * mass.asDiagonal(), damped = free(forces.damping(lambda));
+  start_x += weights.acceleration * (inertia - of_a) + weights.velocity * (damped - of_v);
+  of_v -= damped, of_a -= inertia;
+  if (newmark()) {
+    start_v += (1 - share * gamma_ / beta_) * of_v - of_inertia / (beta_ * dt) * of_a;
+    start_a += share * dt * (1 - gamma_ / (2 * beta_)) * of_v + (1 - of_inertia / (2 * beta_)) * of_a;
+  } else {
+    start_v -= of_a / dt;
+  }
+  slopes.positions = std::move(start_x), slopes.velocities = std::move(start_v);
+  slopes.accelerations = std::move(start_a);
+  forces.add_past(lambda, slopes);
+  visit(at, lambda);
+  workspace_.tangent.reset();
+}
+
 namespace {
 
 ParameterInfo newton_iterations() {
@@ -264,7 +344,7 @@ ParameterInfo newton_iterations() {
 
 std::unique_ptr<Integrator> make_implicit(const ParameterValues& values, const StaticOptions& newton, double beta,
                                           double gamma, EndShares shares = {}) {
-  auto implicit = std::make_unique<Implicit>(newton, beta, gamma, shares);
+  auto implicit = std::make_unique<ImplicitByNewton>(newton, beta, gamma, shares);
   implicit->cut_short(static_cast<int>(values.at("newton_iterations")));
   return implicit;
 }

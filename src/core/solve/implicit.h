@@ -1,6 +1,7 @@
 #pragma once
 #include "core/solve/newton.h"
 #include "core/solve/steppers.h"
+#include "core/solve/transposed_step.h"
 #include "elastin/core/solve/integrator.h"
 
 namespace elastin {
@@ -39,30 +40,42 @@ class Implicit : public Integrator, public HasEffort {
   /// One step; the state stays if it fails, and the result then says why.
   virtual void try_step(Model& model, State& state, double dt, StepResult& result);
 
+  void set_kinematics(const State& state, const Positions& accelerations, double dt);
+  bool newmark() const { return beta_ > 0; }
+  bool within() const { return shares_.forces != 1 || shares_.inertia != 1; }
+
   StaticOptions newton_;
   NewtonWorkspace workspace_;
+  double beta_, gamma_;
+  EndShares shares_;
+  Kinematics kinematics_;
 
  private:
   void advance(Model& model, State& state, double dt, double smallest, StepResult& result);
   StaticResult balance_parted(Model& model, const State& state, double dt);
   bool withhold_pushes(const Model& model, const State& state, double share);
-  void set_kinematics(const State& state, const Positions& accelerations, double dt);
   void set_first_guess(const Model& model, const State& state, double dt);
   void balance_as_one(const Model& model);
   StaticResult balance_within(Model& model, const State& state, double dt);
   void go_on_to_end(const Model& model, const State& state, double dt);
-  bool newmark() const { return beta_ > 0; }
-  bool within() const { return shares_.forces != 1 || shares_.inertia != 1; }
 
-  double beta_, gamma_;
-  EndShares shares_;
   // Kept from one step to the next, so that steps ask for no memory.
   State next_, before_;
-  Kinematics kinematics_;
   std::vector<Support> ends_;  // of the step's supports
   Positions forces_;
   Push push_, pushed_;  // at the step's beginning and end
   Positions withheld_;  // the accelerations at its beginning without the pushes of what has parted
+};
+
+/// Those that Newton's method balances. One that ends after a number of iterations has the derivatives of a balanced
+/// step.
+class ImplicitByNewton final : public Implicit, public TransposedStep {
+ public:
+  using Implicit::Implicit;
+  void transpose(Model& model, const State& from, const State& to, StateSlopes& slopes, const Visit& visit) override;
+
+ private:
+  Positions transposed_balance(const TransposedForces& forces, const Positions& rhs);
 };
 
 }  // namespace elastin

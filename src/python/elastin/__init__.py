@@ -28,7 +28,7 @@ if "OMP_WAIT_POLICY" not in _os.environ:
     _os.environ.setdefault("GOMP_SPINCOUNT", "3000")
 
 from ._elastin import (Body, Catalog, InputError, Load, Material, MissingFileError, Parameter, Result, Row, Simulation, SimulationState,
-                       StaticResult, StepError, StepResult, Stepper, Strategy, Surface, TopologyReport, __version__, linear_solvers, loads,
+                       StaticResult, StepError, StepResult, Stepper, Strategy, Surface, TopologyReport, Trajectory, __version__, linear_solvers, loads,
                        material_laws, measures, numbered_in_space, of_labels, of_parts, order_in_space, set_threads, steppers, threads)
 from . import _bodies, _simulation  # the methods that Python adds to classes of C++
 from ._bodies import body, lattice, material, read_mesh

@@ -206,6 +206,19 @@ class Catalog:
     def __len__(self) -> int: ...
     def __iter__(self) -> Iterator[Strategy]: ...
 
+class Trajectory:
+    """Equal steps that can be differentiated, see Simulation.trajectory."""
+    @property
+    def positions(self) -> Floats:
+        """Of the end [m], (n, 3)."""
+    @property
+    def velocities(self) -> Floats:
+        """Of the end [m/s], (n, 3)."""
+    def vjp(self, positions: ArrayLike | None = None, velocities: ArrayLike | None = None) -> dict[str, Any]:
+        """What a function of the end changes with, by one sweep backward: from its derivatives by positions and
+        velocities there, each (n, 3) or None, a dict of those by 'positions' and 'velocities' at the start and by
+        'forces' on molecules throughout, each (n, 3), and a list, 'stiffness', as that of Simulation.vjp."""
+
 class StepResult:
     """How a step ended; true if it went well."""
     @property
@@ -391,6 +404,12 @@ class Simulation:
         """How positions and reactions, each (n, 3), of the equilibrium that settle() has found change with forces on
         all molecules and displacements of fixed ones, (n, 3), and the logarithms of the stiffness of all elements, a
         list as vjp() gives it: a derivative along these."""
+    def trajectory(self, dt: float, steps: int, scheme: str = "symplectic_euler",
+                   parameters: dict[str, float] = ...) -> Trajectory:
+        """Takes equal steps by dt [s] from the present state, which stays as it is, so that their end can be
+        differentiated. Schemes: symplectic_euler, velocity_verlet, backward_euler, newmark, generalized_alpha, with
+        their parameters by name; explicit ones must be given steps short enough, for no step is parted. Nothing that
+        acts on the body may change until the last vjp()."""
     def couple(self, molecule: int, position: ArrayLike, stiffness: float, damping: float = 0.0) -> int:
         """A spring [N/m] and damper [N s/m] between a molecule and a position [m]: a tool. Gives the coupling's number."""
     def move_coupling(self, coupling: int, position: ArrayLike, velocity: ArrayLike = ...) -> None:
