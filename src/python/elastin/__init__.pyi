@@ -434,6 +434,11 @@ class Simulation:
         """Means over each cell now, by shape as in Body.cells: {'tetrahedron4': {'strain': (k, 3, 3), 'stress': (k, 3,
         3)}, …}: Green and Lagrange's strain and Cauchy's stress [Pa], of triangles force over width [N/m]. Of
         springs the stress is the virial of the cell's sides."""
+    def tangent(self) -> tuple[Floats, Ints, Ints]:
+        """The stiffness -d(all forces)/d(positions) [N/m] now, (3 n, 3 n), supports not regarded, as the arrays that
+        scipy.sparse.csr_matrix takes: data, column indices and indptr. Molecule m has rows 3 m, 3 m + 1 and 3 m + 2."""
+    def mass_matrix(self) -> tuple[Floats, Ints, Ints]:
+        """The masses of the molecules [kg] on the diagonal, (3 n, 3 n), as tangent() has its matrix."""
     def stiffness(self) -> tuple[Floats, Ints, Ints]:
         """The stiffness -d(all forces)/d(positions) [N/m] now, supports not regarded: data (m, 3, 3), columns (m,) and
         row starts (n + 1,) of its blocks, what scipy.sparse.bsr_matrix takes; tangent() gives them as CSR."""
@@ -691,6 +696,12 @@ def order_in_space(positions: ArrayLike) -> Ints:
 def numbered_in_space(body: Body) -> tuple[Body, Ints, Ints]:
     """The body with its molecules in the order of order_in_space, and the number that each molecule (n,) and each
     connection (c,) had: what is known of the old body goes over by x[molecule_from]. Bodies of parts keep theirs."""
+def of_labels(body: Body, labels: ArrayLike) -> tuple[Body, Ints]:
+    """The body in parts, one for each label of its cells (k,), whole numbers as a mesh's cell_data has them, and the
+    number that each molecule had (n,). Simulation then takes a material for each label, ascending: Simulation(body,
+    'neo_hookean', [fat, muscle]). Cells of a material that states another law than the first one have that law, all
+    others the strategy. Molecules that labels share are the lowest one's, and have its density where the materials
+    say it."""
 def of_parts(parts: Sequence[tuple[str, Body, int]],
              ties: Sequence[tuple[str, str, float, float]] = ...) -> Body:
     """A body of several parts: (name, body, number of its material from 0; below 0: bone, which stays where it is

@@ -47,14 +47,14 @@ def _tangent(simulation):
     counts = numpy.repeat(numpy.diff(starts), 3)  # blocks of each row
     rows = [slice(starts[m], starts[m + 1]) for m in range(len(starts) - 1)]
     data = [blocks[row].transpose(1, 0, 2).ravel() for row in rows]
-    indices = [numpy.tile((3 * columns[row, None] + numpy.arange(3)).ravel(), 3) for row in rows]
-    return numpy.concatenate(data), numpy.concatenate(indices), numpy.concatenate([[0], 3 * numpy.cumsum(counts)])
+    indices = [numpy.tile((3 * columns[row, None] + numpy.arange(3, dtype=numpy.int32)).ravel(), 3) for row in rows]
+    return numpy.concatenate(data), numpy.concatenate(indices), numpy.concatenate([[0], 3 * numpy.cumsum(counts)]).astype(numpy.int32)
 
 
 def _mass_matrix(simulation):
     """The masses of the molecules [kg] on the diagonal, (3 n, 3 n), as tangent() has its matrix."""
     data = numpy.repeat(simulation.body.masses, 3)
-    return data, numpy.arange(len(data)), numpy.arange(len(data) + 1)
+    return data, numpy.arange(len(data), dtype=numpy.int32), numpy.arange(len(data) + 1, dtype=numpy.int32)
 
 
 def step_all(simulations, dt, count=1, *, check=True, threads=None):
