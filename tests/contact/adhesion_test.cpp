@@ -50,7 +50,8 @@ struct Sphere {
     material.poissons_ratio = 0.3;
     material.youngs_modulus = kModulus * (1 - 0.09);
     model.add(built_in_catalog().find("st_venant_kirchhoff").make(body, material, {}));
-    ContactOptions options{.surface = ContactSurface::triangles, .stiffness = stiffness};
+    ContactOptions options;
+    options.surface = ContactSurface::triangles, options.stiffness = stiffness;
     options.adhesion = kWork, options.adhesion_range = 2 * kWork / peak;
     options.obstacles.push_back({"sphere", shape::Sphere{kRadius}});
     options.obstacles[0].motion = [this](double) {
@@ -115,7 +116,8 @@ TEST_CASE("a sphere is drawn off a soft body by the force of Maugis' theory", "[
 
 TEST_CASE("adhesion is refused where its traction has no peak", "[contact][adhesion]") {
   const Body body = graded_quarter(2, 0.01, 1.2, 2);
-  ContactOptions options{.surface = ContactSurface::triangles, .stiffness = 100};
+  ContactOptions options;
+  options.surface = ContactSurface::triangles, options.stiffness = 100;
   options.adhesion = 1;
   CHECK_THROWS_WITH(make_contact(body, options), Catch::Contains("needs a range"));
   options.adhesion_range = 0.1;

@@ -219,7 +219,7 @@ const Keys<SceneContact>& all_contact_keys() {
                     kPositive)
           .otherwise("what the penalty leaves"),
       key::quantity("adhesion", &S::adhesion, dimension::stiffness,
-                    "work of adhesion of the surface to obstacles, [J/m^2]; with `adhesion_range`", kPositive)
+                    "work of adhesion (J/m^2) of the surface to obstacles; with `adhesion_range`", kPositive)
           .otherwise("none"),
       key::quantity(
           "adhesion_range", &S::adhesion_range, dimension::length,

@@ -21,7 +21,7 @@ double product(const Positions& a, const Positions& b) { return a.cwiseProduct(b
 /// Everything by which a run is differentiated at once.
 struct Change {
   Positions positions, velocities, forces;
-  std::vector<VectorX> stiffness;
+  std::vector<VectorX> stiffness = {};
   double number = 0;
 };
 
