@@ -5,6 +5,7 @@
 
 #include "contact/distance.h"
 #include "elastin/core/base/error.h"
+#include "elastin/core/base/text.h"
 
 namespace elastin::contact {
 namespace {
@@ -127,6 +128,13 @@ std::unique_ptr<Contact> make_contact(const Body& body, const ContactOptions& op
   if (!(options.restitution >= 0.01 && options.restitution <= 1))
     throw InputError("the restitution must be from 0.01 to 1");
   if (!(options.penetration >= 0)) throw InputError("the penetration must not be negative");
+  const double w = options.adhesion, range = options.adhesion_range;
+  if (!(w >= 0) || (w > 0 && !(range > 0)) || !std::isfinite(w + range))
+    throw InputError("the adhesion must not be negative, and needs a range above 0");
+  if (w > 0 && !(options.stiffness * range * range > 2 * w))
+    throw InputError("the adhesion's range must be above " + number(std::sqrt(2 * w / options.stiffness)) +
+                     " m, or the contact stiffer: at its stiffness the traction has no peak below the range");
+  if (w > 0 && options.penetration > 0) throw InputError("adhesion has no bound of the penetration: leave one out");
   SurfaceSides sides;
   if (options.surface == ContactSurface::triangles) {
     sides = surface_sides(body);

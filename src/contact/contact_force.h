@@ -26,7 +26,7 @@ struct ContactResponse {
   Vector3 normal = Vector3::UnitZ(), position = Vector3::Zero();
   std::array<Side, 11> sides;  ///< of sample, target, and anchor where that lies elsewhere
   int count = 0;
-  double pressing = 0;                           ///< N ≥ 0, damping included [N]
+  double pressing = 0;                           ///< N, damping included [N]; below 0 where adhesion pulls
   double elastic = 0;                            ///< of it, from penalty and multiplier [N]
   double energy = 0;                             ///< of the elastic part [J]
   Vector3 friction = Vector3::Zero();            ///< [N]
@@ -47,6 +47,7 @@ struct ContactSetting {
   double friction = 0;                 ///< μ
   double onset = 0;                    ///< depth over which damping sets in [m]
   double multiplier = 0;               ///< [N]
+  double adhesion = 0, range = 0;      ///< work of adhesion [J], and the gap at which it ends [m]
   Vector3 slip = Vector3::Zero();      ///< from the anchor, tangential or not [m]
   Vector3 velocity = Vector3::Zero();  ///< of the sample against the target [m/s]
 };

@@ -20,9 +20,14 @@ ContactReport ContactForce::report(const State& state) const {
   VectorX pressing = VectorX::Zero(body_.size()), touched = pressing;  // [N], and the area that is pressed [m²]
   const std::vector<Sample>& samples = search_.samples();
   for (const ContactResponse& response : responses(state)) {
-    if (!(response.pressing > 0)) continue;
+    if (response.pressing == 0) continue;
     const Sample& sample = samples[response.sample];
     const Vector3 force = response.pressing * response.normal + response.friction;
+    if (response.pressing < 0) {  // adhesion, to an obstacle
+      for (int i = 0; i < sample.count; ++i) report.forces.col(sample.molecules[i]) += sample.weights[i] * force;
+      report.on_obstacles[response.target] -= force;
+      continue;
+    }
     ++report.pairs;
     report.sticking += sticks(response, friction_against(response.target));
     report.largest_penetration = std::max(report.largest_penetration, -response.gap);

@@ -46,6 +46,19 @@ void set_friction(const ContactPoint& geometry, const ContactSetting& setting, C
   response.friction_gap_rate_slope = setting.friction * direction * (response.damping * n).transpose();
 }
 
+/// Beyond touch: the penalty's line goes on to the traction's peak, then it falls to nothing at the range. Together
+/// they are a triangle over the range whose area is the work of adhesion.
+void set_pull(const ContactPoint& geometry, const ContactSetting& setting, ContactResponse& response) {
+  const double gap = geometry.gap, range = setting.range;
+  if (gap >= range) return;
+  const double peak = 2 * setting.adhesion / range, at_peak = peak / setting.stiffness;
+  const bool rising = gap <= at_peak;
+  const double slope = rising ? setting.stiffness : -peak / (range - at_peak);
+  response.elastic = response.pressing = rising ? -slope * gap : slope * (range - gap);
+  response.energy = rising ? slope * gap * gap / 2 - setting.adhesion : slope * (range - gap) * (range - gap) / 2;
+  response.stiffness = slope * geometry.normal * geometry.normal.transpose() - response.pressing * geometry.turning;
+}
+
 }  // namespace
 
 void set_response(const ContactPoint& geometry, const ContactSetting& setting, ContactResponse& response) {
@@ -53,9 +66,11 @@ void set_response(const ContactPoint& geometry, const ContactSetting& setting, C
   const double k = setting.stiffness, depth = -geometry.gap;
   response.gap = geometry.gap;
   response.normal = n;
+  if (setting.adhesion > 0 && depth < 0) return set_pull(geometry, setting, response);
   response.elastic = std::max(0., setting.multiplier + k * depth);
   // Of the augmented Lagrangian: zero at no force.
-  response.energy = (response.elastic * response.elastic - setting.multiplier * setting.multiplier) / (2 * k);
+  response.energy =
+      (response.elastic * response.elastic - setting.multiplier * setting.multiplier) / (2 * k) - setting.adhesion;
   response.pressing = response.elastic;
   if (!(setting.multiplier + k * depth >= -kNearness * k * setting.onset)) return;
   const double full = 2 * setting.damping_ratio * std::sqrt(k * setting.mass), speed = n.dot(setting.velocity);

@@ -101,6 +101,7 @@ void ContactForce::evaluate(const State& state, double reach, bool all) const {
   set_pressures(state);
   for (const MoleculePressure& held : pressures_)  // what is held back beyond its penalty is released at a gap
     reach = std::max(reach, held.pressure / options_.stiffness);
+  reach = std::max(reach, options_.adhesion_range);
   set_poses(state.time);
   search_.find(state.positions, poses_, reach, found_);
   responses_.clear();
@@ -154,6 +155,8 @@ ContactSetting ContactForce::setting_of(const State& state, const ContactPoint& 
   }
   setting.stiffness = options_.stiffness * area_of(contact_point);
   setting.multiplier = multiplier_of(contact_point);
+  if (contact_point.target < obstacle_count()) setting.adhesion = options_.adhesion * area_of(contact_point);
+  setting.range = options_.adhesion_range;
   setting.mass = 1 / inverse_mass;
   setting.damping_ratio = damping_ratio_;
   setting.friction = friction_against(contact_point.target);

@@ -83,7 +83,7 @@ double ContactForce::square_frequency(const State& state, double ahead) const {
     return most;
   }));
   const bool pairs = options_.self || pieces_ > 1;
-  double reach = (pairs ? 2 : 1) * fastest * ahead;
+  double reach = std::max((pairs ? 2 : 1) * fastest * ahead, options_.adhesion_range);
   set_poses(state.time);
   for (const Pose& pose : poses_) reach = std::max(reach, fastest * ahead + pose.velocity.norm() * ahead);
   search_.find(state.positions, poses_, 1.5 * reach, found_);

@@ -28,6 +28,12 @@ struct ContactOptions {
   /// molecules lie as much deeper as flat triangles must. Of equilibria and implicit steps.
   double penetration = 0;
   bool self = false;  ///< whether a piece touches itself
+  /// Work of adhesion w ≥ 0 [J/m²] of the body's surface to obstacles: over a gap g the surface is pulled on with the
+  /// traction stiffness · g up to its peak 2 w / range, and from there with one that falls linearly to nothing at g =
+  /// range > 0 [m]. Small ranges tend to Johnson, Kendall and Roberts' limit of soft spheres, large ones to Derjaguin,
+  /// Muller and Toporov's. [Maugis 1992] The surface must resolve the rim over which it parts;
+  /// sides cut by a plane of symmetry count as surface.
+  double adhesion = 0, adhesion_range = 0;
   std::vector<Obstacle> obstacles;
 };
 

@@ -218,6 +218,15 @@ const Keys<SceneContact>& all_contact_keys() {
                     "largest depth, in the mean about a molecule, by multipliers; at rest and in implicit steps",
                     kPositive)
           .otherwise("what the penalty leaves"),
+      key::quantity("adhesion", &S::adhesion, dimension::stiffness,
+                    "work of adhesion (J/m^2) of the surface to obstacles; with `adhesion_range`", kPositive)
+          .otherwise("none"),
+      key::quantity(
+          "adhesion_range", &S::adhesion_range, dimension::length,
+          "gap at which the traction ends that pulls the surface on; small against the contact's radius it is "
+          "Johnson, Kendall and Roberts' adhesion, and the surface must resolve the rim",
+          kPositive)
+          .otherwise("none"),
       key::flag("self", &S::self, "whether contact of a piece with itself counts"),
       Key<S>({"obstacles", "list of maps", "", "", "none", "rigid bodies, each with one shape"},
              [](const Reader& value, S& contact, const Frame& frame) {

@@ -45,6 +45,6 @@ globals().update(_experiments)
 
 __all__ = ["Body", "Catalog", "Comparison", "Experiment", "Identification", "InputError", "Laboratory", "Load", "Material", "MissingFileError", "Parameter", "Result",
            "Row", "Simulation", "SimulationState", "StaticResult", "StepError", "StepResult", "Stepper", "Strategy", "Surface", "Sweep",
-           "TopologyReport", "Verdicts", "View", "body", "compare", "experiments", "export", "gradient", "identify", "lattice", "law", "linear_solvers", "load",
+           "TopologyReport", "Trajectory", "Verdicts", "View", "body", "compare", "experiments", "export", "gradient", "identify", "lattice", "law", "linear_solvers", "load",
            "loads", "material", "material_laws", "measure", "measures", "numbered_in_space", "of_labels", "of_parts", "order_in_space", "read_mesh", "run",
            "set_threads", "step_all", "stepper", "steppers", "strategies", "sweep", "threads", "verify", "where", *_experiments]

@@ -21,7 +21,7 @@ double product(const Positions& a, const Positions& b) { return a.cwiseProduct(b
 /// Everything by which a run is differentiated at once.
 struct Change {
   Positions positions, velocities, forces;
-  std::vector<VectorX> stiffness;
+  std::vector<VectorX> stiffness = {};
   double number = 0;
 };
 
@@ -108,12 +108,12 @@ struct Problem {
   State start;
 };
 
-struct Weights {
+struct MeasureWeights {
   Positions x, v;
 };
 
 /// A function of the end and of the state in the middle.
-double measure(const Weights& weights, int number, int steps, const State& state) {
+double measure(const MeasureWeights& weights, int number, int steps, const State& state) {
   double sum = 0;
   if (number == steps) sum += product(weights.x, state.positions) + 0.01 * product(weights.v, state.velocities);
   if (number == steps / 2) sum += product(weights.v, state.positions.cwiseProduct(state.positions)) / 0.01;
@@ -134,7 +134,7 @@ IntegratorOptions scheme(const std::string& name, ParameterValues parameters = {
 
 /// Derivative along a change: by the sweep, and by differences of whole runs of order 4.
 std::pair<double, double> both(const Case& one, const Steps& by, double dt) {
-  const Weights weights{random_motion(one.body, 41), random_motion(one.body, 42)};
+  const MeasureWeights weights{random_motion(one.body, 41), random_motion(one.body, 42)};
   Change along{0.1 * random_motion(one.body, 43), random_motion(one.body, 44), 0.1 * random_motion(one.body, 45)};
   along.positions *= 1e-2, along.velocities *= 1e-1, along.forces *= 1e-2;
   along.stiffness = {VectorX::NullaryExpr(one.elements, [](Eigen::Index i) { return std::sin(1. + 7 * i); })};
