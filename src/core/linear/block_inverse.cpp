@@ -25,16 +25,27 @@ Matrix3 positive_inverse(const Matrix3& block) {
   return eigen.vectors * inverse.asDiagonal() * eigen.vectors.transpose();
 }
 
-void BlockInverses::compute(const Tangent& tangent, const std::vector<Support>& supports) {
-  flexibility_ = 1 / stiffness_scale(tangent);
-  blocks_.resize(tangent.model().body().size());
+template <class BlockOf>
+void BlockInverses::set(double scale, int count, BlockOf&& block_of, const std::vector<Support>& supports) {
+  flexibility_ = 1 / scale;
+  blocks_.resize(count);
   const auto set = [&](int molecule, const Matrix3& block) {
     const Eigen::Matrix3f inverse = (positive_inverse(block) / flexibility_).cast<float>();
     blocks_[molecule] = {inverse(0, 0), inverse(0, 1), inverse(0, 2), inverse(1, 1), inverse(1, 2), inverse(2, 2)};
   };
-  parallel_for(static_cast<int>(blocks_.size()), [&](int molecule) { set(molecule, tangent.diagonal(molecule)); });
+  parallel_for(count, [&](int molecule) { set(molecule, block_of(molecule)); });
   for (const Support& support : supports)
-    set(support.molecule, support.free * tangent.diagonal(support.molecule) * support.free);
+    set(support.molecule, support.free * block_of(support.molecule) * support.free);
+}
+
+void BlockInverses::compute(const Tangent& tangent, const std::vector<Support>& supports) {
+  set(
+      stiffness_scale(tangent), tangent.model().body().size(), [&](int a) { return tangent.diagonal(a); }, supports);
+}
+
+void BlockInverses::compute(double scale, const std::vector<Matrix3>& blocks, const std::vector<Support>& supports) {
+  set(
+      scale, static_cast<int>(blocks.size()), [&](int a) { return blocks[a]; }, supports);
 }
 
 }  // namespace elastin

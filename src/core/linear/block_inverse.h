@@ -15,6 +15,9 @@ class BlockInverses {
  public:
   /// Allocates nothing where the body had as many molecules before.
   void compute(const Tangent& tangent, const std::vector<Support>& supports);
+  /// Of other blocks than a tangent's own; `scale` is their size [N/m].
+  void compute(double scale, const std::vector<Matrix3>& blocks, const std::vector<Support>& supports);
+  int size() const { return static_cast<int>(blocks_.size()); }
   /// Of a force [N]; [m].
   Vector3 times(int molecule, const Vector3& force) const {
     const auto& [xx, xy, xz, yy, yz, zz] = blocks_[molecule];
@@ -24,6 +27,8 @@ class BlockInverses {
   }
 
  private:
+  template <class BlockOf>
+  void set(double scale, int count, BlockOf&& block_of, const std::vector<Support>& supports);
   double flexibility_ = 0;  ///< of the body's blocks in the mean [m/N]: what is kept is in parts of it
   std::vector<std::array<float, 6>> blocks_;  ///< xx xy xz yy yz zz
 };

@@ -226,11 +226,12 @@ void BoxLevel::smooth(int step, const Vectors& b, const Vectors& x, Vectors& bet
 
 void BoxLevel::set_damping() {
   Vectors x = vectors(), y = vectors();
-  const double largest = largest_eigenvalue(points(), x, y, [&](const Vectors& from, Vectors& to) {
+  constexpr int powers = 16, most = 6;  // cheap beside those of the molecules
+  const double largest = largest_eigenvalue(powers, points(), x, y, [&](const Vectors& from, Vectors& to) {
     parallel_for(
         points(), [&](int i) { to.col(i) = inverse_[i] * difference(from, i); }, kPointThreshold);
   });
-  steps_ = smoothing_steps(largest);
+  steps_ = largest > kOneStep ? std::min(most, static_cast<int>(std::ceil(largest))) : 1;
   for (auto& inverse : inverse_) inverse /= static_cast<float>(largest);
 }
 

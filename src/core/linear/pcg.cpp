@@ -12,6 +12,7 @@
 #include "core/linear/rigid_motions.h"
 #include "core/linear/smoothing.h"
 #include "core/linear/sparse_stiffness.h"
+#include "core/linear/volume_smoother.h"
 #include "core/parallel/parallel.h"
 #include "elastin/core/base/stop.h"
 #include "elastin/core/linear/linear_solver.h"
@@ -96,23 +97,31 @@ class Pcg final : public LinearSolver, public KeepsCoarsePicture {
     };
     // From this step on, z being what the ones before made of r.
     const auto smooth = [&](int step) {
-      for (; step <= smoothing_steps(largest_); ++step) {
+      for (; step <= steps_; ++step) {
         apply(z, unresolved);
+        if (volume_) {
+          parallel_for(
+              n, [&](int i) { unresolved.col(i) = r.col(i) - unresolved.col(i); }, kMoleculeThreshold);
+          volume_->apply(unresolved);
+        }
         const SmoothingStep factors = smoothing_step(step);
         parallel_for(
             n,
             [&](int i) {
-              step_.col(i) = factors.before * step_.col(i) +
-                             factors.now / largest_ * inverse_.times(i, r.col(i) - unresolved.col(i));
+              const Vector3 left = r.col(i) - unresolved.col(i),
+                            motion = volume_ ? Vector3(unresolved.col(i)) : inverse_.times(i, left);
+              step_.col(i) = factors.before * step_.col(i) + factors.now / largest_ * motion;
               z.col(i) += step_.col(i);
             },
             kMoleculeThreshold);
         keep_free(supports, z);
       }
     };
-    // From D⁻¹ r: smoothed, corrected by the coarse picture and smoothed the same way back, which is symmetric.
+    // From what the first step makes of r: smoothed, corrected by the coarse picture and smoothed the same way back,
+    // which is symmetric.
     const auto add_coarse = [&](Eigen::Vector2d& products) {
       if (!coarse || !(products[1] > 0)) return;
+      if (volume_) volume_->apply(z = r);
       parallel_for(
           n, [&](int i) { step_.col(i) = z.col(i) *= smoothing_step(1).now / largest_; }, kMoleculeThreshold);
       smooth(2);
@@ -126,6 +135,17 @@ class Pcg final : public LinearSolver, public KeepsCoarsePicture {
       products[0] = ordered_sum(
           n, [&](int i) { return r.col(i).dot(z.col(i)); }, 0., kMoleculeThreshold);
     };
+    const auto set_smoothing = [&] {
+      constexpr int powers = 8;
+      volume_ = VolumeSmoother::of(tangent, supports);
+      largest_ = largest_eigenvalue(powers, n, p, unresolved, [&](const Positions& from, Positions& to) {
+        apply(from, to);
+        if (volume_) return volume_->apply(to);
+        parallel_for(
+            n, [&](int i) { to.col(i) = inverse_.times(i, to.col(i)); }, kMoleculeThreshold);
+      });
+      steps_ = !volume_ && largest_ > kOneStep ? 2 : 1;
+    };
     Eigen::Vector2d now = advance(0);
     const double first = now[1];
     LinearResult result;
@@ -134,12 +154,7 @@ class Pcg final : public LinearSolver, public KeepsCoarsePicture {
     if (assembled) rows_.assemble(tangent);
     if (coarse) {
       unresolved.resize(3, n), step_.resize(3, n);
-      if (!kept)
-        largest_ = largest_eigenvalue(n, p, unresolved, [&](const Positions& from, Positions& to) {
-          apply(from, to);
-          parallel_for(
-              n, [&](int i) { to.col(i) = inverse_.times(i, to.col(i)); }, kMoleculeThreshold);
-        });
+      if (!kept) set_smoothing();
     }
     add_coarse(now);
     p = z;
@@ -224,8 +239,10 @@ class Pcg final : public LinearSolver, public KeepsCoarsePicture {
   bool multigrid_;
   GivesUp gives_up_;
   std::unique_ptr<Multigrid> coarse_;
-  double pace_ = 0;     ///< iterations a digit with it when new
-  double largest_ = 1;  ///< eigenvalue of D⁻¹ K, then
+  double pace_ = 0;                       ///< iterations a digit with it when new
+  std::optional<VolumeSmoother> volume_;  ///< in the place of D⁻¹
+  double largest_ = 1;                    ///< eigenvalue of either times K, then
+  int steps_ = 1;                         ///< of smoothing
   // Kept from one solve to the next, so that steps in time ask for no memory.
   BlockInverses inverse_;
   AssembledStiffness rows_;

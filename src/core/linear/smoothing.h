@@ -15,15 +15,14 @@ constexpr SmoothingStep smoothing_step(int i) {
   return {i == 1 ? 0 : (2. * i - 3) / (2 * i + 1), (8. * i - 4) / (2 * i + 1)};
 }
 
-/// A second step pays where a stiff part of the spectrum leaves the first one little: near ν = ½.
-constexpr int smoothing_steps(double largest) { return largest > 3 ? 2 : 1; }
+/// The largest eigenvalue up to which one step pays most. Beyond, a stiff part of the spectrum leaves it little.
+constexpr double kOneStep = 3;
 
-/// Somewhat more than λ ≥ 1, by powers, from scattered vectors; `apply(x, y)` sets the first `count` columns of y to
-/// D⁻¹ A x. What x and y are does not matter.
+/// Somewhat more than λ ≥ 1, by as many powers, from scattered vectors; `apply(x, y)` sets the first `count` columns of
+/// y to D⁻¹ A x. What x and y are does not matter.
 template <class Vectors, class Apply>
-double largest_eigenvalue(int count, Vectors& x, Vectors& y, Apply&& apply) {
+double largest_eigenvalue(int powers, int count, Vectors& x, Vectors& y, Apply&& apply) {
   using Number = typename Vectors::Scalar;
-  constexpr int powers = 8;
   constexpr double margin = 1.1;
   for (int i = 0; i < count; ++i)
     for (int k = 0; k < 3; ++k)
