@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """Writes the images of this folder next to this file: waist.nrrd, a round bar along z, 12 mm thick in its middle and 18 mm
 at its ends, in voxels of a quarter of a millimetre; kidney.nrrd, a bean of two labels, cut off at both ends, in voxels of
-3 mm; foam.nrrd, an open-celled foam of square struts."""
+3 mm; foam.nrrd, an open-celled foam of square struts; ball.nrrd and torus.nrrd, a ball 20 mm thick and a ring around z
+10 mm thick, cut by two planes at 0.8 of their heights; organ.nrrd, a bent ellipsoid, cut off at both ends."""
 import gzip
 import math
 import os
@@ -30,6 +31,13 @@ def foam(x, y, z):
     return sum(abs(c % 10.5 - 5.25) < 1.5 for c in (x, y, z)) > 1
 
 
+def organ(x, y, z):
+    return ((x + 0.01 * z * z) / 30) ** 2 + (y / 19) ** 2 + (z / 34) ** 2 < 1
+
+
+write("ball", (80, 80, 64), 0.25, lambda x, y, z: x * x + y * y + z * z < 100)
+write("torus", (208, 208, 64), 0.125, lambda x, y, z: (math.hypot(x, y) - 8) ** 2 + z * z < 25)
+write("organ", (140, 84, 88), 21 / 44, organ)
 write("foam", (28, 28, 28), 0.75, foam)
 write("waist", (80, 80, 48), 0.25, lambda x, y, z: math.hypot(x, y) < 6 + z * z / 12)
 write("kidney", (22, 14, 14), 3, kidney)

@@ -1,6 +1,8 @@
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <numeric>
 
 #include "core/geometry/reference_slopes.h"
 #include "core/model/block_geometry.h"
@@ -124,28 +126,52 @@ VectorX face_shares(const Body& body, const std::vector<int>& molecules, const V
 }
 
 std::vector<BlockFace> boundary_faces(const Body& body) {
-  struct Entry {
-    std::vector<int> sorted;
-    BlockFace face;
+  struct CellFace {
+    const CellBlock* block;
+    int cell, face;
   };
-  std::vector<Entry> all;
-  for (const CellBlock& block : body.blocks)
-    for (int cell = 0; cell < block.size(); ++cell) {
-      const auto nodes = block.cell(cell);
-      for (std::size_t f = 0; f < block.kind->faces.size(); ++f) {
-        Entry entry;
-        entry.face.kind = block.kind->face_kinds[f];
-        for (const int own : block.kind->faces[f]) entry.face.nodes.push_back(nodes[own]);
-        entry.sorted = entry.face.nodes;
-        std::sort(entry.sorted.begin(), entry.sorted.end());
-        all.push_back(std::move(entry));
+  struct Entry {
+    std::array<int, 9> sorted;  // −1: no node
+    CellFace of;
+  };
+  const auto visit_faces = [&](const auto& visit) {  // with its lowest node
+    for (const CellBlock& block : body.blocks)
+      for (int cell = 0; cell < block.size(); ++cell) {
+        const auto nodes = block.cell(cell);
+        for (std::size_t f = 0; f < block.kind->faces.size(); ++f) {
+          int lowest = body.size();
+          for (const int own : block.kind->faces[f]) lowest = std::min(lowest, nodes[own]);
+          visit(lowest, CellFace{&block, cell, static_cast<int>(f)});
+        }
       }
-    }
-  std::sort(all.begin(), all.end(), [](const Entry& a, const Entry& b) { return a.sorted < b.sorted; });
+  };
+  std::vector<std::size_t> ends(static_cast<std::size_t>(body.size()) + 1, 0);  // of the faces by their lowest node
+  visit_faces([&](int lowest, const CellFace&) { ++ends[lowest + 1]; });
+  std::partial_sum(ends.begin(), ends.end(), ends.begin());
+  std::vector<CellFace> faces(ends.back());
+  visit_faces([&](int lowest, const CellFace& face) { faces[ends[lowest]++] = face; });
   std::vector<BlockFace> found;
-  for (std::size_t f = 0; f < all.size(); ++f)
-    if ((f == 0 || all[f].sorted != all[f - 1].sorted) && (f + 1 == all.size() || all[f].sorted != all[f + 1].sorted))
-      found.push_back(std::move(all[f].face));
+  std::vector<Entry> same;
+  for (std::size_t node = 0, first = 0; node + 1 < ends.size(); first = ends[node++]) {
+    same.clear();
+    for (std::size_t i = first; i < ends[node]; ++i) {
+      const auto nodes = faces[i].block->cell(faces[i].cell);
+      Entry& entry = same.emplace_back(Entry{{}, faces[i]});
+      entry.sorted.fill(-1);
+      auto end = entry.sorted.begin();
+      for (const int own : faces[i].block->kind->faces[faces[i].face]) *end++ = nodes[own];
+      std::sort(entry.sorted.begin(), end);
+    }
+    std::sort(same.begin(), same.end(), [](const Entry& a, const Entry& b) { return a.sorted < b.sorted; });
+    for (std::size_t i = 0; i < same.size(); ++i) {
+      if ((i > 0 && same[i].sorted == same[i - 1].sorted) ||
+          (i + 1 < same.size() && same[i].sorted == same[i + 1].sorted))
+        continue;
+      const auto& [block, cell, f] = same[i].of;
+      BlockFace& face = found.emplace_back(BlockFace{block->kind->face_kinds[f], {}});
+      for (const int own : block->kind->faces[f]) face.nodes.push_back(block->cell(cell)[own]);
+    }
+  }
   return found;
 }
 

@@ -6,6 +6,7 @@
 #include <numbers>
 #include <vector>
 
+#include "core/geometry/reference_slopes.h"
 #include "core/model/block_geometry.h"
 #include "core/model/faces.h"
 #include "elastin/core/model/share.h"
@@ -43,13 +44,16 @@ class Slabs {
   template <std::size_t N>
   void add(std::array<double, N> heights, double volume) {
     std::sort(heights.begin(), heights.end());
-    const int last = static_cast<int>(volume_.size()) - 1;
-    const auto slab_at = [&](double height) {
-      return static_cast<int>(std::clamp((height - from_) / (to_ - from_) * (last + 1), 0., static_cast<double>(last)));
-    };
-    const int first = slab_at(heights.front()), end = slab_at(heights.back());
-    for (int slab = first; slab <= end; ++slab)
+    const int last = static_cast<int>(volume_.size()) - 1, end = slab_at(heights.back());
+    for (int slab = slab_at(heights.front()); slab <= end; ++slab)
       volume_[slab] += volume * (below(heights, slab + 1, slab == last) - below(heights, slab, false));
+  }
+
+  bool meet(double low, double high) const { return high > from_ && low < to_; }
+  /// The slab in which all between two heights lies; −1: none.
+  int around(double low, double high) const {
+    const int slab = slab_at(low);
+    return low >= from_ && high <= to_ && slab == slab_at(high) ? slab : -1;
   }
 
   std::vector<double>& volumes() { return volume_; }
@@ -64,6 +68,11 @@ class Slabs {
   }
 
  private:
+  int slab_at(double height) const {
+    const auto count = static_cast<double>(volume_.size());
+    return static_cast<int>(std::clamp((height - from_) / (to_ - from_) * count, 0., count - 1));
+  }
+
   /// Part of a simplex below the lower face of a slab; `top`: below the upper end of all.
   template <std::size_t N>
   double below(const std::array<double, N>& heights, int slab, bool top) const {
@@ -79,27 +88,46 @@ class Slabs {
 constexpr std::array<std::array<std::size_t, 4>, 6> kTetrahedraOfCube{
     {{0, 1, 3, 7}, {0, 1, 5, 7}, {0, 2, 3, 7}, {0, 2, 6, 7}, {0, 4, 5, 7}, {0, 4, 6, 7}}};
 
-/// Calls visit(cell, scale) for the tetrahedra of the body. Those of a cell whose sides are curved have its own volume
-/// together: the scale is that over theirs.
-template <class Visit>
-void visit_tetrahedra(const Body& body, const Visit& visit) {
+void add_cell(const std::array<int, 4>& cell, const Positions& rest, const VectorX& heights, Slabs& slabs,
+              double scale = 1) {
+  slabs.add(std::array{heights[cell[0]], heights[cell[1]], heights[cell[2]], heights[cell[3]]},
+            scale * std::abs(signed_volume(rest, cell)));
+}
+
+/// Adds the cells of solids: those of a body without blocks, or of its blocks. The simplices of a cell whose sides are
+/// curved have its own volume together; a cell that lies in one slab needs none.
+template <class Counts>
+void add_cells(const Body& body, const VectorX& heights, const Counts& counts, Slabs& slabs) {
   if (!has_blocks(body, 3))
-    for (const auto& cell : body.tetrahedra) visit(cell, 1.);
-  for (const CellBlock& block : body.blocks)
-    for (int own = 0; block.kind->dimensions == 3 && own < block.size(); ++own) {
+    for (const auto& cell : body.tetrahedra)
+      if (counts(cell)) add_cell(cell, body.rest, heights, slabs);
+  for (const CellBlock& block : body.blocks) {
+    if (block.kind->dimensions != 3) continue;
+    const ReferenceSlopes<3> slopes(*block.kind);
+    PointGradients<3> edges;
+    for (int own = 0; own < block.size(); ++own) {
       const auto nodes = block.cell(own);
-      const Eigen::MatrixXd at = positions_of(body.rest, nodes);
-      double volume = 0, flat = 0;
+      const auto [low, high] =
+          std::minmax_element(nodes.begin(), nodes.end(), [&](int a, int b) { return heights[a] < heights[b]; });
+      if (!slabs.meet(heights[*low], heights[*high])) continue;
+      slopes.gradients(positions_of(body.rest, nodes), edges);
+      double volume = 0;
       for (std::size_t g = 0; g < block.kind->slopes.size(); ++g)
-        volume +=
-            block.kind->weights[static_cast<Eigen::Index>(g)] * measure_of(at * block.kind->slopes[g].transpose());
+        volume += block.kind->weights[static_cast<Eigen::Index>(g)] * edges[g].determinant();
+      if (const int slab = slabs.around(heights[*low], heights[*high]); slab >= 0) {
+        if (counts(nodes)) slabs.volumes()[slab] += volume;
+        continue;
+      }
+      double flat = 0;
       Cells<4> cells;
       for (const auto& simplex : simplices_of(*block.kind, nodes)) {
         cells.push_back({nodes[simplex[0]], nodes[simplex[1]], nodes[simplex[2]], nodes[simplex[3]]});
         flat += signed_volume(body.rest, cells.back());
       }
-      for (const auto& cell : cells) visit(cell, volume / flat);
+      for (const auto& cell : cells)
+        if (counts(cell)) add_cell(cell, body.rest, heights, slabs, volume / flat);
     }
+  }
 }
 
 /// Whether every molecule is a corner of one of the cells.
@@ -159,19 +187,13 @@ Section hull_section(const Body& body, const Vector3& axis, const VectorX& heigh
 Section find_section(const Body& body, const Vector3& axis, double from, double to, double thickness) {
   const VectorX heights = body.rest.transpose() * axis;
   Slabs slabs(from, to, 10);
-  const auto add_tetrahedron = [&](const std::array<int, 4>& cell, double scale = 1) {
-    slabs.add(std::array{heights[cell[0]], heights[cell[1]], heights[cell[2]], heights[cell[3]]},
-              scale * std::abs(signed_volume(body.rest, cell)));
-  };
   const auto counts = [&](const auto& cell) { return lowest_in_whole(body, cell) < owned_molecules(body); };
   if (fill(body, body.tetrahedra)) {
-    visit_tetrahedra(body, [&](const std::array<int, 4>& cell, double scale) {
-      if (counts(cell)) add_tetrahedron(cell, scale);
-    });
+    add_cells(body, heights, counts, slabs);
   } else if (fill(body, body.cubes)) {
     for (const auto& cube : body.cubes)
       for (const auto& t : kTetrahedraOfCube)
-        if (counts(cube)) add_tetrahedron({cube[t[0]], cube[t[1]], cube[t[2]], cube[t[3]]});
+        if (counts(cube)) add_cell({cube[t[0]], cube[t[1]], cube[t[2]], cube[t[3]]}, body.rest, heights, slabs);
   } else if (thickness > 0 && fill(body, body.triangles)) {
     for (const auto& triangle : body.triangles) {
       if (!counts(triangle)) continue;

@@ -348,7 +348,7 @@ void choose_order(const CellOrder& chosen, Body& body, VectorX& volumes) {
   const int order = *chosen.order;
   if (order == 1 && body.blocks.empty() && body.cubes.empty()) return;
   body = chosen.order_place->located([&] { return with_order(body, order); });
-  volumes.resize(0);
+  if (volumes.size() != body.size()) volumes.resize(0);
 }
 
 /// Cells of which the box has a part but not all: those whose middle lies in it count whole.

@@ -4,14 +4,17 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <map>
+#include <numeric>
 #include <set>
 #include <utility>
 
 #include "core/base/disjoint_sets.h"
 #include "core/simulation/warnings.h"
 #include "elastin/core/base/text.h"
+#include "elastin/core/shapes/orders.h"
 #include "elastin/core/shapes/shapes.h"
 #include "lab/run/body_image.h"
 #include "lab/scene/parts.h"
@@ -31,12 +34,14 @@ struct Label {
   std::optional<Reader> ratio_place = {}, material = {};
 };
 
-struct ImageSetup : MeshFile {
+struct ImageSetup : MeshFile, CellOrder {
   std::vector<Label> labels;
   std::optional<Reader> labels_place;
-  std::optional<double> threshold, spacing;
+  std::optional<double> threshold, spacing, smoothing;
+  std::optional<Reader> smoothing_place;
   std::optional<Vector3> voxel_size, from, to;
   ImageCells as = ImageCells::hexahedra;
+  int ends = -1;  ///< axis of the image
   bool largest = false, close = false, fill_fraction = false;
   std::optional<Reader> youngs_modulus, density;
   std::uint64_t seed = 1;
@@ -98,7 +103,6 @@ class Boxes {
   MoleculeSets sets() const;
 
  private:
-  void add_ends(MoleculeSets& sets) const;
   void set_shades(BodyImage& own) const;
   struct Box {
     int label = -1;      ///< −1: not body
@@ -109,6 +113,11 @@ class Boxes {
     return static_cast<std::size_t>(x) +
            static_cast<std::size_t>(counts_[0]) *
                (static_cast<std::size_t>(y) + static_cast<std::size_t>(counts_[1]) * static_cast<std::size_t>(z));
+  }
+  std::size_t voxel(int x, int y, int z) const {
+    return static_cast<std::size_t>(x) +
+           static_cast<std::size_t>(image_.size[0]) *
+               (static_cast<std::size_t>(y) + static_cast<std::size_t>(image_.size[1]) * static_cast<std::size_t>(z));
   }
   std::array<int, 3> at(std::size_t box) const {
     const auto nx = static_cast<std::size_t>(counts_[0]), ny = static_cast<std::size_t>(counts_[1]);
@@ -130,10 +139,14 @@ class Boxes {
   std::function<int(const Vector3&)> label_at() const;
   void add_parts(const Cells<8>& cubes, const std::vector<std::size_t>& firsts, Body& body) const;
   /// Of a voxel; −1: not body.
-  int label_of(int x, int y, int z, double value) const;
+  int label_of(int x, int y, int z) const;
+  int label_of(double value) const;
+  void smooth();
+  std::vector<float> blurred(const std::vector<std::int16_t>& labels, int label) const;
   void fill();
   void close_holes();
   void find_pieces();
+  void cut_ends();
   void find_thin_places() const;
   void report() const;
   void number_corners();
@@ -149,11 +162,13 @@ class Boxes {
   bool parts_ = false;  ///< whether each label is a part: where materials differ by more than E, ν and density, and in
                         ///< tetrahedra near ν = ½, whose volumes are kept in bodies of one stiffness
   std::array<int, 3> voxels_{}, counts_{};  ///< voxels of a box, boxes, along each axis
+  std::vector<std::int16_t> smoothed_;      ///< labels of the voxels, x first; empty where they are the image's
   std::vector<Box> boxes_;
   std::vector<Label> labels_;
   std::vector<Material> materials_;          ///< of the labels, where they are parts
   std::vector<int> numbers_;                 ///< of each corner of the grid; −1: none
   std::vector<std::array<int, 3>> corners_;  ///< of the molecules
+  std::array<int, 2> ends_{};                ///< layers of boxes at the ends
   std::vector<int> firsts_;                  ///< molecules of the parts, and the end
   std::function<double(double)> modulus_of_, density_of_;
 };
@@ -193,26 +208,92 @@ Boxes::Boxes(const mesh::Image& image, const ImageSetup& setup, ShapeContext& co
   }
   if (setup.youngs_modulus) modulus_of_ = setup.youngs_modulus->of_value(dimension::pressure, kPositive);
   if (setup.density) density_of_ = setup.density->of_value(dimension::density, kPositive);
+  if (setup.smoothing) smooth();
   fill();
   if (setup.close) close_holes();
   find_pieces();
+  cut_ends();
   find_thin_places();
   number_corners();
   report();
 }
 
-int Boxes::label_of(int x, int y, int z, double value) const {
+int Boxes::label_of(int x, int y, int z) const {
   if (setup_.from || setup_.to) {
     const Vector3 place = setup_.length_unit * (image_.origin + image_.steps * Vector3(x, y, z));
     if ((setup_.from && (place.array() < setup_.from->array()).any()) ||
         (setup_.to && (place.array() > setup_.to->array()).any()))
       return -1;
   }
+  return smoothed_.empty() ? label_of(image_.at(x, y, z)) : smoothed_[voxel(x, y, z)];
+}
+
+int Boxes::label_of(double value) const {
   if (setup_.labels.empty())
     return (setup_.threshold ? value >= *setup_.threshold : value != 0 && !std::isnan(value)) ? 0 : -1;
   for (std::size_t i = 0; i < labels_.size(); ++i)
     if (labels_[i].number == value) return static_cast<int>(i);
   return -1;
+}
+
+/// Where a voxel has a label, or any where that is −1: 1, else 0, smoothed by a Gaussian. Beyond the image it goes on
+/// as it ends.
+std::vector<float> Boxes::blurred(const std::vector<std::int16_t>& labels, int label) const {
+  std::vector<float> values(labels.size());
+  for (std::size_t i = 0; i < values.size(); ++i) values[i] = label < 0 ? labels[i] >= 0 : labels[i] == label;
+  for (int axis = 0, stride = 1; axis < 3; stride *= image_.size[axis++]) {
+    const double deviation = *setup_.smoothing / (setup_.length_unit * image_.steps.col(axis).norm());
+    const int reach = static_cast<int>(std::ceil(3 * deviation)), size = image_.size[axis];
+    std::vector<float> weights, line(static_cast<std::size_t>(size));
+    for (int i = -reach; i <= reach; ++i)
+      weights.push_back(static_cast<float>(std::exp(-i * i / (2 * deviation * deviation))));
+    const float sum = std::accumulate(weights.begin(), weights.end(), 0.f);
+    for (std::size_t first = 0; first < values.size(); ++first) {
+      if (first / static_cast<std::size_t>(stride) % static_cast<std::size_t>(size) != 0) continue;
+      const auto at = [&](int i) -> float& {
+        return values[first + static_cast<std::size_t>(i) * static_cast<std::size_t>(stride)];
+      };
+      for (int i = 0; i < size; ++i) line[i] = at(i);
+      if (std::all_of(line.begin(), line.end(), [&](float value) { return value == line[0]; })) continue;
+      for (int i = 0; i < size; ++i) {
+        float own = 0;
+        for (int j = -reach; j <= reach; ++j) own += weights[j + reach] * line[std::clamp(i + j, 0, size - 1)];
+        at(i) = own / sum;
+      }
+    }
+  }
+  return values;
+}
+
+/// Body is then what has most of it around, as many voxels as before; a voxel has the label of which most is around.
+void Boxes::smooth() {
+  constexpr double most = 20;  // voxels, to which the time is in proportion
+  if (*setup_.smoothing > most * setup_.length_unit * image_.steps.colwise().norm().minCoeff())
+    setup_.smoothing_place->fail(fmt::format("is more than {} voxels", most));
+  std::vector<std::int16_t> before;
+  for (int z = 0; z < image_.size[2]; ++z)
+    for (int y = 0; y < image_.size[1]; ++y)
+      for (int x = 0; x < image_.size[0]; ++x)
+        before.push_back(static_cast<std::int16_t>(label_of(image_.at(x, y, z))));
+  const std::ptrdiff_t count =
+      std::count_if(before.begin(), before.end(), [](std::int16_t label) { return label >= 0; });
+  if (count == 0) return;
+  const std::vector<float> body = blurred(before, -1);
+  std::vector<float> sorted = body, largest(body.size(), -1);
+  std::nth_element(sorted.begin(), sorted.begin() + count - 1, sorted.end(), std::greater());
+  const float least = sorted[count - 1];
+  smoothed_.assign(body.size(), -1);
+  for (int label = 0; label < static_cast<int>(labels_.size()); ++label) {
+    const std::vector<float> own = labels_.size() == 1 ? body : blurred(before, label);
+    for (std::size_t i = 0; i < own.size(); ++i)
+      if (body[i] >= least && own[i] > largest[i]) largest[i] = own[i], smoothed_[i] = static_cast<std::int16_t>(label);
+  }
+  std::ptrdiff_t changed = 0, now = 0;
+  for (std::size_t i = 0; i < body.size(); ++i) changed += smoothed_[i] != before[i], now += smoothed_[i] >= 0;
+  context_.remarks.notes.push_back(fmt::format(
+      "{}: smoothed over {} mm: {} of {} voxels of the body have changed, its volume is {:.4f} times as before",
+      setup_.file->text(), number(1e3 * *setup_.smoothing), changed, count,
+      static_cast<double>(now) / static_cast<double>(count)));
 }
 
 void Boxes::fill() {
@@ -228,11 +309,10 @@ void Boxes::fill() {
     for (int z = bz * voxels_[2]; z < std::min((bz + 1) * voxels_[2], image_.size[2]); ++z)
       for (int y = by * voxels_[1]; y < std::min((by + 1) * voxels_[1], image_.size[1]); ++y)
         for (int x = bx * voxels_[0]; x < std::min((bx + 1) * voxels_[0], image_.size[0]); ++x, ++all) {
-          const double value = image_.at(x, y, z);
-          const int label = label_of(x, y, z, value);
+          const int label = label_of(x, y, z);
           if (label < 0) continue;
           ++counts[label], ++body;
-          sum += value;
+          sum += image_.at(x, y, z);
         }
     const double fraction = static_cast<double>(body) / all;
     if (!(setup_.fill_fraction ? fraction >= 0.01 : fraction >= 0.5)) continue;
@@ -306,6 +386,40 @@ void Boxes::find_pieces() {
   for (std::size_t box = 0; box < boxes_.size(); ++box)
     if (boxes_[box].label >= 0 && sets.set_of(static_cast<int>(box)) != largest->first) boxes_[box].label = -1;
   context_.remarks.notes.push_back(text + "; the others are dropped");
+}
+
+/// Of a body that grows wider from a grip on, boxes next to the grip have body beside it, which nothing holds, and
+/// their molecules are held: such boxes are as full as their outer sides alone.
+void Boxes::cut_ends() {
+  if (setup_.ends < 0) return;
+  const int axis = setup_.ends, u = (axis + 1) % 3, v = (axis + 2) % 3;
+  double before = 0, after = 0;
+  for (const int side : {0, 1}) {
+    std::map<std::size_t, int> filled;  // voxels on the outer sides
+    std::array<int, 3> voxel{};
+    const int last = image_.size[axis] - 1;
+    for (int layer = 0; layer <= last && filled.empty(); ++layer) {
+      voxel[axis] = side ? last - layer : layer;
+      for (voxel[v] = 0; voxel[v] < image_.size[v]; ++voxel[v])
+        for (voxel[u] = 0; voxel[u] < image_.size[u]; ++voxel[u]) {
+          const std::size_t box = index(voxel[0] / voxels_[0], voxel[1] / voxels_[1], voxel[2] / voxels_[2]);
+          if (boxes_[box].label >= 0 && label_of(voxel[0], voxel[1], voxel[2]) >= 0) ++filled[box];
+        }
+    }
+    ends_[side] = voxel[axis] / voxels_[axis];
+    for_body([&](const Box& box, const std::array<int, 3>& at) {
+      if (at[axis] != ends_[side]) return;
+      const auto found = filled.find(index(at[0], at[1], at[2]));
+      Box& own = boxes_[index(at[0], at[1], at[2])];
+      before += double{box.fraction} * volume(at);
+      const double part = found == filled.end() ? 0 : double(found->second) / (voxels_[u] * voxels_[v]);
+      own.fraction = std::min(box.fraction, static_cast<float>(part));
+      after += double{own.fraction} * volume(at);
+      if (found == filled.end()) own.label = -1;
+    });
+  }
+  context_.remarks.notes.push_back(fmt::format("{}: of the boxes at the ends {:.2g} % lies beside them and is left out",
+                                               setup_.file->text(), 100 * (1 - after / before)));
 }
 
 /// What lies in no cube of two boxes a side, and on none: a step of the surface is no thin place.
@@ -417,66 +531,21 @@ MoleculeSets Boxes::sets() const {
   if (setup_.as == ImageCells::packing) return sets;
   const auto lines = [&](int axis) { return static_cast<std::size_t>(counts_[axis]) + 1; };
   for_body([&](const Box& box, const std::array<int, 3>& at) {
-    for (int c = 0; c < 8; ++c)
-      sets[labels_[box.label].name].push_back(
-          numbers_[static_cast<std::size_t>(at[0] + c % 2) +
-                   lines(0) * (static_cast<std::size_t>(at[1] + c / 2 % 2) +
-                               lines(1) * static_cast<std::size_t>(at[2] + c / 4))]);
+    for (int c = 0; c < 8; ++c) {
+      const int molecule = numbers_[static_cast<std::size_t>(at[0] + c % 2) +
+                                    lines(0) * (static_cast<std::size_t>(at[1] + c / 2 % 2) +
+                                                lines(1) * static_cast<std::size_t>(at[2] + c / 4))];
+      sets[labels_[box.label].name].push_back(molecule);
+      for (const int side : {0, 1})
+        if (setup_.ends >= 0 && at[setup_.ends] == ends_[side] && (c >> setup_.ends & 1) == side)
+          sets[std::string(side ? "high " : "low ") + "ijk"[setup_.ends]].push_back(molecule);
+    }
   });
-  if (setup_.fill_fraction) add_ends(sets);
   for (auto& [name, members] : sets) {
     std::sort(members.begin(), members.end());
     members.erase(std::unique(members.begin(), members.end()), members.end());
   }
   return sets;
-}
-
-/// Of boxes that are filled in part not every molecule of the outermost plane has body at it: those have at which a
-/// third of the sides of boxes is filled. That is a third of a box outside a straight rim: a grip of cells acts as
-/// one that is smaller by that [compared with fitted meshes of cut balls].
-void Boxes::add_ends(MoleculeSets& sets) const {
-  for (int axis = 0; axis < 3; ++axis)
-    for (const int side : {0, 1}) {
-      const int u = (axis + 1) % 3, v = (axis + 2) % 3, last = image_.size[axis] - 1;
-      const auto wide = static_cast<std::size_t>(counts_[u]) + 2;
-      std::vector<double> filled(wide * (static_cast<std::size_t>(counts_[v]) + 2));
-      const auto side_of = [&](int i, int j) -> double& {  // counted from −1
-        return filled[static_cast<std::size_t>(i + 1) + wide * static_cast<std::size_t>(j + 1)];
-      };
-      std::array<int, 3> at{};
-      bool any = false;
-      for (int layer = 0; layer <= last && !any; ++layer) {
-        at[axis] = side ? last - layer : layer;
-        for (at[v] = 0; at[v] < image_.size[v]; ++at[v])
-          for (at[u] = 0; at[u] < image_.size[u]; ++at[u]) {
-            if (!is_body(at[0] / voxels_[0], at[1] / voxels_[1], at[2] / voxels_[2]) ||
-                label_of(at[0], at[1], at[2], image_.at(at[0], at[1], at[2])) < 0)
-              continue;
-            any = true;
-            side_of(at[u] / voxels_[u], at[v] / voxels_[v]) += 1. / voxels_[u] / voxels_[v];
-          }
-        if (!any) continue;
-        std::array<int, 3> corner{};
-        corner[axis] = at[axis] / voxels_[axis] + side;
-        std::vector<int>& members = sets[std::string(side ? "high " : "low ") + "ijk"[axis]];
-        for (corner[v] = 0; corner[v] <= counts_[v]; ++corner[v])
-          for (corner[u] = 0; corner[u] <= counts_[u]; ++corner[u]) {
-            double sum = 0, boxes = 0;
-            std::array<int, 3> box{};
-            box[axis] = at[axis] / voxels_[axis];
-            for (int c = 0; c < 4; ++c) {
-              box[u] = corner[u] - c % 2, box[v] = corner[v] - c / 2;
-              boxes += is_body(box[0], box[1], box[2]), sum += side_of(box[u], box[v]);
-            }
-            const int molecule =
-                numbers_[static_cast<std::size_t>(corner[0]) +
-                         (static_cast<std::size_t>(counts_[0]) + 1) *
-                             (static_cast<std::size_t>(corner[1]) +
-                              (static_cast<std::size_t>(counts_[1]) + 1) * static_cast<std::size_t>(corner[2]))];
-            if (boxes > 0 && sum >= boxes / 3) members.push_back(molecule);
-          }
-      }
-    }
 }
 
 /// A random close packing of the outline, as far as it lies in the body.
@@ -594,14 +663,27 @@ void Boxes::set_matter(Body& body) const {
   VectorX volumes = VectorX::Zero(body.size());
   const auto lines = [&](int axis) { return static_cast<std::size_t>(counts_[axis]) + 1; };
   bool varied = false;
+  std::vector<double> factors(boxes_.size());
+  std::size_t boxes = 0, cell = 0;
+  for_body([&](const Box&, const std::array<int, 3>&) { ++boxes; });
+  VectorX shares;  // of the molecules of a cell
+  if (!body.blocks.empty()) shares = body.blocks[0].kind->values.cwiseAbs2() * body.blocks[0].kind->weights;
+  if (!body.blocks.empty())
+    shares *= static_cast<double>(boxes) / static_cast<double>(cells_in_blocks(body)) / shares.sum();
   for_body([&](const Box& box, const std::array<int, 3>& at) {
     const double own = context_.material->density;
     const double of_label = parts_ ? materials_[box.label].density : labels_[box.label].density.value_or(own);
     const double density = density_of_ ? density_of_(double{box.value}) : of_label;
     const double of_box = double{box.fraction} * volume(at) * density / own;
     all += of_box;
-    varied |= stiffness(box) != 1;
+    varied |= (factors[index(at[0], at[1], at[2])] = stiffness(box)) != 1;
     if (setup_.as == ImageCells::packing) return;
+    if (body.size() > static_cast<int>(corners_.size())) {  // second order
+      for (const std::size_t end = cell + cells_in_blocks(body) / boxes; cell < end; ++cell)
+        for (int a = 0; a < shares.size(); ++a)
+          volumes[body.blocks[0].cell(static_cast<int>(cell))[a]] += of_box * shares[a];
+      return;
+    }
     for (int c = 0; c < 8; ++c)
       volumes[numbers_[static_cast<std::size_t>(at[0] + c % 2) +
                        lines(0) * (static_cast<std::size_t>(at[1] + c / 2 % 2) +
@@ -616,22 +698,29 @@ void Boxes::set_matter(Body& body) const {
   for (const Material& material : parts_ ? materials_ : std::vector{*context_.material})
     if (material.curve || material.fibre)
       setup_.file->fail("stiffness that varies needs a material without curve or fibre");
+  std::vector<std::array<int, 3>> halves;  // places of the molecules, in halves of boxes
+  for (const auto& [x, y, z] : corners_) halves.push_back({2 * x, 2 * y, 2 * z});
+  for (const MoleculeBetween& between : body.between) {
+    Vector3 sum = Vector3::Zero();
+    for (const auto& [of, weight] : between) sum += weight * Vector3(halves[of][0], halves[of][1], halves[of][2]);
+    halves.push_back({static_cast<int>(std::lround(sum[0])), static_cast<int>(std::lround(sum[1])),
+                      static_cast<int>(std::lround(sum[2]))});
+  }
   // What lies on a face or edge has the mean of the boxes around it.
   change_stiffness(body, [&](const auto& molecules, double& factor) {
-    Vector3 middle = Vector3::Zero();
+    std::array<int, 3> low = halves[*molecules.begin()], high = low;
     for (const int molecule : molecules)
-      middle += Vector3(corners_[molecule][0], corners_[molecule][1], corners_[molecule][2]);
-    middle /= static_cast<double>(molecules.size());
+      for (int axis = 0; axis < 3; ++axis) {
+        low[axis] = std::min(low[axis], halves[molecule][axis]);
+        high[axis] = std::max(high[axis], halves[molecule][axis]);
+      }
+    const auto first = [&](int axis) { return (low[axis] - (low[axis] == high[axis])) >> 1; };
     double sum = 0;
     int count = 0;
-    for (int c = 0; c < 8; ++c) {
-      std::array<int, 3> at{};
-      for (int axis = 0; axis < 3; ++axis)
-        at[axis] = static_cast<int>(std::floor(middle[axis] + ((c >> axis) & 1 ? 1e-6 : -1e-6)));
-      if (!is_body(at[0], at[1], at[2])) continue;
-      sum += stiffness(boxes_[index(at[0], at[1], at[2])]);
-      ++count;
-    }
+    for (int z = first(2); z <= low[2] >> 1; ++z)
+      for (int y = first(1); y <= low[1] >> 1; ++y)
+        for (int x = first(0); x <= low[0] >> 1; ++x)
+          if (is_body(x, y, z)) sum += factors[index(x, y, z)], ++count;
     if (count > 0) factor *= sum / count;
   });
 }
@@ -724,8 +813,10 @@ Body make_body(const ImageSetup& setup, ShapeContext& context) {
                                        ": the file states another unit of length than `length_unit`, which counts");
   const Boxes boxes(image, setup, context);
   Body body = boxes.body();
-  if (context.remarks.sets) *context.remarks.sets = boxes.sets();
-  context.map.set_mesh_sets(boxes.sets());
+  if (setup.order == 2) body = setup.order_place->located([&] { return with_order(body, 2); });
+  MoleculeSets sets = boxes.sets();
+  if (context.remarks.sets) *context.remarks.sets = sets;
+  context.map.set_mesh_sets(std::move(sets));
   boxes.set_matter(body);
   boxes.set_ratios();
   boxes.set_specimen(body);
@@ -763,6 +854,26 @@ Shape image_shape() {
           key::flag("fill_fraction", &S::fill_fraction,
                     "whether a box is as stiff and heavy as the part of its voxels that is body; otherwise it is body "
                     "where half of it is"),
+          Key<S>(key::quantity(
+                     "smoothing", &S::smoothing, dimension::length,
+                     "standard deviation of a Gaussian that smooths the labels, the volume of the body being kept; at "
+                     "most 20 voxels",
+                     kPositive))
+              .otherwise("none")
+              .place(&S::smoothing_place),
+          Key<S>(order_key()).refused_for([](const S& setup) {
+            return setup.order && (setup.as == ImageCells::lattice || setup.as == ImageCells::packing)
+                       ? "goes with `as: hexahedra` and `as: tetrahedra`"
+                       : "";
+          }),
+          key::choice(
+              "ends", &S::ends, {{"i", 0}, {"j", 1}, {"k", 2}},
+              "axis of the image at whose ends grips hold the sets `low k` and `high k` (or of i, j): boxes there "
+              "are as stiff as their outer sides are filled")
+              .otherwise("none")
+              .refused_for([](const S& setup) {
+                return setup.ends >= 0 && !setup.fill_fraction ? "goes with `fill_fraction: true`" : "";
+              }),
           key::choice("pieces", &S::largest, {{"all", false}, {"largest", true}},
                       "which pieces that share faces are kept"),
           key::choice("holes", &S::close, {{"keep", false}, {"close", true}}, "whether closed holes are filled"),

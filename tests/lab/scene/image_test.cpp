@@ -74,6 +74,45 @@ TEST_CASE("image: labels in series, as cells and whatever the directions of the 
     }
 }
 
+TEST_CASE("image: cells of second order have the stiffness, mass and ends of their labels", "[image]") {
+  const TemporaryFolder folder;
+  const std::string labels =
+      ", order: 2, labels: {1: {}, 2: {material: {youngs_modulus: 40 kPa, density: 2000 kg/m3}}}, as: ";
+  for (const char* as : {"hexahedra", "tetrahedra"}) {
+    INFO(as);
+    const auto scene = scene_of(folder, nrrd(kSize, halves), labels + as);
+    const Body& body = scene->specimen.body;
+    CHECK(body.size() == 7 * 9 * 13);
+    CHECK(body.mass.sum() == Approx(144e-9 * 1500));
+    CHECK(body.mass.minCoeff() > 0);
+    double moment = 0;  // 72 mg at 1.5 mm and 144 mg at 4.5 mm
+    for (int molecule = 0; molecule < body.size(); ++molecule) moment += body.mass[molecule] * body.rest(2, molecule);
+    CHECK(moment == Approx(72e-6 * 1.5e-3 + 144e-6 * 4.5e-3));
+    CHECK(modulus(*scene) == Approx(16e3).epsilon(1e-6));
+  }
+}
+
+TEST_CASE("image: smoothing takes off bumps and specks and fills pits, and keeps the volume", "[image]") {
+  const TemporaryFolder folder;
+  // A slab up to z = 5 with a bump, a pit and a speck of the second label.
+  const auto rough = nrrd({9, 12, 9}, [](int x, int y, int z) {
+    if (x == 4 && y == 4) return z < 6 ? 1 : 0;
+    if (x == 6 && y == 8) return z < 4 ? 1 : 0;
+    if (x == 2 && y == 3 && z == 2) return 2;
+    return z < 5 ? 1 : 0;
+  });
+  const auto scene = scene_of(folder, rough, ", labels: [1, 2], smoothing: 1 mm");
+  const Body& body = scene->specimen.body;
+  CHECK(body.blocks.front().size() == 9 * 12 * 5);
+  CHECK(body.size() == 10 * 13 * 6);  // an even slab, up to the ends of the image
+  CHECK(body.rest.row(2).maxCoeff() == Approx(5e-3));
+  CHECK_THAT(scene->warnings.front(), Contains("no voxel of the body has the label 2"));
+  const auto said = std::find_if(scene->notes.begin(), scene->notes.end(),
+                                 [](const std::string& note) { return note.find("smoothed over") != note.npos; });
+  REQUIRE(said != scene->notes.end());
+  CHECK_THAT(*said, Contains("3 of 540 voxels") && Contains("1.0000 times"));
+}
+
 TEST_CASE("image: each label has its Poisson's ratio, whatever the directions of the image", "[image]") {
   const TemporaryFolder folder;
   for (const char* directions : {"(2,0,0) (0,1,0) (0,0,1)", "(0,2,0) (1,0,0) (0,0,-1)",
@@ -175,22 +214,29 @@ TEST_CASE("image: larger boxes, and the part of them that is body", "[image]") {
   CHECK_THAT(part->warnings.front(), Contains("2 times what is filled: give `cross_section`"));
 }
 
-TEST_CASE("image: of boxes next to a grip only molecules with body at its plane belong to it", "[image]") {
+TEST_CASE("image: boxes next to a grip are as full as their sides at its plane", "[image]") {
   const TemporaryFolder folder;
   // A foot of 8 mm × 4 mm under a slab of 16 mm × 8 mm, in boxes of 4 mm of which all of the lowest ones have some
-  // body.
+  // body; the foot covers half of the sides of four.
   folder.write("a.nrrd",
                nrrd({8, 8, 8}, [](int x, int y, int z) { return z > 1 || (x / 2 % 3 != 0 && y / 2 % 3 != 0); }));
-  const auto scene = load_scene(
-      folder.write("scene.yaml",
-                   "body: {image: {file: a.nrrd, length_unit: mm, spacing: 4 mm, fill_fraction: true}}\n"
-                   "material: {youngs_modulus: 10 kPa, poissons_ratio: 0}\nstiffness: neo_hookean\n"
-                   "experiment: {kind: tension, axis: z, strain: 1 %, fixed: {set: low k}, loaded: {set: high k}, "
-                   "fixed_grip: clamped, loaded_grip: clamped, cross_section: 128 mm2}\nreference: none\n"),
-      kCatalog);
-  Model model(scene->specimen.body);
-  const auto rig = scene->experiment->rig(model);
-  CHECK(model.supports.size() == 3 + 15);  // along the middle of the foot; the whole upper side
+  for (const int order : {1, 2}) {
+    const auto scene = load_scene(
+        folder.write(
+            "scene.yaml",
+            "body: {image: {file: a.nrrd, length_unit: mm, spacing: 4 mm, fill_fraction: true, ends: k, order: " +
+                std::to_string(order) +
+                "}}\nmaterial: {youngs_modulus: 10 kPa, poissons_ratio: 0}\nstiffness: neo_hookean\n"
+                "experiment: {kind: tension, axis: z, strain: 1 %, fixed: {set: low k}, loaded: {set: high k}, "
+                "fixed_grip: clamped, loaded_grip: clamped, cross_section: 128 mm2}\nreference: none\n"),
+        kCatalog);
+    const CellBlock& block = scene->specimen.body.blocks.front();
+    REQUIRE(block.size() == 4 + 8);
+    for (int cell = 0; cell < 12; ++cell) CHECK(block.stiffness[cell] == Approx(cell < 4 ? 0.5 : 1));
+    Model model(scene->specimen.body);
+    const auto rig = scene->experiment->rig(model);
+    CHECK(model.supports.size() == (order == 1 ? 3 * 3 + 5 * 3 : 5 * 5 + 9 * 5));
+  }
 }
 
 TEST_CASE("image: a wall of one box is thin, a step of the surface is not", "[image]") {
@@ -236,4 +282,7 @@ TEST_CASE("image: what cannot be a body is refused by name", "[image]") {
   CHECK_THAT(refused(", voxel_size: [1 mm, 1 mm, 1 mm]"), Contains("states the size"));
   CHECK_THAT(refused(", youngs_modulus: value * 2 mm"), Contains("must give"));
   CHECK_THAT(refused(", spacings: 2 mm"), Contains("spacing"));
+  CHECK_THAT(refused(", as: lattice, order: 2"), Contains("`as: hexahedra`"));
+  CHECK_THAT(refused(", ends: k"), Contains("`fill_fraction: true`"));
+  CHECK_THAT(refused(", smoothing: 30 mm"), Contains("more than 20 voxels"));
 }
