@@ -182,6 +182,13 @@ Boxes::Boxes(const mesh::Image& image, const ImageSetup& setup, ShapeContext& co
                                   : 1;
     counts_[axis] = (image.size[axis] + voxels_[axis] - 1) / voxels_[axis];
   }
+  constexpr double most = 3e8;  // some 5 GB of memory
+  if (const double boxes = double(counts_[0]) * counts_[1] * counts_[2];
+      std::max(boxes, setup.smoothing ? static_cast<double>(image.voxels()) : 0.) > most)
+    setup.file->fail(fmt::format(
+        "makes {:.3g} boxes of {:.3g} voxels; at most {:.3g} are read{}: cut the image to the body, or "
+        "write a larger `spacing`",
+        boxes, static_cast<double>(image.voxels()), most, setup.smoothing ? ", of either with `smoothing`" : ""));
   if (labels_.empty()) labels_.push_back({0, setup.threshold ? "body" : "not 0"});
   const auto nearly_incompressible = [&](const Label& label) {
     return label.poissons_ratio.value_or(context.material->poissons_ratio) > kLocking;
