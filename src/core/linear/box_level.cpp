@@ -226,12 +226,17 @@ void BoxLevel::smooth(int step, const Vectors& b, const Vectors& x, Vectors& bet
 
 void BoxLevel::set_damping() {
   Vectors x = vectors(), y = vectors();
-  constexpr int powers = 16, most = 6;  // cheap beside those of the molecules
-  const double largest = largest_eigenvalue(powers, points(), x, y, [&](const Vectors& from, Vectors& to) {
-    parallel_for(
-        points(), [&](int i) { to.col(i) = inverse_[i] * difference(from, i); }, kPointThreshold);
-  });
-  steps_ = largest > kOneStep ? std::min(most, static_cast<int>(std::ceil(largest))) : 1;
+  constexpr int few = 8, many = 16;  // powers
+  constexpr double stiff = 4.5;      // where volumes resist far more than shape
+  const auto found_by = [&](int powers) {
+    return largest_eigenvalue(powers, points(), x, y, [&](const Vectors& from, Vectors& to) {
+      parallel_for(
+          points(), [&](int i) { to.col(i) = inverse_[i] * difference(from, i); }, kPointThreshold);
+    });
+  };
+  double largest = found_by(few);
+  steps_ = largest > stiff ? 6 : largest > kOneStep ? 2 : 1;
+  if (largest > stiff) largest = found_by(many);
   for (auto& inverse : inverse_) inverse /= static_cast<float>(largest);
 }
 

@@ -379,7 +379,7 @@ TEST_CASE("the automatic choice factorises where iterations would take longer", 
   Fixed fixed(with_cells(cubic_lattice({3, 3, 101}, kSpacing, {true, false, false}), cell_kind("hexahedron8")));
   fixed.model.add(built_in_catalog()
                       .find("neo_hookean+volume")
-                      .make(fixed.body, {.youngs_modulus = 1e4, .poissons_ratio = 0.4999}, {}));
+                      .make(fixed.body, {.youngs_modulus = 1e4, .poissons_ratio = 0.4998}, {}));
   std::vector<int> all;
   for (int a = 0; a < fixed.body.size(); ++a) all.push_back(a);
   fixed.model.add(std::make_unique<PointLoads>(fixed.body, all, 1e-5 * fixed.loads));
