@@ -225,19 +225,14 @@ void BoxLevel::smooth(int step, const Vectors& b, const Vectors& x, Vectors& bet
 }
 
 void BoxLevel::set_damping() {
-  Vectors x = vectors(), y = vectors();
-  constexpr int few = 8, many = 16;  // powers
-  constexpr double stiff = 4.5;      // where volumes resist far more than shape
-  const auto found_by = [&](int powers) {
-    return largest_eigenvalue(powers, points(), x, y, [&](const Vectors& from, Vectors& to) {
-      parallel_for(
-          points(), [&](int i) { to.col(i) = inverse_[i] * difference(from, i); }, kPointThreshold);
-    });
-  };
-  double largest = found_by(few);
-  steps_ = largest > stiff ? 6 : largest > kOneStep ? 2 : 1;
-  if (largest > stiff) largest = found_by(many);
-  for (auto& inverse : inverse_) inverse /= static_cast<float>(largest);
+  Vectors x = vectors(), y = vectors(), z = vectors();
+  constexpr double stiff = 4.5;  // where volumes resist far more than shape
+  const auto [of_most, bound] = largest_eigenvalue(points(), x, y, z, [&](const Vectors& from, Vectors& to) {
+    parallel_for(
+        points(), [&](int i) { to.col(i) = inverse_[i] * difference(from, i); }, kPointThreshold);
+  });
+  steps_ = of_most > stiff ? 6 : of_most > kOneStep ? 2 : 1;
+  for (auto& inverse : inverse_) inverse /= static_cast<float>(bound);
 }
 
 std::unique_ptr<BoxLevel> BoxLevel::coarser(BoxGrid::Coarser coarser, bool is_part) {

@@ -1,4 +1,5 @@
 #pragma once
+#include <algorithm>
 #include <array>
 #include <memory>
 #include <span>
@@ -130,6 +131,7 @@ class BoxLevel {
   void start(const Vectors& b, Vectors& x, Vectors& d) const;
   /// How many steps smooth.
   int steps() const { return steps_; }
+  void limit_steps(int most) { steps_ = std::min(steps_, most); }
   /// Step number i of smoothing x; see smoothing_step.
   void smooth(int i, const Vectors& b, const Vectors& x, Vectors& better, Vectors& d) const;
 

@@ -20,6 +20,10 @@ class Multigrid {
   bool positive() const;
   /// motion += P A⁻¹ Pᵀ forces, nearly. `size` of the forces [N], so that they fit into single precision.
   void add(const Positions& forces, double size, Positions& motion);
+  /// At most as many steps of smoothing on each grid.
+  void limit_steps(int most) {
+    for (const auto& level : levels_) level->limit_steps(most);
+  }
   int levels() const { return static_cast<int>(levels_.size()); }
   /// Whether the body is so thin that even a fine grid's factor has little fill: the body's own may have little, too.
   bool thin() const { return thin_; }

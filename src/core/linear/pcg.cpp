@@ -34,6 +34,9 @@ constexpr double kWorthAsking = 60, kTrusted = 6;
 /// Of a thin body, whose factor is likely to be quicker, it is asked before the first.
 constexpr double kLeastOfThin = 24;
 
+/// Of smoothing on the grids, where no volumes resist more than shape: more take longer than the iterations they save.
+constexpr int kStepsOfShape = 3;
+
 /// A coarse picture of another stiffness serves until it takes as many times the iterations that it took when new.
 constexpr double kServes = 1.5;
 constexpr int kServesAnyway = 10;  ///< iterations that are worth no new one
@@ -136,15 +139,17 @@ class Pcg final : public LinearSolver, public KeepsCoarsePicture {
           n, [&](int i) { return r.col(i).dot(z.col(i)); }, 0., kMoleculeThreshold);
     };
     const auto set_smoothing = [&] {
-      constexpr int powers = 8;
       volume_ = VolumeSmoother::of(tangent, supports);
-      largest_ = largest_eigenvalue(powers, n, p, unresolved, [&](const Positions& from, Positions& to) {
-        apply(from, to);
-        if (volume_) return volume_->apply(to);
-        parallel_for(
-            n, [&](int i) { to.col(i) = inverse_.times(i, to.col(i)); }, kMoleculeThreshold);
-      });
-      steps_ = !volume_ && largest_ > kOneStep ? 2 : 1;
+      const auto [of_most, bound] =
+          largest_eigenvalue(n, p, unresolved, step_, [&](const Positions& from, Positions& to) {
+            apply(from, to);
+            if (volume_) return volume_->apply(to);
+            parallel_for(
+                n, [&](int i) { to.col(i) = inverse_.times(i, to.col(i)); }, kMoleculeThreshold);
+          });
+      largest_ = bound;
+      steps_ = !volume_ && of_most > kOneStep ? 2 : 1;
+      if (!volume_) coarse->limit_steps(kStepsOfShape);
     };
     Eigen::Vector2d now = advance(0);
     const double first = now[1];

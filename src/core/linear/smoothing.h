@@ -18,11 +18,17 @@ constexpr SmoothingStep smoothing_step(int i) {
 /// The largest eigenvalue up to which one step pays most. Beyond, a stiff part of the spectrum leaves it little.
 constexpr double kOneStep = 3;
 
-/// Somewhat more than λ ≥ 1, by as many powers, from scattered vectors; `apply(x, y)` sets the first `count` columns of
-/// y to D⁻¹ A x. What x and y are does not matter.
+struct LargestEigenvalue {
+  double of_most = 1;  ///< λ ≥ 1 as powers show it, which see no stiff place that is rare
+  double bound = 1;    ///< somewhat more than λ
+};
+
+/// From scattered vectors; `apply(x, y)` sets the first `count` columns of y to D⁻¹ A x. What x, y, z are does not
+/// matter. Behind the powers, Chebyshev polynomials let grow what lies above the eigenvalue that these have found.
 template <class Vectors, class Apply>
-double largest_eigenvalue(int powers, int count, Vectors& x, Vectors& y, Apply&& apply) {
+LargestEigenvalue largest_eigenvalue(int count, Vectors& x, Vectors& y, Vectors& z, Apply&& apply) {
   using Number = typename Vectors::Scalar;
+  constexpr int powers = 8, polynomial = 6;
   constexpr double margin = 1.1;
   for (int i = 0; i < count; ++i)
     for (int k = 0; k < 3; ++k)
@@ -31,14 +37,30 @@ double largest_eigenvalue(int powers, int count, Vectors& x, Vectors& y, Apply&&
     return std::sqrt(ordered_sum(count, [&](int i) { return static_cast<double>(vectors.col(i).squaredNorm()); }));
   };
   double largest = 1;
-  for (int power = 0; power < powers; ++power) {
+  const auto grow = [&] {  // y = D⁻¹ A x, of x that have a size
     apply(x, y);
     const double before = size_of(x), size = size_of(y);
-    if (!(before > 0) || !(size > 0) || !std::isfinite(size)) break;
-    largest = std::max(1., size / before);
-    x = y / static_cast<Number>(size);
+    const bool grows = before > 0 && size > 0 && std::isfinite(size);
+    if (grows) largest = std::max(1., size / before);
+    return grows ? size : 0;
+  };
+  for (int power = 0; power < powers; ++power)
+    if (const double size = grow(); size > 0)
+      x = y / static_cast<Number>(size);
+    else
+      break;
+  const LargestEigenvalue found{margin * largest, margin * largest};
+  const auto twice = static_cast<Number>(4 / largest);
+  z = x;
+  apply(x, y);
+  x = twice / 2 * y - x;
+  for (int degree = 2; degree <= polynomial; ++degree) {
+    apply(x, y);
+    z = twice * y - 2 * x - z;
+    std::swap(x, z);
   }
-  return margin * largest;
+  grow();
+  return {found.of_most, std::max(found.bound, margin * largest)};
 }
 
 }  // namespace elastin
