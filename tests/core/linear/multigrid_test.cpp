@@ -278,8 +278,9 @@ TEST_CASE("multigrid keeps the sides of gaps apart in bodies of hexahedra", "[mu
   // Conjugate gradients alone take thousands.
   for (const auto& [ratio, most] : {std::pair(0.3, 60), std::pair(0.49, 60)}) {
     Fixed fixed(with_cells(corners, cell_kind("hexahedron8")));
-    fixed.model.add(
-        built_in_catalog().find("neo_hookean").make(fixed.body, {.youngs_modulus = 1e4, .poissons_ratio = ratio}, {}));
+    fixed.model.add(built_in_catalog()
+                        .find("neo_hookean+volume")
+                        .make(fixed.body, {.youngs_modulus = 1e4, .poissons_ratio = ratio}, {}));
     INFO(ratio);
     CHECK(fixed.iterations() <= most);
   }
@@ -288,8 +289,9 @@ TEST_CASE("multigrid keeps the sides of gaps apart in bodies of hexahedra", "[mu
 TEST_CASE("smoothing that keeps volumes is symmetric and positive, and of soft bodies there is none", "[multigrid]") {
   for (const double ratio : {0.3, 0.45, 0.49, 0.4999}) {
     Fixed fixed(with_cells(cubic_lattice({6, 5, 7}, kSpacing, {true, false, false}), cell_kind("hexahedron8")));
-    fixed.model.add(
-        built_in_catalog().find("neo_hookean").make(fixed.body, {.youngs_modulus = 1e4, .poissons_ratio = ratio}, {}));
+    fixed.model.add(built_in_catalog()
+                        .find("neo_hookean+volume")
+                        .make(fixed.body, {.youngs_modulus = 1e4, .poissons_ratio = ratio}, {}));
     const State rest = state_at_rest(fixed.body);
     auto smoother = VolumeSmoother::of(Tangent(fixed.model, rest), fixed.model.supports);
     CAPTURE(ratio);
@@ -314,8 +316,9 @@ TEST_CASE("multigrid gives bitwise identical results on any number of threads", 
                 : std::string(kind) == "ordered" ? lattice({20, 20, 20})
                                                  : scattered(lattice({20, 20, 20}), 0.2 * kSpacing));
     if (cells)
-      fixed.model.add(
-          built_in_catalog().find("neo_hookean").make(fixed.body, {.youngs_modulus = 1e4, .poissons_ratio = 0.49}, {}));
+      fixed.model.add(built_in_catalog()
+                          .find("neo_hookean+volume")
+                          .make(fixed.body, {.youngs_modulus = 1e4, .poissons_ratio = 0.49}, {}));
     else
       fixed.add_springs();
     CAPTURE(kind);
