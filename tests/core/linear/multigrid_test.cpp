@@ -276,7 +276,7 @@ TEST_CASE("multigrid keeps the sides of gaps apart in bodies of hexahedra", "[mu
     return std::lround(at.z()) % 3 == 2 && (wall % 2 ? along > 1 : along < side - 2);
   });
   // Conjugate gradients alone take thousands.
-  for (const auto& [ratio, most] : {std::pair(0.3, 60), std::pair(0.49, 60)}) {
+  for (const auto& [ratio, most] : {std::pair(0.3, 60), std::pair(0.49, 80)}) {
     Fixed fixed(with_cells(corners, cell_kind("hexahedron8")));
     fixed.model.add(built_in_catalog()
                         .find("neo_hookean+volume")
