@@ -109,13 +109,13 @@ void add_cells(const Body& body, const VectorX& heights, const Counts& counts, S
       const auto nodes = block.cell(own);
       const auto [low, high] =
           std::minmax_element(nodes.begin(), nodes.end(), [&](int a, int b) { return heights[a] < heights[b]; });
-      if (!slabs.meet(heights[*low], heights[*high])) continue;
+      if (!counts(nodes) || !slabs.meet(heights[*low], heights[*high])) continue;
       slopes.gradients(positions_of(body.rest, nodes), edges);
       double volume = 0;
       for (std::size_t g = 0; g < block.kind->slopes.size(); ++g)
         volume += block.kind->weights[static_cast<Eigen::Index>(g)] * edges[g].determinant();
       if (const int slab = slabs.around(heights[*low], heights[*high]); slab >= 0) {
-        if (counts(nodes)) slabs.volumes()[slab] += volume;
+        slabs.volumes()[slab] += volume;
         continue;
       }
       double flat = 0;
@@ -124,8 +124,7 @@ void add_cells(const Body& body, const VectorX& heights, const Counts& counts, S
         cells.push_back({nodes[simplex[0]], nodes[simplex[1]], nodes[simplex[2]], nodes[simplex[3]]});
         flat += signed_volume(body.rest, cells.back());
       }
-      for (const auto& cell : cells)
-        if (counts(cell)) add_cell(cell, body.rest, heights, slabs, volume / flat);
+      for (const auto& cell : cells) add_cell(cell, body.rest, heights, slabs, volume / flat);
     }
   }
 }
