@@ -199,12 +199,13 @@ TEST_CASE("derivatives of a run in time by one sweep backward are differences of
             nothing)};
   const std::vector<Steps> schemes{{scheme("symplectic_euler"), 1000, 1e-6},
                                    {scheme("velocity_verlet"), 1000, 1e-6},
-                                   {scheme("backward_euler"), 100, 1e-6},
-                                   {scheme("newmark"), 100, 1e-6},
-                                   {scheme("newmark", {{"beta", 0.3}, {"gamma", 0.6}}), 30, 1e-6},
-                                   {scheme("generalized_alpha"), 100, 1e-6}};
+                                   {scheme("backward_euler"), 20, 1e-6},
+                                   {scheme("newmark"), 20, 1e-6},
+                                   {scheme("newmark", {{"beta", 0.3}, {"gamma", 0.6}}), 10, 1e-6},
+                                   {scheme("generalized_alpha"), 20, 1e-6}};
   for (const Case& one : cases)
-    for (const Steps& by : schemes) {
+    for (Steps by : schemes) {
+      if (one.name != cases[0].name) by.steps = std::min(by.steps, 60);  // each is run five times
       Problem problem(one, nullptr, 0);
       const double stable = find_stable_step(problem.model, problem.start).step;
       const double dt = by.options.scheme->is_explicit ? 0.2 * stable : 3 * stable;
