@@ -94,7 +94,7 @@ TEST_CASE("a rigid sphere that touches a flat surface adheres with 2 pi R w", "[
   CHECK(sphere.pull() == Approx(2 * pi * kRadius * kWork).epsilon(0.01));
 }
 
-TEST_CASE("a sphere is drawn off a soft body by the force of Maugis' theory", "[.][contact][adhesion]") {
+TEST_CASE("a sphere is drawn off a soft body by the force of Maugis' theory", "[contact][adhesion][slow]") {
   // Parameter λ = σ (9 R / (2 π w E*²))^(1/3) with the mean traction σ = w / range; the fit of [Carpick 1999] to
   // Maugis' solution goes from 2 π R w (λ = 0) to Johnson, Kendall and Roberts' 3/2 π R w.
   const double lambda = 1, mean = lambda * std::cbrt(2 * pi * kWork * kModulus * kModulus / (9 * kRadius));
