@@ -147,7 +147,7 @@ constexpr std::array kRows{
     Row{{"dogbone", "a mesh, clamped at both ends and pulled, read between two planes", true}, kDogbone, kSprings},
     Row{{"indentation", "a block under a rigid sphere", false}, kIndentation, "patch"},
     Row{{"organ", "a closed surface, filled, under a rigid sphere", true}, kOrgan, "patch"},
-    Row{{"scan", "an image of voxels, clamped at both ends and pulled", true}, kScan, "patch"}};
+    Row{{"scan", "an image of voxels, clamped at both ends and pulled", true}, kScan, "\"calibrated:patch\""}};
 
 /// "12.5 mm": three digits, in the unit that keeps them readable.
 std::string length_text(double metres) {
