@@ -9,7 +9,9 @@
 #include "core/solve/stiffness_slopes.h"
 #include "core/solve/transposed_step.h"
 #include "elastin/core/base/error.h"
+#include "elastin/core/base/text.h"
 #include "elastin/core/laws/local.h"
+#include "elastin/core/solve/stable_step.h"
 
 namespace elastin {
 namespace {
@@ -72,6 +74,12 @@ struct Trajectory::Impl {
                        " s: at least one step above 0 s is needed");
     model.declare_history(start);
     model.begin_step(start, start.time);
+    if (scheme.scheme->is_explicit) {
+      const double longest = find_stable_step(model, start).step;
+      if (dt > longest)
+        throw InputError("steps of " + number(dt, 3) + " s of '" + scheme.scheme->name +
+                         "' are not stable: the longest stable one is " + number(longest, 3) + " s");
+    }
     set_accelerations(model, start);
     stored.push_back(std::move(start));
     end = stored.front();

@@ -226,7 +226,10 @@ const Keys<SceneContact>& all_contact_keys() {
           "gap at which the traction ends that pulls the surface on; small against the contact's radius it is "
           "Johnson, Kendall and Roberts' adhesion, and the surface must resolve the rim",
           kPositive)
-          .otherwise("none"),
+          .needed_if([](const S& contact) { return contact.adhesion > 0; }, "needed with `adhesion`")
+          .refused_for([](const S& contact) -> std::string {
+            return contact.adhesion_range > 0 && !(contact.adhesion > 0) ? "needs `adhesion` beside it" : "";
+          }),
       key::flag("self", &S::self, "whether contact of a piece with itself counts"),
       Key<S>({"obstacles", "list of maps", "", "", "none", "rigid bodies, each with one shape"},
              [](const Reader& value, S& contact, const Frame& frame) {

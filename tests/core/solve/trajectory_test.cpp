@@ -271,6 +271,10 @@ TEST_CASE("a run without a transpose is refused by name", "[adjoint][trajectory]
     CHECK_THROWS_WITH(Trajectory(problem.model, problem.start, 1e-4, 3, by), Catch::Contains(why));
   };
   refused(scheme("xpbd"), "scheme 'xpbd' has no transpose");
+  const double longest = find_stable_step(problem.model, problem.start).step;
+  CHECK_THROWS_WITH(Trajectory(problem.model, problem.start, 1.01 * longest, 3, scheme("velocity_verlet")),
+                    Catch::Contains("are not stable"));
+  CHECK_NOTHROW(Trajectory(problem.model, problem.start, 0.99 * longest, 3, scheme("velocity_verlet")));
   problem.model.add(
       make_updated_springs(problem.body, [&](const Positions&) { return VectorX::Constant(one.elements, 1); }));
   refused(scheme("newmark"), "constants that change");

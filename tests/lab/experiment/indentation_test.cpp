@@ -66,6 +66,24 @@ TEST_CASE("area and pressure do not depend on the depth that contact allows", "[
   }
 }
 
+TEST_CASE("where the surface adheres the modulus is apparent, and the run says so", "[indentation]") {
+  const std::string small = "tetrahedra: {kind: body_centred, cubes: [4, 4, 4], size: [200 mm, 200 mm, 200 mm]}";
+  const auto notes = [&](const std::string& indenter, const std::string& contact) {
+    const TemporaryFolder folder;
+    const auto scene = load_scene(
+        folder.write("scene.yaml", "body: {" + small +
+                                       "}\nmaterial: {youngs_modulus: 10 kPa, poissons_ratio: 0.3}\nstiffness: "
+                                       "neo_hookean\nexperiment: {kind: indentation, indenter: " +
+                                       indenter + ", depth: 2 mm}\ncontact: {" + contact + "}\n"),
+        kCatalog);
+    return scene->experiment->notes().size();
+  };
+  const std::string own = "{sphere: {radius: 15 mm}}", adhesion = "adhesion: 1 J/m2, adhesion_range: 0.1 mm";
+  CHECK(notes(own, "friction: 0") == 0);
+  CHECK(notes(own, adhesion) == 1);
+  CHECK(notes("tool", adhesion + ", obstacles: [{name: tool, sphere: {radius: 15 mm}, at: [0.1, 0.1, 0.22]}]") == 0);
+}
+
 TEST_CASE("an indenter goes to a strain of the body's height", "[indentation]") {
   const std::string indenter = "indenter: {sphere: {radius: 15 mm}}, symmetry: [x, y], ";
   CHECK(run_of(kQuarter, indenter + "strain: 5 %").measures.get("depth") == Approx(1e-3).epsilon(1e-12));

@@ -65,7 +65,9 @@ class Indentation final : public StaticExperiment {
  public:
   Indentation(const Body& body, const IndentationSetup& setup, const Material& material,
               contact::ContactOptions& contact)
-      : setup_(setup), poissons_ratio_(material.poissons_ratio) {
+      : setup_(setup),
+        poissons_ratio_(material.poissons_ratio),
+        adhesive_(contact.adhesion > 0 && setup.shape != IndenterShape::obstacle) {
     fix_in_planes(body, setup.symmetry, fixed_);
     fix_bottom(body);
     if (setup.shape == IndenterShape::obstacle) {
@@ -108,16 +110,20 @@ class Indentation final : public StaticExperiment {
     return measures;
   }
 
-  bool apparent() const override { return contact_share_ > kHalfSpace; }
+  bool apparent() const override { return adhesive_ || contact_share_ > kHalfSpace; }
   std::string no_reference() const override {
     if (!apparent()) return "";
-    return "the body is no half-space, so its modulus is apparent; compare with the solid itself (neo_hookean, "
-           "refined)";
+    return (adhesive_ ? "the surface adheres" : "the body is no half-space") +
+           std::string(", so its modulus is apparent; compare with the solid itself (neo_hookean, refined)");
   }
   std::vector<std::string> notes() const override {
-    if (!apparent()) return {};
-    return {"indentation_modulus is apparent: the radius of contact is " + number(100 * contact_share_, 2) +
-            " % of the body's thickness or of the way to its side, where the formula takes a half-space"};
+    std::vector<std::string> notes;
+    if (adhesive_)
+      notes.push_back("indentation_modulus is apparent: its formula knows no adhesion, which pulls the indenter in");
+    if (contact_share_ > kHalfSpace)
+      notes.push_back("indentation_modulus is apparent: the radius of contact is " + number(100 * contact_share_, 2) +
+                      " % of the body's thickness or of the way to its side, where the formula takes a half-space");
+    return notes;
   }
 
   std::string remark(const Measures& measures) const override {
@@ -203,6 +209,7 @@ class Indentation final : public StaticExperiment {
 
   IndentationSetup setup_;
   double poissons_ratio_;
+  bool adhesive_;  ///< of an indenter whose modulus is measured
   FixedMolecules fixed_;
   int indenter_ = 0;
   ForceControl control_;
