@@ -226,8 +226,9 @@ const Keys<SceneContact>& all_contact_keys() {
           "gap at which the traction ends that pulls the surface on; small against the contact's radius it is "
           "Johnson, Kendall and Roberts' adhesion, and the surface must resolve the rim",
           kPositive)
-          .needed_if([](const S& contact) { return contact.adhesion > 0; }, "needed with `adhesion`")
-          .refused_for([](const S& contact) -> std::string {
+          .needed_if([](const contact::ContactOptions& contact) { return contact.adhesion > 0; },
+                     "needed with `adhesion`")
+          .refused_for([](const contact::ContactOptions& contact) -> std::string {
             return contact.adhesion_range > 0 && !(contact.adhesion > 0) ? "needs `adhesion` beside it" : "";
           }),
       key::flag("self", &S::self, "whether contact of a piece with itself counts"),
