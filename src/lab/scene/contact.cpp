@@ -227,7 +227,7 @@ const Keys<SceneContact>& all_contact_keys() {
           "Johnson, Kendall and Roberts' adhesion, and the surface must resolve the rim",
           kPositive)
           .needed_if([](const contact::ContactOptions& contact) { return contact.adhesion > 0; },
-                     "needed with `adhesion`")
+                     "needed, with `adhesion`")
           .refused_for([](const contact::ContactOptions& contact) -> std::string {
             return contact.adhesion_range > 0 && !(contact.adhesion > 0) ? "needs `adhesion` beside it" : "";
           }),

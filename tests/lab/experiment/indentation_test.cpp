@@ -74,14 +74,15 @@ TEST_CASE("where the surface adheres the modulus is apparent, and the run says s
         folder.write("scene.yaml", "body: {" + small +
                                        "}\nmaterial: {youngs_modulus: 10 kPa, poissons_ratio: 0.3}\nstiffness: "
                                        "neo_hookean\nexperiment: {kind: indentation, indenter: " +
-                                       indenter + ", depth: 2 mm}\ncontact: {" + contact + "}\n"),
+                                       indenter + ", depth: 0.5 mm}\ncontact: {" + contact + "}\n"),
         kCatalog);
     return scene->experiment->notes().size();
   };
-  const std::string own = "{sphere: {radius: 15 mm}}", adhesion = "adhesion: 1 J/m2, adhesion_range: 0.1 mm";
+  const std::string own = "{sphere: {radius: 15 mm}}", adhesion = "adhesion: 0.01 J/m2, adhesion_range: 1 mm";
   CHECK(notes(own, "friction: 0") == 0);
   CHECK(notes(own, adhesion) == 1);
-  CHECK(notes("tool", adhesion + ", obstacles: [{name: tool, sphere: {radius: 15 mm}, at: [0.1, 0.1, 0.22]}]") == 0);
+  CHECK(notes("tool",
+              adhesion + ", obstacles: [{name: tool, sphere: {radius: 15 mm}, at: [100 mm, 100 mm, 220 mm]}]") == 0);
 }
 
 TEST_CASE("an indenter goes to a strain of the body's height", "[indentation]") {
