@@ -66,7 +66,7 @@ Multigrid::Multigrid(const Tangent& tangent, const std::vector<Support>& support
   drop_levels_below_cheap_factor();
   for (const auto& level : levels_) {
     const BoxLevel::Vectors zero = level->vectors();
-    workspaces_.push_back({zero, zero, zero, zero, {}});
+    workspaces_.push_back({zero, zero, zero, zero, {}, {}, {}, {}});
   }
   coarsest_ = std::make_unique<CoarsestSolver>(*levels_.back());
 }
@@ -111,10 +111,51 @@ void Multigrid::cycle(std::size_t number) {
     level.set_residual(b, x, other);
     LevelWorkspace& coarse = workspaces_[number + 1];
     level.restrict_to(*levels_[number + 1], other, own.of_boxes, coarse.b);
-    cycle(number + 1);
+    if (searches_ && number + 2 < levels_.size())
+      search_on(number + 1);
+    else
+      cycle(number + 1);
     level.prolong_from(*levels_[number + 1], coarse.x, x);
     smooth(1);
   }
+}
+
+void Multigrid::search() {
+  searches_ = true;
+  for (std::size_t number = 1; number + 1 < levels_.size(); ++number) {
+    LevelWorkspace& own = workspaces_[number];
+    own.found = own.along = own.resisted = levels_[number]->vectors();
+  }
+}
+
+/// x = A⁻¹ b as a few steps of conjugate gradients with cycles find it, as many as it takes: boxes that are thicker
+/// than the body are too stiff in bending, so that a cycle makes far too little of it. b is left as what remains.
+void Multigrid::search_on(std::size_t number) {
+  constexpr int most = 4;
+  constexpr double enough = 0.25;
+  const BoxLevel& level = *levels_[number];
+  LevelWorkspace& own = workspaces_[number];
+  auto &b = own.b, &x = own.x, &found = own.found, &along = own.along, &resisted = own.resisted;
+  const auto product = [&](const BoxLevel::Vectors& one, const BoxLevel::Vectors& other) {
+    return ordered_sum(level.points(), [&](int i) { return static_cast<double>(one.col(i).dot(other.col(i))); });
+  };
+  const double first = product(b, b);
+  found.setZero();
+  double curvature = 0;
+  for (int step = 1; step <= most; ++step) {
+    cycle(number);
+    const double before = step > 1 ? product(x, resisted) / curvature : 0;
+    along = x - static_cast<float>(before) * along;
+    level.set_residual(b, along, own.other);
+    resisted = b - own.other;
+    curvature = product(along, resisted);
+    if (!(curvature > 0)) break;
+    const auto length = static_cast<float>(product(along, b) / curvature);
+    found += length * along;
+    b -= length * resisted;
+    if (product(b, b) <= enough * enough * first) break;
+  }
+  std::swap(x, found);
 }
 
 void Multigrid::add(const Positions& forces, double size, Positions& motion) {

@@ -10,7 +10,7 @@ namespace elastin {
 
 /// A coarse picture of a body in ever larger boxes, for what conjugate gradients with the blocks of single molecules
 /// are slow at: motions that are smooth over many of them. One W-cycle, symmetric, in single precision; the last grid
-/// is factorised in double.
+/// is factorised in double. Or a K-cycle, for flexible conjugate gradients.              [Notay & Vassilevski 2008]
 class Multigrid {
  public:
   Multigrid(const Tangent& tangent, const std::vector<Support>& supports);
@@ -20,6 +20,8 @@ class Multigrid {
   bool positive() const;
   /// motion += P A⁻¹ Pᵀ forces, nearly. `size` of the forces [N], so that they fit into single precision.
   void add(const Positions& forces, double size, Positions& motion);
+  /// From now on coarse grids are searched, not only cycled through: better on porous bodies, and not linear.
+  void search();
   /// At most as many steps of smoothing on each grid.
   void limit_steps(int most) {
     for (const auto& level : levels_) level->limit_steps(most);
@@ -30,18 +32,19 @@ class Multigrid {
 
  private:
   struct LevelWorkspace {
-    BoxLevel::Vectors b, x, other, step, of_boxes;
+    BoxLevel::Vectors b, x, other, step, of_boxes, found, along, resisted;
   };
   class CoarsestSolver;
   void drop_levels_below_cheap_factor();
   void cycle(std::size_t level);
+  void search_on(std::size_t level);
 
   BoxMembers members_;
   std::vector<std::unique_ptr<BoxLevel>> levels_;
   std::vector<LevelWorkspace> workspaces_;
   BoxLevel::Vectors of_boxes_;  ///< of the finest grid, from the molecules
   std::unique_ptr<CoarsestSolver> coarsest_;
-  bool thin_ = false;
+  bool thin_ = false, searches_ = false;
 };
 
 /// A solver that keeps its coarse picture of one stiffness for the ones after it, while it serves.

@@ -55,7 +55,10 @@ class Pcg final : public LinearSolver, public KeepsCoarsePicture {
     const int n = static_cast<int>(rhs.cols());
     inverse_.compute(tangent, supports);
     const bool kept = coarse_ != nullptr;
-    if (multigrid_ && !kept) coarse_ = std::make_unique<Multigrid>(tangent, supports);
+    if (multigrid_ && !kept) {
+      coarse_ = std::make_unique<Multigrid>(tangent, supports);
+      coarse_->search();
+    }
     if (coarse_ && !coarse_->positive()) coarse_.reset();
     Multigrid* coarse = coarse_.get();
     if (gives_up_ && coarse && coarse->thin() && gives_up_(kLeastOfThin)) {
@@ -84,6 +87,7 @@ class Pcg final : public LinearSolver, public KeepsCoarsePicture {
           [&](int i) {
             if (step != 0) {
               x.col(i) += step * p.col(i);
+              if (coarse) change_.col(i) = step * kp.col(i);
               r.col(i) -= step * kp.col(i);
             }
             z.col(i) = inverse_.times(i, r.col(i));
@@ -158,7 +162,7 @@ class Pcg final : public LinearSolver, public KeepsCoarsePicture {
     assembled = AssembledStiffness::pays(tangent, expected_iterations(tangent.model().body(), tolerance));
     if (assembled) rows_.assemble(tangent);
     if (coarse) {
-      unresolved.resize(3, n), step_.resize(3, n);
+      unresolved.resize(3, n), step_.resize(3, n), change_.resize(3, n);
       if (!kept) set_smoothing();
     }
     add_coarse(now);
@@ -224,7 +228,8 @@ class Pcg final : public LinearSolver, public KeepsCoarsePicture {
         size_of_p = now[0];
         continue;
       }
-      const double beta = now[0] / before;
+      // The coarse picture is another one at each step: what it makes of r has to leave out the direction before.
+      const double beta = (coarse ? -ordered_dot(z, change_) : now[0]) / before;
       parallel_for(
           n, [&](int i) { p.col(i) = z.col(i) + beta * p.col(i); }, kMoleculeThreshold);
       size_of_p = now[0] + beta * beta * size_of_p;
@@ -251,7 +256,7 @@ class Pcg final : public LinearSolver, public KeepsCoarsePicture {
   // Kept from one solve to the next, so that steps in time ask for no memory.
   BlockInverses inverse_;
   AssembledStiffness rows_;
-  Positions r_, p_, kp_, left_, step_, best_x_;
+  Positions r_, p_, kp_, left_, step_, change_, best_x_;
   Tangent::ApplyWorkspace workspace_;
 };
 

@@ -74,15 +74,29 @@ Numbers permute_molecules(RenumberedBody& result) {
   return number;
 }
 
-void check_plain(const Body& body) {
-  if (!body.parts.empty() || !body.ties.empty() || !body.between.empty() || body.share)
-    throw InputError("a body of several parts, or a refined one, keeps its numbers");
+constexpr const char* kKeepsNumbers = "a body of several parts, or a refined one, keeps its numbers";
+
+void check_whole(const Body& body) {
+  if (!body.parts.empty() || !body.ties.empty() || body.share) throw InputError(kKeepsNumbers);
+}
+
+/// Of what lies between others, these come first in the new numbers, too, or the body is refused.
+void renumber_between(const Numbers& from, const Numbers& number, Body& body) {
+  if (body.between.empty()) return;
+  const std::vector<MoleculeBetween> before = std::exchange(body.between, std::vector<MoleculeBetween>(from.size()));
+  const int first = body.size() - static_cast<int>(before.size());
+  for (int at = 0; at < body.size(); ++at) {
+    if (from[at] < first) continue;
+    body.between[at] = before[from[at] - first];
+    for (auto& [other, weight] : body.between[at])
+      if ((other = number[other]) >= at) throw InputError(kKeepsNumbers);
+  }
 }
 
 /// A cell as it was given, with the simplices that it makes.
 struct LabelledCell {
   int label;
-  const CellBlock* block;  ///< null: it is its one simplex
+  const CellBlock* block;  ///< null: it is its one simplex, or a cube
   int number;              ///< in the block
   int first, count;        ///< simplices
 };
@@ -114,6 +128,7 @@ std::vector<LabelledCell> labelled_cells(const Body& body, const std::vector<int
   if (cells.empty())
     for (std::size_t i = 0; i < std::max(body.tetrahedra.size(), body.triangles.size()); ++i)
       cells.push_back({0, nullptr, 0, static_cast<int>(i), 1});
+  for (std::size_t i = 0; i < body.cubes.size(); ++i) cells.push_back({0, nullptr, static_cast<int>(i), 0, 0});
   if (cells.empty()) throw InputError("labels: are those of cells, and the body has none");
   if (cells.size() != labels.size())
     throw InputError("labels: has " + std::to_string(labels.size()) + " values; the body has " +
@@ -126,13 +141,16 @@ std::vector<LabelledCell> labelled_cells(const Body& body, const std::vector<int
 }  // namespace
 
 RenumberedBody parts_of_labels(const Body& body, const std::vector<int>& labels) {
-  check_plain(body);
-  if (body.cell_stiffness.size() || !body.cubes.empty())
-    throw InputError("labels: a body with cubes, or with a stiffness of each cell, keeps it: give materials to labels");
-  const bool solid = !body.tetrahedra.empty();
+  check_whole(body);
+  const bool solid = !body.tetrahedra.empty(), cubes = !body.cubes.empty();
+  if (body.cell_stiffness.size() || (cubes && (solid || !body.triangles.empty())))
+    throw InputError(
+        "labels: a body with cubes beside other cells, or with a stiffness of each cell, keeps it: give materials to "
+        "labels");
   const std::vector<LabelledCell> cells = labelled_cells(body, labels);
   const auto nodes = [&](const LabelledCell& cell) {
     if (cell.block) return Numbers(cell.block->cell(cell.number).begin(), cell.block->cell(cell.number).end());
+    if (cubes) return Numbers(body.cubes[cell.number].begin(), body.cubes[cell.number].end());
     return solid ? Numbers(body.tetrahedra[cell.first].begin(), body.tetrahedra[cell.first].end())
                  : Numbers(body.triangles[cell.first].begin(), body.triangles[cell.first].end());
   };
@@ -148,13 +166,14 @@ RenumberedBody parts_of_labels(const Body& body, const std::vector<int>& labels)
   append_in_order(0, body.size(), label_of, result.molecule_from);
   const Numbers number = permute_molecules(result);
   Body& own = result.body;
+  renumber_between(result.molecule_from, number, own);
   append_in_order(
       0, own.connections.size(), [](int) { return 0; }, result.connection_from);
   for (auto& ends : own.connections.ends) {
     for (int& end : ends) end = number[end];
     std::sort(ends.begin(), ends.end());
   }
-  own.tetrahedra.clear(), own.triangles.clear(), own.blocks.clear(), own.voronoi.reset();
+  own.tetrahedra.clear(), own.triangles.clear(), own.cubes.clear(), own.blocks.clear(), own.voronoi.reset();
   for (const LabelledCell& cell : cells) {
     if (own.parts.empty() || own.parts.back().name != std::to_string(cell.label)) {
       Part part;
@@ -165,7 +184,11 @@ RenumberedBody parts_of_labels(const Body& body, const std::vector<int>& labels)
       own.parts.push_back(std::move(part));
     }
     Part& part = own.parts.back();
-    if (solid)
+    if (cubes) {
+      own.cubes.push_back(body.cubes[cell.number]);
+      for (int& corner : own.cubes.back()) corner = number[corner];
+      extend(part.cubes, {static_cast<int>(own.cubes.size()) - 1, 1});
+    } else if (solid)
       extend(part.tetrahedra, append(cell, body.tetrahedra, number, own.tetrahedra));
     else
       extend(part.triangles, append(cell, body.triangles, number, own.triangles));
@@ -186,7 +209,8 @@ RenumberedBody parts_of_labels(const Body& body, const std::vector<int>& labels)
 }
 
 RenumberedBody numbered_in_space(const Body& body) {
-  check_plain(body);
+  check_whole(body);
+  if (!body.between.empty()) throw InputError(kKeepsNumbers);
   RenumberedBody result{body, order_in_space(body.rest), {}};
   Body& own = result.body;
   const Numbers number = permute_molecules(result);

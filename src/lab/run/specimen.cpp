@@ -202,8 +202,6 @@ std::string unsuited(const Specimen& specimen, const Experiment& experiment, con
   if (reason.empty() && choice.name.calibrated) reason = calibration_of_parts_unsuited(specimen);
   if (reason.empty() && !choice.strategy.by_parts)
     reason = material_unsuited(choice.strategy, specimen.body, specimen.material);
-  if (reason.empty() && choice.name.calibrated && specimen.body.connection_stiffness.size())
-    reason = "a body with regions has no one modulus to calibrate to";
   if (reason.empty() && choice.name.calibrated) reason = calibration_unsuited(experiment, specimen);
   if (reason.empty() && identification_of(experiment)) reason = identification_unsuited(choice);
   return reason;

@@ -518,7 +518,7 @@ void add_between(const Body& body, MoleculeSets& sets) {
     for (std::size_t i = 0; i < body.between.size(); ++i) {
       const bool all = std::all_of(body.between[i].begin(), body.between[i].end(),
                                    [&](const auto& of) { return is_member[of.first] != 0; });
-      if (!all || is_member[first + i]) continue;
+      if (!all || body.between[i].empty() || is_member[first + i]) continue;
       is_member[first + i] = 1;
       members.push_back(static_cast<int>(first + i));
     }

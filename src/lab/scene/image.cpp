@@ -14,6 +14,7 @@
 #include "core/base/disjoint_sets.h"
 #include "core/simulation/warnings.h"
 #include "elastin/core/base/text.h"
+#include "elastin/core/model/renumbered.h"
 #include "elastin/core/shapes/orders.h"
 #include "elastin/core/shapes/shapes.h"
 #include "lab/run/body_image.h"
@@ -93,7 +94,7 @@ void read_labels(const Reader& value, ImageSetup& setup) {
 class Boxes {
  public:
   Boxes(const mesh::Image& image, const ImageSetup& setup, ShapeContext& context);
-  Body body() const;
+  Body body();
   /// Makes the body as stiff, and its molecules as heavy, as labels, fractions and grey values say.
   void set_matter(Body& body) const;
   /// Gives the material the Poisson's ratios of the labels.
@@ -132,12 +133,9 @@ class Boxes {
     for (std::size_t box = 0; box < boxes_.size(); ++box)
       if (boxes_[box].label >= 0) visit(boxes_[box], at(box));
   }
-  /// Parts of the body: its labels, or the whole.
-  int parts() const { return parts_ ? static_cast<int>(labels_.size()) : 1; }
-  int part_of(const Box& box) const { return parts_ ? box.label : 0; }
   /// The label of the box at a place, −1: of none.
   std::function<int(const Vector3&)> label_at() const;
-  void add_parts(const Cells<8>& cubes, const std::vector<std::size_t>& firsts, Body& body) const;
+  void part(Body& body);
   /// Of a voxel; −1: not body.
   int label_of(int x, int y, int z) const;
   int label_of(double value) const;
@@ -165,11 +163,10 @@ class Boxes {
   std::vector<std::int16_t> smoothed_;      ///< labels of the voxels, x first; empty where they are the image's
   std::vector<Box> boxes_;
   std::vector<Label> labels_;
-  std::vector<Material> materials_;          ///< of the labels, where they are parts
-  std::vector<int> numbers_;                 ///< of each corner of the grid; −1: none
-  std::vector<std::array<int, 3>> corners_;  ///< of the molecules
-  std::array<int, 2> ends_{};                ///< layers of boxes at the ends
-  std::vector<int> firsts_;                  ///< molecules of the parts, and the end
+  std::vector<Material> materials_;         ///< of the labels, where they are parts
+  std::vector<int> numbers_;                ///< of each corner of the grid; −1: none
+  std::vector<std::array<int, 3>> halves_;  ///< places of the molecules, in halves of boxes
+  std::array<int, 2> ends_{};               ///< layers of boxes at the ends
   std::function<double(double)> modulus_of_, density_of_;
 };
 
@@ -464,25 +461,14 @@ void Boxes::number_corners() {
   for_body([&](const Box&, const std::array<int, 3>& at) {
     for (int c = 0; c < 8; ++c) corner(at[0] + c % 2, at[1] + c / 2 % 2, at[2] + c / 4) = kUnnumbered;
   });
-  const auto owner = [&](int x, int y, int z) {  // the first part that has it
-    int first = parts();
-    for (int c = 0; c < 8; ++c)
-      if (const int bx = x - c % 2, by = y - c / 2 % 2, bz = z - c / 4; is_body(bx, by, bz))
-        first = std::min(first, part_of(boxes_[index(bx, by, bz)]));
-    return first;
-  };
-  for (int part = 0; part < parts(); ++part) {
-    firsts_.push_back(static_cast<int>(corners_.size()));
-    for (int z = 0; z <= counts_[2]; ++z)
-      for (int y = 0; y <= counts_[1]; ++y)
-        for (int x = 0; x <= counts_[0]; ++x)
-          if (int& number = corner(x, y, z); number == kUnnumbered && (parts() == 1 || owner(x, y, z) == part)) {
-            number = static_cast<int>(corners_.size());
-            corners_.push_back({x, y, z});
-          }
-  }
-  firsts_.push_back(static_cast<int>(corners_.size()));
-  setup_.file->check_size(static_cast<double>(corners_.size()));
+  for (int z = 0; z <= counts_[2]; ++z)
+    for (int y = 0; y <= counts_[1]; ++y)
+      for (int x = 0; x <= counts_[0]; ++x)
+        if (int& number = corner(x, y, z); number == kUnnumbered) {
+          number = static_cast<int>(halves_.size());
+          halves_.push_back({2 * x, 2 * y, 2 * z});
+        }
+  setup_.file->check_size(static_cast<double>(halves_.size()));
 }
 
 Vector3 Boxes::place(const Vector3& at) const {
@@ -587,37 +573,29 @@ void Boxes::set_packing(Body& body) const {
   set_present_lengths(body);
 }
 
-Body Boxes::body() const {
+Body Boxes::body() {
   Body body;
   if (setup_.as == ImageCells::packing) {
     set_packing(body);
     return body;
   }
-  body.rest.resize(3, static_cast<Eigen::Index>(corners_.size()));
-  for (std::size_t i = 0; i < corners_.size(); ++i)
-    body.rest.col(static_cast<Eigen::Index>(i)) = place(Vector3(corners_[i][0], corners_[i][1], corners_[i][2]));
+  body.rest.resize(3, static_cast<Eigen::Index>(halves_.size()));
+  for (std::size_t i = 0; i < halves_.size(); ++i)
+    body.rest.col(static_cast<Eigen::Index>(i)) = place(Vector3(halves_[i][0], halves_[i][1], halves_[i][2]) / 2);
   const auto lines = [&](int axis) { return static_cast<std::size_t>(counts_[axis]) + 1; };
   const int mirrored = image_.steps.determinant() < 0 ? 1 : 0;
   Cells<8> cubes;
-  std::vector<std::size_t> firsts{0};  // cubes of the parts, and the end
-  for (int part = 0; part < parts(); ++part) {
-    for_body([&](const Box& box, const std::array<int, 3>& at) {
-      if (part_of(box) != part) return;
-      auto& cube = cubes.emplace_back();
-      for (int c = 0; c < 8; ++c)
-        cube[c] = numbers_[static_cast<std::size_t>(at[0] + c % 2) +
-                           lines(0) * (static_cast<std::size_t>(at[1] + c / 2 % 2) +
-                                       lines(1) * static_cast<std::size_t>(at[2] + (c / 4 ^ mirrored)))];
-    });
-    firsts.push_back(cubes.size());
-  }
+  for_body([&](const Box&, const std::array<int, 3>& at) {
+    auto& cube = cubes.emplace_back();
+    for (int c = 0; c < 8; ++c)
+      cube[c] = numbers_[static_cast<std::size_t>(at[0] + c % 2) +
+                         lines(0) * (static_cast<std::size_t>(at[1] + c / 2 % 2) +
+                                     lines(1) * static_cast<std::size_t>(at[2] + (c / 4 ^ mirrored)))];
+  });
   if (setup_.as == ImageCells::hexahedra) {
-    for (std::size_t cube = 0, part = 0; cube < cubes.size(); ++cube) {
-      if (cube == firsts[part])  // the first of the next part that has any
-        body.blocks.emplace_back().kind = &cell_kind("hexahedron8");
-      while (cube == firsts[part]) ++part;
-      for (const int corner : {0, 1, 3, 2, 4, 5, 7, 6}) body.blocks.back().nodes.push_back(cubes[cube][corner]);
-    }
+    body.blocks.emplace_back().kind = &cell_kind("hexahedron8");
+    for (const auto& cube : cubes)
+      for (const int corner : {0, 1, 3, 2, 4, 5, 7, 6}) body.blocks.back().nodes.push_back(cube[corner]);
     set_simplices(body);
   } else if (setup_.as == ImageCells::tetrahedra) {
     for (const auto& cube : cubes)
@@ -636,32 +614,35 @@ Body Boxes::body() const {
     set_present_lengths(body);
     body.cubes = cubes;
   }
-  if (parts_) add_parts(cubes, firsts, body);
+  if (setup_.order == 2) body = setup_.order_place->located([&] { return with_order(body, 2); });
+  for (const MoleculeBetween& between : body.between) {
+    Vector3 sum = Vector3::Zero();
+    for (const auto& [of, weight] : between) sum += weight * Vector3(halves_[of][0], halves_[of][1], halves_[of][2]);
+    halves_.push_back({static_cast<int>(std::lround(sum[0])), static_cast<int>(std::lround(sum[1])),
+                       static_cast<int>(std::lround(sum[2]))});
+  }
+  if (parts_) part(body);
   return body;
 }
 
-void Boxes::add_parts(const Cells<8>& cubes, const std::vector<std::size_t>& firsts, Body& body) const {
-  const auto range = [&](std::size_t of_all, int label) {
-    const std::size_t each = of_all / cubes.size();
-    return CellRange{static_cast<int>(each * firsts[label]),
-                     static_cast<int>(each * (firsts[label + 1] - firsts[label]))};
-  };
-  int block = 0;
-  for (int label = 0; label < parts(); ++label) {
-    const CellRange own = range(cubes.size(), label);
-    if (own.count == 0) continue;
-    Part part;
+/// Makes a part of each label; molecules get other numbers.
+void Boxes::part(Body& body) {
+  std::vector<int> labels;
+  const int each = setup_.as == ImageCells::tetrahedra ? 6 : 1;
+  for_body([&](const Box& box, const std::array<int, 3>&) { labels.insert(labels.end(), each, box.label); });
+  RenumberedBody parted = parts_of_labels(body, labels);
+  std::vector<int> number(parted.molecule_from.size());
+  const auto halves = halves_;
+  for (std::size_t at = 0; at < number.size(); ++at) {
+    number[parted.molecule_from[at]] = static_cast<int>(at);
+    halves_[at] = halves[parted.molecule_from[at]];
+  }
+  for (int& own : numbers_)
+    if (own >= 0) own = number[own];
+  body = std::move(parted.body);
+  for (Part& part : body.parts) {
+    const int label = std::stoi(part.name);
     part.name = labels_[label].name, part.material = label + 1;
-    part.first = firsts_[label], part.count = firsts_[label + 1] - firsts_[label];
-    part.tetrahedra = range(body.tetrahedra.size(), label);
-    part.cubes = range(body.cubes.size(), label);
-    if (!body.blocks.empty()) part.blocks = {block++, 1};
-    for (int cube = own.first; cube < own.first + own.count; ++cube)
-      for (const int molecule : cubes[cube])
-        if (molecule < part.first || molecule >= part.first + part.count) part.shared.push_back(molecule);
-    std::sort(part.shared.begin(), part.shared.end());
-    part.shared.erase(std::unique(part.shared.begin(), part.shared.end()), part.shared.end());
-    body.parts.push_back(std::move(part));
   }
 }
 
@@ -671,8 +652,11 @@ void Boxes::set_matter(Body& body) const {
   const auto lines = [&](int axis) { return static_cast<std::size_t>(counts_[axis]) + 1; };
   bool varied = false;
   std::vector<double> factors(boxes_.size());
-  std::size_t boxes = 0, cell = 0;
+  std::size_t boxes = 0;
   for_body([&](const Box&, const std::array<int, 3>&) { ++boxes; });
+  std::vector<int> next(body.blocks.size(), 0);          // cell of each block
+  std::vector<std::size_t> block_of(labels_.size(), 0);  // of the labels that are parts
+  for (std::size_t i = 0; i < body.parts.size(); ++i) block_of[body.parts[i].material - 1] = i;
   VectorX shares;  // of the molecules of a cell
   if (!body.blocks.empty()) shares = body.blocks[0].kind->values.cwiseAbs2() * body.blocks[0].kind->weights;
   if (!body.blocks.empty())
@@ -685,10 +669,12 @@ void Boxes::set_matter(Body& body) const {
     all += of_box;
     varied |= (factors[index(at[0], at[1], at[2])] = stiffness(box)) != 1;
     if (setup_.as == ImageCells::packing) return;
-    if (body.size() > static_cast<int>(corners_.size())) {  // second order
-      for (const std::size_t end = cell + cells_in_blocks(body) / boxes; cell < end; ++cell)
-        for (int a = 0; a < shares.size(); ++a)
-          volumes[body.blocks[0].cell(static_cast<int>(cell))[a]] += of_box * shares[a];
+    if (setup_.order == 2) {
+      const std::size_t block = parts_ ? block_of[box.label] : 0;
+      for (std::size_t i = 0; i < cells_in_blocks(body) / boxes; ++i) {
+        const auto nodes = body.blocks[block].cell(next[block]++);
+        for (int a = 0; a < shares.size(); ++a) volumes[nodes[a]] += of_box * shares[a];
+      }
       return;
     }
     for (int c = 0; c < 8; ++c)
@@ -705,21 +691,13 @@ void Boxes::set_matter(Body& body) const {
   for (const Material& material : parts_ ? materials_ : std::vector{*context_.material})
     if (material.curve || material.fibre)
       setup_.file->fail("stiffness that varies needs a material without curve or fibre");
-  std::vector<std::array<int, 3>> halves;  // places of the molecules, in halves of boxes
-  for (const auto& [x, y, z] : corners_) halves.push_back({2 * x, 2 * y, 2 * z});
-  for (const MoleculeBetween& between : body.between) {
-    Vector3 sum = Vector3::Zero();
-    for (const auto& [of, weight] : between) sum += weight * Vector3(halves[of][0], halves[of][1], halves[of][2]);
-    halves.push_back({static_cast<int>(std::lround(sum[0])), static_cast<int>(std::lround(sum[1])),
-                      static_cast<int>(std::lround(sum[2]))});
-  }
   // What lies on a face or edge has the mean of the boxes around it.
   change_stiffness(body, [&](const auto& molecules, double& factor) {
-    std::array<int, 3> low = halves[*molecules.begin()], high = low;
+    std::array<int, 3> low = halves_[*molecules.begin()], high = low;
     for (const int molecule : molecules)
       for (int axis = 0; axis < 3; ++axis) {
-        low[axis] = std::min(low[axis], halves[molecule][axis]);
-        high[axis] = std::max(high[axis], halves[molecule][axis]);
+        low[axis] = std::min(low[axis], halves_[molecule][axis]);
+        high[axis] = std::max(high[axis], halves_[molecule][axis]);
       }
     const auto first = [&](int axis) { return (low[axis] - (low[axis] == high[axis])) >> 1; };
     double sum = 0;
@@ -818,9 +796,8 @@ Body make_body(const ImageSetup& setup, ShapeContext& context) {
   if (image.unit > 0 && std::abs(image.unit / setup.length_unit - 1) > 1e-6)
     context.remarks.warnings.push_back(setup.file->path() +
                                        ": the file states another unit of length than `length_unit`, which counts");
-  const Boxes boxes(image, setup, context);
+  Boxes boxes(image, setup, context);
   Body body = boxes.body();
-  if (setup.order == 2) body = setup.order_place->located([&] { return with_order(body, 2); });
   MoleculeSets sets = boxes.sets();
   if (context.remarks.sets) *context.remarks.sets = sets;
   context.map.set_mesh_sets(std::move(sets));

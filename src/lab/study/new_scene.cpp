@@ -137,7 +137,7 @@ struct Row {
   NewSpecimen specimen;
   const char* text;
   const char* springs;  ///< rules in addition to `standard`: under a tool lloyd and van_gelder may find no equilibrium
-                        ///< at nu = 0.45
+                        ///< at nu = 0.45; of a scan they hang on its boxes
 };
 
 constexpr const char* kSprings = "lloyd, \"calibrated:van_gelder\"";
@@ -147,7 +147,7 @@ constexpr std::array kRows{
     Row{{"dogbone", "a mesh, clamped at both ends and pulled, read between two planes", true}, kDogbone, kSprings},
     Row{{"indentation", "a block under a rigid sphere", false}, kIndentation, "patch"},
     Row{{"organ", "a closed surface, filled, under a rigid sphere", true}, kOrgan, "patch"},
-    Row{{"scan", "an image of voxels, clamped at both ends and pulled", true}, kScan, "\"calibrated:patch\""}};
+    Row{{"scan", "an image of voxels, clamped at both ends and pulled", true}, kScan, ""}};
 
 /// "12.5 mm": three digits, in the unit that keeps them readable.
 std::string length_text(double metres) {
@@ -279,7 +279,11 @@ void add_scan(Words& words, const NewScene& wanted) {
   add(words, "labels", labels);
   add(words, "axis", std::string(1, "xyz"[longest]));
   add(words, "length", length_text(length));
-  add(words, "spacing", length_text(std::cbrt(voxel * std::max(1., voxels / kMostNewMolecules))));
+  const double spacing = std::cbrt(voxel * std::max(1., voxels / kMostNewMolecules));
+  // A body whose boxes are filled in part has no one modulus to calibrate to.
+  const bool filled = std::lround(spacing / (unit * image.steps.colwise().norm().minCoeff())) <= 1;
+  add(words, "springs", filled ? "\"calibrated:patch\"" : "patch");
+  add(words, "spacing", length_text(spacing));
   add(words, "grip", length_text(0.15 * length));
   add(words, "displacement", length_text(0.03 * length));
   add(words, "section", fmt::format("{:.4g} mm2", 1e6 * voxels * voxel / length));
@@ -334,14 +338,14 @@ std::string new_scene_text(const NewScene& wanted, const std::string& folder) {
   add(words, "nu", fmt::format("{:g}", wanted.poissons_ratio));
   add(words, "solid", soft_volume ? "neo_hookean+volume" : "neo_hookean");
   add(words, "volume", soft_volume ? ", neo_hookean+volume" : "");
-  add(words, "springs", row->springs);
-  const std::string material = fmt::vformat(kMaterial, words);
-  add(words, "material", material);
+  if (*row->springs) add(words, "springs", row->springs);
   add(words, "size", wanted.size);
   add(words, "unit", wanted.length_unit);
   if (row->specimen.from_file)
     add(words, "mesh", std::filesystem::proximate(wanted.mesh, folder.empty() ? "." : folder).string());
   add_specimen(words, wanted, row->specimen.from_file);
+  const std::string material = fmt::vformat(kMaterial, words);
+  add(words, "material", material);
   return fmt::vformat(row->text, words);
 }
 

@@ -153,14 +153,17 @@ TEST_CASE("image: each label has a law of its own", "[image]") {
   // polynomial, on half of 8 mm × 4 mm each.
   const double stretch = 1.2, more = stretch * stretch + 2 / stretch - 3, shape = 2 * (stretch - 1 / stretch / stretch);
   const double force = 16e-6 * shape * (2e3 + 1e3 / stretch + 1e3 + 4e3 * more + 9e3 * more * more);
-  for (const char* as : {"hexahedra", "tetrahedra"}) {
+  for (const auto& [as, shared] : {std::pair{"hexahedra", 25u},
+                                   {"tetrahedra", 25u},
+                                   {"hexahedra, order: 2", 81u},
+                                   {"tetrahedra, order: 2", 81u}}) {
     INFO(as);
     const auto scene = load(as, "neo_hookean");
     const Body& body = scene->specimen.body;
     REQUIRE(body.parts.size() == 2);
     CHECK(body.parts[0].name == "muscle");
     CHECK(body.parts[0].count + body.parts[1].count == body.size());
-    CHECK(body.parts[1].shared.size() == 25);
+    CHECK(body.parts[1].shared.size() == shared);
     CHECK(body.mass.sum() == Approx(64e-9 * (1060 + 900)));
     const Run run = run_strategy(scene->specimen, *scene->experiment, scene->stiffness, {.statics = scene->statics});
     INFO(run.cause);

@@ -58,13 +58,13 @@ TEST_CASE("a size is three lengths, the last of which may give the unit", "[new]
 TEST_CASE("calibration is offered to specimens that measure what a rule can be calibrated to", "[new]") {
   const std::string scenes = ELASTIN_SOURCE_DIR "/scenes/";
   const TemporaryFolder folder;
-  const NewScene specimens[] = {{"strip", "40 x 10 x 4 mm", ""},
-                                {"dogbone", "", scenes + "tension/dogbone.msh"},
-                                {"indentation", "20 x 20 x 10 mm", ""},
-                                {"organ", "", scenes + "tissue/organ.stl"},
-                                {"scan", "", scenes + "scans/waist.nrrd"}};
+  const NewScene specimens[] = {
+      {"strip", "40 x 10 x 4 mm", ""},           {"dogbone", "", scenes + "tension/dogbone.msh"},
+      {"indentation", "20 x 20 x 10 mm", ""},    {"organ", "", scenes + "tissue/organ.stl"},
+      {"scan", "", scenes + "scans/waist.nrrd"},    // boxes filled in part
+      {"scan", "", scenes + "scans/kidney.nrrd"}};  // of a voxel each
   for (const NewScene& wanted : specimens) {
-    CAPTURE(wanted.specimen);
+    CAPTURE(wanted.specimen, wanted.mesh);
     const auto scene =
         load_scene(folder.write("scene.yaml", new_scene_text(wanted, folder.path(""))), built_in_catalog());
     const std::string unsuited = calibration_unsuited(*scene->experiment, scene->specimen);
