@@ -122,8 +122,7 @@ TEST_CASE("what a solve leaves makes derivatives quicker and no others", "[adjoi
       INFO(name << (by_force ? ", work of the loads" : ", force of the grip"));
       Pulled pulled(jittered_block(), [&](const Body& body) { return strategy(name).make(body, soft(), {}); });
       pulled.state = state_at_rest(pulled.body);
-      if (by_force)
-        for (Support& support : pulled.model->supports) support.displacement.setZero();
+      for (Support& support : pulled.model->supports) support.displacement *= by_force ? 0 : 0.01;
       StaticOptions options{.method = "pcg", .tolerance = 1e-10};
       const std::shared_ptr<LastSolve> last = make_last_solve();
       REQUIRE(solve_static(*pulled.model, pulled.state, options, *last).outcome == Outcome::converged);
@@ -139,7 +138,7 @@ TEST_CASE("what a solve leaves makes derivatives quicker and no others", "[adjoi
         return found;
       };
       const Adjoint slow = adjoint(from_nothing), quick = adjoint(from_last);
-      CHECK(quick.result.linear_iterations < 0.8 * slow.result.linear_iterations);
+      CHECK(quick.result.linear_iterations < 0.9 * slow.result.linear_iterations);
       CHECK((quick.forces - slow.forces).norm() < 1e-8 * slow.forces.norm());
       CHECK((quick.displacement - slow.displacement).norm() < 1e-8 * slow.displacement.norm());
       // The next one has nothing to begin with.
