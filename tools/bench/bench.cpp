@@ -27,6 +27,10 @@ struct Case {
 constexpr Case kCases[] = {
     {"static", "tension cube to a relative residual of 1e-8; peer: Eigen's conjugate gradients on the assembled matrix",
      bench::run_static},
+    {"derivatives",
+     "an equilibrium with the derivatives of a measure by the stiffness of every spring or cell; peer: without, by "
+     "processor time",
+     bench::run_derivatives},
     {"forces", "elastic force pass; peer: a plain loop over the connections, each thread with its own forces",
      bench::run_forces},
     {"steps",
@@ -68,7 +72,7 @@ int main(int argc, char** argv) {
   options.add("--threads", "NUMBERS", command::each_of(command::into(counts, 1, 256)), "Numbers of threads: 1,2");
   options.add("--seconds", "NUMBER", command::into(settings.seconds, 0.1, 86400.), "How long embed steps steadily");
   options.add("--only", "TEXT", command::into(settings.only),
-              "Of embed, the steppers whose row has this text in its name");
+              "Of embed and derivatives, the rows that have this text in their name");
   options.add("--csv", "FILE", command::into(csv), "File for all rows, SI units");
   options.flag("--list", list, "Name the cases and stop");
   try {

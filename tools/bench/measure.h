@@ -55,7 +55,7 @@ struct Settings {
   int repeats = 5;
   std::vector<int> sides{10, 22, 47}, threads{1, 2};
   double seconds = 60;  ///< of steady stepping
-  std::string only;     ///< what a row's name has in it
+  std::string only;     ///< of embed and derivatives, what a row's name has in it
 };
 
 /// Gives each molecule the radius and mass that a scene would.
@@ -94,6 +94,7 @@ void say(const std::string& doing);
 std::vector<Figures> triad(const Settings& settings);
 
 std::vector<Row> run_static(const Settings& settings);
+std::vector<Row> run_derivatives(const Settings& settings);
 std::vector<Row> run_forces(const Settings& settings);
 std::vector<Row> run_steps(const Settings& settings);
 std::vector<Row> run_embed(const Settings& settings);

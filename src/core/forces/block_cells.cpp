@@ -9,6 +9,7 @@
 
 #include "core/base/rows.h"
 #include "core/forces/cell_pressures.h"
+#include "core/forces/element_forces.h"
 #include "core/forces/relaxing.h"
 #include "core/geometry/reference_slopes.h"
 #include "core/model/block_geometry.h"
@@ -53,7 +54,11 @@ template <int d>
 class BlockStiffness;
 
 template <int d>
-class BlockCells final : public NodalForces, public LocalElasticity, public LawHistory, public Softens {
+class BlockCells final : public NodalForces,
+                         public LocalElasticity,
+                         public ElementForces,
+                         public LawHistory,
+                         public Softens {
   using Gradient = Eigen::Matrix<double, 3, d>;  ///< F, δF, F S
   using Square = Eigen::Matrix<double, d, d>;
   using Direction = Eigen::Matrix<double, d, 1>;
@@ -136,18 +141,12 @@ class BlockCells final : public NodalForces, public LocalElasticity, public LawH
   }
 
   void add_forces(const Positions& positions, const Graph&, Positions& forces, Workspace& workspace) const override {
-    add_cells(forces, workspace, [&](int cell, NodeVectors& own) {
-      Stresses now;
-      set_stresses(positions, cell, now);
-      PointGradients<d> P;
-      for (int g = 0; g < points_; ++g) {
-        P[g] = now.F[g] * now.S[g];
-        if constexpr (d == 3)
-          if (!volume_.empty()) P[g] += now.p[g] * cofactors(now.F[g]);
-        P[g] *= -rest(cell, g).weight;
-      }
-      spread(cell, P, own);
-    });
+    add_cells(forces, workspace, [&](int cell, NodeVectors& own) { add_cell_forces(positions, cell, own); });
+  }
+  void set_element_forces(const Positions& positions, int cell, Eigen::Ref<Positions> forces) const override {
+    NodeVectors own = NodeVectors::Zero(3, kind_.nodes);
+    add_cell_forces(positions, cell, own);
+    forces = own;
   }
 
   double internal_force(const Positions& positions) const override {
@@ -304,6 +303,19 @@ class BlockCells final : public NodalForces, public LocalElasticity, public LawH
         for (int g = 0; g < points_; ++g) sum += rest(cell, g).weight * volume_of(cell).energy(at_point(theta, g));
       }
     return sum;
+  }
+
+  void add_cell_forces(const Positions& positions, int cell, NodeVectors& own) const {
+    Stresses now;
+    set_stresses(positions, cell, now);
+    PointGradients<d> P;
+    for (int g = 0; g < points_; ++g) {
+      P[g] = now.F[g] * now.S[g];
+      if constexpr (d == 3)
+        if (!volume_.empty()) P[g] += now.p[g] * cofactors(now.F[g]);
+      P[g] *= -rest(cell, g).weight;
+    }
+    spread(cell, P, own);
   }
 
   /// What one cell makes of the position of one of its nodes: the diagonal block of visit_diagonal, of one node alone.

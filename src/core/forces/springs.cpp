@@ -2,6 +2,7 @@
 #include <limits>
 #include <utility>
 
+#include "core/forces/element_forces.h"
 #include "core/forces/graph.h"
 #include "core/forces/grid_springs.h"
 #include "core/forces/own_slopes.h"
@@ -41,7 +42,7 @@ void add_spring_slopes(const Connections& connections, const VectorX& constants,
   });
 }
 
-class Springs final : public EdgeDensities, public LocalElasticity {
+class Springs final : public EdgeDensities, public LocalElasticity, public ElementForces {
  public:
   Springs(const Body& body, VectorX constants)
       : body_(body),
@@ -94,6 +95,12 @@ class Springs final : public EdgeDensities, public LocalElasticity {
   double element_energy(const Positions& positions, int element) const override {
     const double stretch = length(connections_, positions, element) - rest_lengths_[element];
     return 0.5 * constants_[element] * stretch * stretch;
+  }
+  void set_element_forces(const Positions& positions, int element, Eigen::Ref<Positions> forces) const override {
+    const auto& [a, b] = connections_.ends[element];
+    const Vector3 d = positions.col(b) - positions.col(a);
+    forces.col(0) = spring_density(d.norm(), constants_[element], rest_lengths_[element]) * d;
+    forces.col(1) = -forces.col(0);
   }
   /// K = q I + (k − q) d dᵀ/l². A pressed spring would have its molecule go sideways: only k − q is left of it then.
   void add_blocks(const Positions& positions, std::span<const LocalSlot> slots, LocalBlock& block) const override {

@@ -11,6 +11,7 @@
 #include "core/linear/multigrid.h"
 #include "core/linear/rigid_motions.h"
 #include "core/parallel/parallel.h"
+#include "core/solve/last_solve.h"
 #include "core/solve/steppers.h"
 #include "elastin/core/base/stop.h"
 
@@ -79,7 +80,7 @@ Positions way_down(const Tangent& tangent, const std::vector<Support>& supports,
     other = method->make();
   LinearSolver& solver = other ? *other : *cached.solver;
   LinearResult found = solver.solve(tangent, supports, load, tolerance, ignored);
-  cached.forget();
+  if (found.negative_direction.size() > 0) cached.forget();
   iterations += found.iterations;
   return std::move(found.negative_direction);
 }
@@ -206,7 +207,7 @@ constexpr int kMultiplierUpdates = 50;
 
 /// An equilibrium with the memory that the state has.
 StaticResult balance_once(Model& model, State& state, const StaticOptions& options, const Kinematics* kinematics,
-                          NewtonWorkspace& workspace) {
+                          NewtonWorkspace& workspace, LastSolve* last_solve) {
   StaticResult result;
   const Problem problem(model, kinematics);
   Trial& now = workspace.now;
@@ -289,6 +290,7 @@ StaticResult balance_once(Model& model, State& state, const StaticOptions& optio
     const bool found = motion.allFinite() && line_search(problem, motion, problem.with_energy && !to_saddle, now,
                                                          inverted, workspace.trials, &growing);
     result.cut_steps += inverted;
+    if (found && last_solve) last_solve->note(motion, model.supports);
     if (!found && growing < growing_limit && calm) {  // back, and by the force alone
       now = *std::exchange(calm, std::nullopt), growing = 0;
       continue;
@@ -315,9 +317,9 @@ StaticResult balance_once(Model& model, State& state, const StaticOptions& optio
 }  // namespace
 
 StaticResult solve_newton(Model& model, State& state, const StaticOptions& options, const Kinematics* kinematics,
-                          NewtonWorkspace& workspace) {
+                          NewtonWorkspace& workspace, LastSolve* last) {
   workspace.solver.forget();
-  StaticResult result = balance_once(model, state, options, kinematics, workspace);
+  StaticResult result = balance_once(model, state, options, kinematics, workspace, last);
   for (int round = 0; result.outcome == Outcome::converged && model.update_multipliers(state); ++round) {
     if (round == kMultiplierUpdates) {
       result.outcome = Outcome::limit_reached;
@@ -325,7 +327,7 @@ StaticResult solve_newton(Model& model, State& state, const StaticOptions& optio
                      " multiplier updates";
       break;
     }
-    StaticResult again = balance_once(model, state, options, kinematics, workspace);
+    StaticResult again = balance_once(model, state, options, kinematics, workspace, last);
     again.newton_iterations += result.newton_iterations;
     again.linear_iterations += result.linear_iterations;
     again.cut_steps += result.cut_steps;

@@ -9,6 +9,8 @@
 
 namespace elastin {
 
+class LastSolve;
+
 /// A linear solver kept from one solve to the next, for its memory and its coarse picture of the stiffness.
 struct CachedSolver {
   std::unique_ptr<LinearSolver> solver;
@@ -32,8 +34,9 @@ struct NewtonWorkspace {
 /// state.time is that of the answer; supports must be set for it. Never throws on numerical trouble.
 /// @param kinematics nullptr: static. Else reactions are not computed.
 /// @param room of this model alone.
+/// @param last where the motions are noted; may be null
 StaticResult solve_newton(Model& model, State& state, const StaticOptions& options, const Kinematics* kinematics,
-                          NewtonWorkspace& workspace);
+                          NewtonWorkspace& workspace, LastSolve* last = nullptr);
 
 /// Whether the options' `stop` ends the solve; if so, the result says it.
 bool is_interrupted(const StaticOptions& options, StaticResult& result);

@@ -1,5 +1,7 @@
 #pragma once
-#include "core/solve/newton.h"
+#include <utility>
+
+#include "core/solve/last_solve.h"
 
 namespace elastin {
 
@@ -7,8 +9,10 @@ namespace elastin {
 class Responses {
  public:
   /// The model, its supports and the state must stay until the last response.
-  Responses(Model& model, const State& state, const StaticOptions& options);
+  /// @param last what the solve that ended in this state has left, which it takes; may be null
+  Responses(Model& model, const State& state, const StaticOptions& options, LastSolve* last = nullptr);
   const Tangent& tangent() const { return tangent_; }
+  CachedSolver take_solver() { return std::move(last_.solver); }
   /// As static_response.
   /// @param tolerance of the unbalanced force over the size of loads and reactions
   StaticResponse to(const Positions& load_change, const Positions& displacement, double tolerance);
@@ -16,8 +20,8 @@ class Responses {
  private:
   Model& model_;
   const StaticOptions& options_;
+  LastSolve last_;
   Tangent tangent_;
-  CachedSolver solver_;
 };
 
 }  // namespace elastin

@@ -96,11 +96,11 @@ class TransposedStiffness {
 };
 
 struct Sensitivity::Impl {
-  Impl(Model& a_model, const State& state, const StaticOptions& some_options, double a_tolerance)
+  Impl(Model& a_model, const State& state, const StaticOptions& some_options, double a_tolerance, LastSolve* last)
       : model(a_model),
         options(some_options),
         tolerance(a_tolerance),
-        responses(model, state, options),
+        responses(model, state, options, last),
         fixed(fixed_directions(model)) {}
 
   Model& model;
@@ -112,7 +112,10 @@ struct Sensitivity::Impl {
 };
 
 Sensitivity::Sensitivity(Model& model, const State& state, const StaticOptions& options, double tolerance)
-    : impl_(std::make_unique<Impl>(model, state, options, tolerance)) {}
+    : impl_(std::make_unique<Impl>(model, state, options, tolerance, nullptr)) {}
+Sensitivity::Sensitivity(Model& model, const State& state, const StaticOptions& options, double tolerance,
+                         LastSolve& last)
+    : impl_(std::make_unique<Impl>(model, state, options, tolerance, &last)) {}
 Sensitivity::~Sensitivity() = default;
 
 StaticResponse Sensitivity::forward(const Positions& force_change, const Positions& displacement) {
@@ -158,7 +161,7 @@ Adjoint Sensitivity::adjoint(const Positions& of_positions, const Positions& of_
 
 VectorX Sensitivity::by_stiffness(const Elasticity& law, const Adjoint& adjoint) const {
   const LocalElasticity* local = law.local();
-  return local ? StiffnessSlopes(*local, impl_->responses.tangent().positions()).work(adjoint.forces) : VectorX();
+  return local ? work_by_stiffness(*local, impl_->responses.tangent().positions(), adjoint.forces) : VectorX();
 }
 
 Positions Sensitivity::forces_by_stiffness(const Elasticity& law, const VectorX& changes) const {

@@ -20,7 +20,7 @@ namespace {
 
 /// The body stretched with the mean motion that moved supports impose is a far better start than a torn first layer:
 /// one linear solve about the present state, with the supports' displacement as its only load.
-void follow_supports(Model& model, State& state, const StaticOptions& options, StaticResult& result) {
+void follow_supports(Model& model, State& state, const StaticOptions& options, StaticResult& result, LastSolve* last) {
   Positions moved = state.positions;
   apply_supports(model, moved);
   const Positions displacement = moved - state.positions;
@@ -30,6 +30,7 @@ void follow_supports(Model& model, State& state, const StaticOptions& options, S
   const StaticResponse response =
       static_response(model, state.positions, Positions::Zero(3, displacement.cols()), displacement, rough);
   result.linear_iterations += response.result.linear_iterations;
+  if (last) last->note(response.motion, model.supports);
   const Positions stretched = state.positions + response.motion;
   const bool usable =
       !any_over(model.body(), !response.motion.allFinite() || !std::isfinite(model.elastic_energy(stretched)));
@@ -39,6 +40,7 @@ void follow_supports(Model& model, State& state, const StaticOptions& options, S
 constexpr int kExplicitSteps = 50000, kImplicitSteps = 400;
 constexpr int kBetweenChecks = 50;  ///< explicit steps
 constexpr double kStrictest = 1e-8;
+constexpr double kLeastSolved = 0.5;  ///< of what a first answer leaves, to find out whether it can be
 
 double kinetic_energy(const Body& body, const Positions& velocities) {
   return ordered_sum(body.size(), [&](int i) { return 0.5 * body.mass[i] * velocities.col(i).squaredNorm(); });
@@ -131,7 +133,21 @@ StaticResult relax(Model& model, State& state, const StaticOptions& options) {
   return result;
 }
 
-StaticResult solve_linear_statics(Model& model, State& state, const StaticOptions& options) {
+/// static_response, which leaves its solver and its motion to `last`, unless null.
+StaticResponse respond(Model& model, const Positions& at, const Positions& load_change, const Positions& displacement,
+                       const StaticOptions& options, LastSolve* last) {
+  if (options.engine) return options.engine->respond(model, at, load_change, displacement, options);
+  const State state{at, model.feels_velocity() ? Positions(Positions::Zero(3, at.cols())) : Positions()};
+  Responses responses(model, state, options);
+  StaticResponse response = responses.to(load_change, displacement, options.tolerance);
+  if (last) {
+    last->solver = responses.take_solver();
+    last->note(response.motion, model.supports);
+  }
+  return response;
+}
+
+StaticResult solve_linear_statics(Model& model, State& state, const StaticOptions& options, LastSolve* last) {
   const State rest = state_at_rest(model.body());
   Positions displacement = rest.positions;
   apply_supports(model, displacement);
@@ -139,7 +155,7 @@ StaticResult solve_linear_statics(Model& model, State& state, const StaticOption
   Positions elastic = model.elastic_forces(rest.positions);
   if (model.body().share) options.engine->complete(model, elastic);
   StaticResponse response =
-      static_response(model, rest.positions, model.load_forces(rest) + elastic, displacement, options);
+      respond(model, rest.positions, model.load_forces(rest) + elastic, displacement, options, last);
   if (response.result.outcome == Outcome::converged) state.positions = rest.positions + response.motion;
   return response.result;
 }
@@ -164,25 +180,37 @@ const char* name_of(Outcome outcome) {
   return "";
 }
 
-StaticResult solve_static(Model& model, State& state, const StaticOptions& options) {
+namespace {
+
+StaticResult find_equilibrium(Model& model, State& state, const StaticOptions& options, LastSolve* last) {
   model.declare_history(state);
   model.begin_step(state, std::numeric_limits<double>::infinity());
-  if (options.linear) return solve_linear_statics(model, state, options);
+  if (last) last->begin(model);
+  if (options.linear) return solve_linear_statics(model, state, options, last);
   if (options.static_method != StaticMethod::newton) return relax(model, state, options);
   StaticResult moved;
-  follow_supports(model, state, options, moved);
+  follow_supports(model, state, options, moved, last);
   NewtonWorkspace workspace;
   StaticResult result = options.engine ? options.engine->balance(model, state, options)
-                                       : solve_newton(model, state, options, nullptr, workspace);
+                                       : solve_newton(model, state, options, nullptr, workspace, last);
   result.linear_iterations += moved.linear_iterations;
+  if (last) last->solver = std::move(workspace.solver);
   return result;
+}
+
+}  // namespace
+
+StaticResult solve_static(Model& model, State& state, const StaticOptions& options) {
+  return find_equilibrium(model, state, options, nullptr);
+}
+
+StaticResult solve_static(Model& model, State& state, const StaticOptions& options, LastSolve& last) {
+  return find_equilibrium(model, state, options, &last);
 }
 
 StaticResponse static_response(Model& model, const Positions& at, const Positions& load_change,
                                const Positions& displacement, const StaticOptions& options) {
-  if (options.engine) return options.engine->respond(model, at, load_change, displacement, options);
-  const State state{at, model.feels_velocity() ? Positions(Positions::Zero(3, at.cols())) : Positions()};
-  return Responses(model, state, options).to(load_change, displacement, options.tolerance);
+  return respond(model, at, load_change, displacement, options, nullptr);
 }
 
 namespace {
@@ -195,8 +223,11 @@ Model& at_rest(Model& model, const State& state) {
 
 }  // namespace
 
-Responses::Responses(Model& model, const State& state, const StaticOptions& options)
-    : model_(model), options_(options), tangent_(at_rest(model, state), state) {}
+Responses::Responses(Model& model, const State& state, const StaticOptions& options, LastSolve* last)
+    : model_(model),
+      options_(options),
+      last_(last ? last->taken_for(model) : LastSolve()),
+      tangent_(at_rest(model, state), state) {}
 
 StaticResponse Responses::to(const Positions& load_change, const Positions& displacement, double tolerance) {
   if (options_.engine) {
@@ -223,15 +254,18 @@ StaticResponse Responses::to(const Positions& load_change, const Positions& disp
   rhs = load_change - rhs;
   const double supported = fixed_components(model_.supports, rhs).norm();
   keep_free(model_.supports, rhs);
+  const double size = ordered_norm(rhs);
+  const Positions start = last_.nearest(tangent_, model_.supports, rhs);
+  const double left = ordered_norm(rhs), rough = left > 0 ? std::min(kLeastSolved, tolerance * size / left) : tolerance;
   UsedSolver used;
-  const LinearResult linear =
-      solve_linear(tangent_, model_.supports, rhs, tolerance, options_, true, motion, used, solver_);
+  LinearResult linear = solve_linear(tangent_, model_.supports, rhs, rough, options_, true, motion, used, last_.solver);
+  motion += start;
+  if (size > 0) linear.residual *= left / size;
   result.solver = "linear " + used.name;
   result.reason = used.reason;
   result.linear = true;
   result.newton_iterations = 1;
   result.linear_iterations = linear.iterations;
-  const double size = ordered_norm(rhs);
   result.scale = size + supported;
   result.residual = size > 0 ? linear.residual * size / (size + supported) : 0;
   result.unstable = linear.negative_modes > 0 || linear.status == LinearStatus::negative_mode;

@@ -19,4 +19,7 @@ class StiffnessSlopes {
   Positions forces_;            ///< of each element on each of its molecules
 };
 
+/// StiffnessSlopes(law, at).work(motion), for one motion: nothing is stored.
+VectorX work_by_stiffness(const LocalElasticity& law, const Positions& at, const Positions& motion);
+
 }  // namespace elastin

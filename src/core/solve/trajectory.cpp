@@ -133,7 +133,7 @@ TrajectoryAdjoint Trajectory::adjoint(const AddSlopes& add_slopes, const std::ve
     found.forces += lambda;
     for (std::size_t law = 0; law < found.stiffness.size(); ++law)
       if (const LocalElasticity* local = model.elasticity()[law]->local())
-        found.stiffness[law] += StiffnessSlopes(*local, at.positions).work(lambda);
+        found.stiffness[law] += work_by_stiffness(*local, at.positions, lambda);
     for (std::size_t i = 0; i < varied.size(); ++i)
       found.numbers[i] += (power(*varied[i].above, from, at, lambda) - power(*varied[i].below, from, at, lambda)) /
                           varied[i].difference;

@@ -3,7 +3,9 @@
 #include "elastin/core/laws/local.h"
 
 #include <catch2/catch.hpp>
+#include <cmath>
 
+#include "core/solve/stiffness_slopes.h"
 #include "elastin/core/forces/tangent.h"
 #include "elastin/core/model/rest.h"
 #include "elastin/core/simulation/catalog.h"
@@ -40,6 +42,23 @@ void check(const Body& body, const Strategy& strategy, const Positions& position
   for (int element = 0; element < law->elements(); ++element) energy += law->element_energy(positions, element);
   INFO(strategy.name);
   CHECK(energy == Approx(model.elastic_energy(positions)).epsilon(1e-12));
+  // Each element by itself, with what stays the same as it moves: its works along any motion.
+  const Positions motion = random_motion(body, 3);
+  const VectorX works = work_by_stiffness(*law, positions, motion);
+  CHECK(works.sum() == Approx(forces.cwiseProduct(motion).sum()).epsilon(1e-10));
+  const VectorX stored = StiffnessSlopes(*law, positions).work(motion);
+  CHECK((works - stored).norm() <= 1e-13 * works.norm());
+  for (int element = 0; element < law->elements(); ++element) {
+    double work = 0;
+    const auto molecules = law->molecules_of(element);
+    for (std::size_t node = 0; node < molecules.size(); ++node) {
+      LocalBlock block;
+      const LocalSlot slot{element, static_cast<int>(node)};
+      law->add_blocks(positions, {&slot, 1}, block);
+      work -= block.gradient.dot(motion.col(molecules[node]));
+    }
+    CHECK(std::abs(works[element] - work) <= 1e-11 * works.cwiseAbs().maxCoeff());
+  }
   for (int molecule = 0; molecule < body.size(); ++molecule) {
     const LocalBlock block = block_of(*law, positions, molecule);
     CHECK((block.gradient + forces.col(molecule)).norm() <= 1e-11 * forces.norm());

@@ -116,6 +116,37 @@ TEST_CASE("what all parameters make of one function is what each makes of it: fo
     }
 }
 
+TEST_CASE("what a solve leaves makes derivatives quicker and no others", "[adjoint]") {
+  for (const bool by_force : {true, false})
+    for (const std::string name : {"patch", "neo_hookean"}) {
+      INFO(name << (by_force ? ", work of the loads" : ", force of the grip"));
+      Pulled pulled(jittered_block(), [&](const Body& body) { return strategy(name).make(body, soft(), {}); });
+      pulled.state = state_at_rest(pulled.body);
+      for (Support& support : pulled.model->supports) support.displacement *= by_force ? 0 : 0.01;
+      StaticOptions options{.method = "pcg", .tolerance = 1e-10};
+      const std::shared_ptr<LastSolve> last = make_last_solve();
+      REQUIRE(solve_static(*pulled.model, pulled.state, options, *last).outcome == Outcome::converged);
+      const Positions none = Positions::Zero(3, pulled.body.size());
+      Positions grip = none;
+      for (const Support& support : pulled.model->supports)
+        if (support.free != Matrix3::Zero()) grip(0, support.molecule) = 1;
+      Sensitivity from_nothing(*pulled.model, pulled.state, options, 1e-10),
+          from_last(*pulled.model, pulled.state, options, 1e-10, *last);
+      const auto adjoint = [&](Sensitivity& at) {
+        const Adjoint found = by_force ? at.adjoint(pulled.forces, none) : at.adjoint(none, grip);
+        REQUIRE(found.result.outcome == Outcome::converged);
+        return found;
+      };
+      const Adjoint slow = adjoint(from_nothing), quick = adjoint(from_last);
+      CHECK(quick.result.linear_iterations < 0.9 * slow.result.linear_iterations);
+      CHECK((quick.forces - slow.forces).norm() < 1e-8 * slow.forces.norm());
+      CHECK((quick.displacement - slow.displacement).norm() < 1e-8 * slow.displacement.norm());
+      // The next one has nothing to begin with.
+      Sensitivity again(*pulled.model, pulled.state, options, 1e-10, *last);
+      CHECK(adjoint(again).forces == slow.forces);
+    }
+}
+
 TEST_CASE("derivatives by forces, supports and the stiffness of each element are differences of whole solutions",
           "[adjoint]") {
   const auto mean = [](const Positions& weights, const std::pair<Positions, Positions>& solved) {

@@ -23,6 +23,8 @@ class Sensitivity {
   /// About an equilibrium. Model, its supports and the state must stay. History counts as at rest, see solve_static.
   /// @param tolerance of the linear solves' residuals, as far as rounding allows it
   Sensitivity(Model& model, const State& state, const StaticOptions& options = {}, double tolerance = 1e-13);
+  /// @param last of the solve_static that ended in this state, which it empties
+  Sensitivity(Model& model, const State& state, const StaticOptions& options, double tolerance, LastSolve& last);
   ~Sensitivity();
   /// As static_response.
   StaticResponse forward(const Positions& force_change, const Positions& displacement);
