@@ -452,7 +452,7 @@ bool is_mesh_file(const std::string& path) {
 std::vector<MeshFormat> mesh_formats() { return {std::begin(format::kFormats), std::end(format::kFormats)}; }
 
 Mesh load_mesh(const std::string& path) {
-  format::format_of(path);  // an unknown ending is told first, whether the file exists or not
+  format::format_of(path);  // an unknown ending is reported first, whether the file exists or not
   return format::read_mesh(format::load_file(path));
 }
 

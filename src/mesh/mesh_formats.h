@@ -48,7 +48,7 @@ class MeshBuilder {
   double distance_from_middle(int point, int a, int b) const {
     return (points_[point] - (points_[a] + points_[b]) / 2).norm();
   }
-  /// The point that this one took first at the same position, in single precision; adds it if there is none.
+  /// The point that this one took first at the same position, in single precision; adds it if there is no such point.
   int point_at(const Vector3& position);
   /// Calls `fail`, which throws, for a cell that is refused; for a face in finish(), where there is no solid.
   template <class Fail>

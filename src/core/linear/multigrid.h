@@ -8,7 +8,7 @@
 
 namespace elastin {
 
-/// A coarse picture of a body in ever larger boxes, for what conjugate gradients with the blocks of single molecules
+/// A grid hierarchy of a body in ever larger boxes, for what conjugate gradients with the blocks of single molecules
 /// are slow at: motions that are smooth over many of them. One W-cycle, symmetric, in single precision; the last grid
 /// is factorised in double.
 class Multigrid {
@@ -44,7 +44,7 @@ class Multigrid {
   bool thin_ = false;
 };
 
-/// A solver that keeps its coarse picture of one stiffness for the ones after it, while it serves.
+/// A solver that keeps its grid hierarchy of one stiffness for the ones after it, while it serves.
 class KeepsCoarsePicture {
  public:
   virtual ~KeepsCoarsePicture() = default;
@@ -52,7 +52,7 @@ class KeepsCoarsePicture {
   virtual void forget() = 0;
 };
 
-/// Whether a search with so many iterations to come, at its pace, is given up for another solver.
+/// Whether a search with this number of iterations to come, at its pace, is given up for another solver.
 using GivesUp = std::function<bool(double to_come)>;
 
 /// As make_multigrid, but asks where many iterations are to come, early and at twice as many each time; of what is
