@@ -374,10 +374,14 @@ Mesh MeshBuilder::finish(const std::string& path) const {
   return mesh;
 }
 
+// The readers, each next to its format.
+using ReadMesh = void(Cursor in, MeshBuilder& mesh);
+ReadMesh read_gmsh, read_vtk, read_inp, read_bdf, read_unv, read_stl, read_obj, read_off, read_ply;
+
 namespace {
 
 struct KnownFormat : MeshFormat {
-  void (*read)(Cursor, MeshBuilder&);
+  ReadMesh* read;
 };
 
 const KnownFormat kFormats[] = {{{".msh", "1, 2 and 4.1", MeshContent::cells_with_data}, read_gmsh},

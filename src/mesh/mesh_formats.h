@@ -134,23 +134,8 @@ void read_data(Cursor& in, NumberType type, std::size_t components, int first_ce
 /// Adds the cells, whose corners count from the mesh's point `first_point` on.
 void add_vtk_cells(const VtkCells& cells, int first_point, MeshBuilder& mesh);
 
-/// Abaqus and CalculiX: nodes, elements, sets, parts and instances of their input files.
-void read_inp(Cursor in, MeshBuilder& mesh);
-
-/// Nastran: GRID and cells of its bulk data, in free and in fixed fields.
-void read_bdf(Cursor in, MeshBuilder& mesh);
-/// I-DEAS: nodes, elements and groups of universal files.
-void read_unv(Cursor in, MeshBuilder& mesh);
-
-void read_gmsh(Cursor in, MeshBuilder& mesh);
-void read_vtk(Cursor in, MeshBuilder& mesh);
+/// VTK's XML, which also stands in files named .vtk.
 void read_vtu(Cursor in, MeshBuilder& mesh);
-
-void read_ply(Cursor in, MeshBuilder& mesh);
-
-void read_stl(Cursor in, MeshBuilder& mesh);
-void read_obj(Cursor in, MeshBuilder& mesh);
-void read_off(Cursor in, MeshBuilder& mesh);
 
 /// load_mesh for a file that is in memory already; the format goes by the path's ending.
 Mesh read_mesh(const File& file);
