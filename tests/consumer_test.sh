@@ -2,7 +2,7 @@
 # The outside project of tests/consumer, built as its users would; the tests at the end of CMakeLists.txt call it.
 #   consumer_test.sh install BUILD        installs to a fresh prefix, moves that, builds the project on it
 #   consumer_test.sh alone BUILD          its program on elastin::core needs Eigen and nothing else
-#   consumer_test.sh law BUILD            its own law stands in the command's comparison beside the others
+#   consumer_test.sh law BUILD            its own law stands in the command's comparison next to the others
 #   consumer_test.sh parts BUILD          its own stepper, load, and experiment with a measure of its own give the closed forms
 #   consumer_test.sh c BUILD              the example in C runs on the installed shared library
 #   consumer_test.sh pkg-config BUILD     the same program by pkg-config

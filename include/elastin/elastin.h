@@ -1,7 +1,7 @@
 #pragma once
 
 /// All public headers: bodies, laws, forces, solvers, simulations (elastin::core), and what the optional libraries add.
-/// Including it asks for Eigen alone; linking asks for the libraries whose functions are called.
+/// Including it needs Eigen alone; linking needs the libraries whose functions are called.
 #include "elastin/command/command.h"
 #include "elastin/config/scene_key.h"
 #include "elastin/config/scene_source.h"

@@ -100,7 +100,7 @@ namespace {
 
 volatile std::sig_atomic_t noted = 0;  // the signal
 
-/// Nobody has asked for a second: what is done now (a factorisation, a packing) has no end at which to stop.
+/// No signal for a second: what is done now (a factorisation, a packing) has no end at which to stop.
 void give_up(int) {
   constexpr std::string_view message = "  stopped in the middle: this run is not complete\n";
   if (write(STDERR_FILENO, message.data(), message.size()) >= 0 || noted) std::raise(noted);

@@ -64,7 +64,7 @@ bool continue_in(const std::string& folder, std::string& out);
 
 /// From now on the first interrupt (SIGINT, SIGTERM) ends a run after its step, in time or of the load, and a
 /// comparison or a search after its run, with all files complete. The second one ends the program, and so does the
-/// first where nobody has asked for it within a second.
+/// first where no signal has arrived within a second.
 void stop_on_interrupt();
 /// Whether there was one. Who asks has seen it, and ends what it does.
 bool interrupted();

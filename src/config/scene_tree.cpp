@@ -142,7 +142,8 @@ bool may_go_on(const YAML::Node& first, const std::string& text) {
   return false;
 }
 
-/// The only document of a scene's text. yaml-cpp's LoadAll finds documents without end in some texts that are none.
+/// The only document of a scene's text. yaml-cpp's LoadAll finds documents without end in some texts that are no
+/// documents.
 YAML::Node load_document(const std::string& path, const std::string& text) {
   const SourceLocation start{path, 1, 1};
   if (mesh::is_mesh_file(path))

@@ -6,7 +6,7 @@
 //     p ← max(0, p + Σ_s w_s (N_s − λ_s) / Σ_s w_s A_s),
 //
 // until no p changes by more than stiffness · penetration: then the mean gap of each share is zero where p is not. A
-// multiplier for each sample would ask for more than the molecules between are free to do: three samples of each
+// multiplier for each sample would constrain more than the molecules between are free to do: three samples of each
 // triangle cannot all lie on a round tool, and most of them would be released. [Wriggers 2006, ch. 5 and 9]
 
 #include <algorithm>
@@ -23,7 +23,7 @@ auto place_of(std::vector<Item>& sorted, std::pair<int, int> key) {
                           [](const Item& item, const auto& other) { return key_of(item) < other; });
 }
 
-/// The item of this key, added if there is none yet.
+/// The item of this key, added if it does not exist yet.
 MoleculePressure& entry_of(std::vector<MoleculePressure>& all, int molecule, int target) {
   auto at = place_of(all, {molecule, target});
   if (at == all.end() || key_of(*at) != std::pair{molecule, target}) at = all.insert(at, {molecule, target});

@@ -38,7 +38,8 @@ struct GapConstraint {
 /// @param number names its history.
 std::unique_ptr<TimedLoad> make_gap_constraint(const Body& body, GapConstraint constraint, int number);
 
-/// Multipliers of the cells of a block beside U(J̄) of their mean dilatation J̄: energy Σ V λ ln J̄, λ grows by κ ln J̄.
+/// Multipliers of the cells of a block in addition to U(J̄) of their mean dilatation J̄: energy Σ V λ ln J̄, λ grows by κ
+/// ln J̄.
 struct DilatationConstraint {
   int block = 0;
   double modulus = 0;  ///< κ [Pa]

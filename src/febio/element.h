@@ -37,7 +37,7 @@ class Element {
 
   /// Its text as a number that nothing changes in time.
   double number() const;
-  /// That of a child; `usual` where there is none.
+  /// That of a child; `usual` without such a child.
   double number(const std::string& child, double usual) const;
   double needed_number(const std::string& child) const { return at(child).number(); }
   std::vector<double> numbers(std::size_t count) const;

@@ -268,7 +268,7 @@ FibreDirections read_fibre(const Element& element) {
   element.refuse("type=\"" + type + "\"", "vector, local, spherical and angles are");
 }
 
-/// What every material has beside its own numbers.
+/// The numbers that every material has in addition to its own.
 void allow_numbers(const Element& element, std::initializer_list<const char*> own) {
   std::vector<std::string> known(own.begin(), own.end());
   known.emplace_back("density");

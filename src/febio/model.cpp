@@ -681,7 +681,7 @@ void ModelReader::read_surface_load(const Element& load) {
     const auto scale = load.find("scale");
     result.factor = scale ? scale->value(controllers_) : Value{1};
     if (traction.controller(controllers_)) {
-      if (result.factor.controller) traction.refuse("a load controller beside that of <scale>");
+      if (result.factor.controller) traction.refuse("a load controller in addition to that of <scale>");
       result.factor.controller = traction.controller(controllers_);
     }
   } else if (type == "force") {  // spread evenly over the area at rest
@@ -785,9 +785,9 @@ void ModelReader::refuse_within() const {
   for (const Step& step : setup_->steps) half |= step.dynamic && step.integration.alpha_force == 0.5;
   const std::string what = "rhoi above 0, or alpha below 1, ";
   if (!setup_->gaps.empty() || !setup_->volumes.empty() || !setup_->springs.empty() || !setup_->dilatations.empty())
-    root_.refuse(what + "beside constraints, springs or laugon");
+    root_.refuse(what + "together with constraints, springs or laugon");
   for (const SurfaceLoad& load : setup_->surface_loads)
-    if (!load.at_rest) root_.refuse(what + "beside a pressure or traction that follows its surface");
+    if (!load.at_rest) root_.refuse(what + "together with a pressure or traction that follows its surface");
   for (const Domain& domain : built_->domains) {
     const Material& material = built_->materials[domain.material];
     if (material.relaxation) root_.refuse(what + "in a viscoelastic material");
@@ -850,7 +850,7 @@ void ModelReader::read_tied_line(const Element& constraint) {
       result.gaps.push_back(std::move(gap));
     }
   }
-  if (result.gaps.empty()) constraint.fail("no node of the primary line lies beside the secondary one");
+  if (result.gaps.empty()) constraint.fail("no node of the primary line is next to the secondary one");
   setup_->gaps.push_back(std::move(result));
 }
 

@@ -374,10 +374,14 @@ Mesh MeshBuilder::finish(const std::string& path) const {
   return mesh;
 }
 
+// The readers, each next to its format.
+using ReadMesh = void(Cursor in, MeshBuilder& mesh);
+ReadMesh read_gmsh, read_vtk, read_inp, read_bdf, read_unv, read_stl, read_obj, read_off, read_ply;
+
 namespace {
 
 struct KnownFormat : MeshFormat {
-  void (*read)(Cursor, MeshBuilder&);
+  ReadMesh* read;
 };
 
 const KnownFormat kFormats[] = {{{".msh", "1, 2 and 4.1", MeshContent::cells_with_data}, read_gmsh},
@@ -452,7 +456,7 @@ bool is_mesh_file(const std::string& path) {
 std::vector<MeshFormat> mesh_formats() { return {std::begin(format::kFormats), std::end(format::kFormats)}; }
 
 Mesh load_mesh(const std::string& path) {
-  format::format_of(path);  // an unknown ending is told first, whether the file exists or not
+  format::format_of(path);  // an unknown ending is reported first, whether the file exists or not
   return format::read_mesh(format::load_file(path));
 }
 

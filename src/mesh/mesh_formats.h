@@ -48,7 +48,7 @@ class MeshBuilder {
   double distance_from_middle(int point, int a, int b) const {
     return (points_[point] - (points_[a] + points_[b]) / 2).norm();
   }
-  /// The point that this one took first at the same position, in single precision; adds it if there is none.
+  /// The point that this one took first at the same position, in single precision; adds it if there is no such point.
   int point_at(const Vector3& position);
   /// Calls `fail`, which throws, for a cell that is refused; for a face in finish(), where there is no solid.
   template <class Fail>
@@ -134,23 +134,8 @@ void read_data(Cursor& in, NumberType type, std::size_t components, int first_ce
 /// Adds the cells, whose corners count from the mesh's point `first_point` on.
 void add_vtk_cells(const VtkCells& cells, int first_point, MeshBuilder& mesh);
 
-/// Abaqus and CalculiX: nodes, elements, sets, parts and instances of their input files.
-void read_inp(Cursor in, MeshBuilder& mesh);
-
-/// Nastran: GRID and cells of its bulk data, in free and in fixed fields.
-void read_bdf(Cursor in, MeshBuilder& mesh);
-/// I-DEAS: nodes, elements and groups of universal files.
-void read_unv(Cursor in, MeshBuilder& mesh);
-
-void read_gmsh(Cursor in, MeshBuilder& mesh);
-void read_vtk(Cursor in, MeshBuilder& mesh);
+/// VTK's XML, which also stands in files named .vtk.
 void read_vtu(Cursor in, MeshBuilder& mesh);
-
-void read_ply(Cursor in, MeshBuilder& mesh);
-
-void read_stl(Cursor in, MeshBuilder& mesh);
-void read_obj(Cursor in, MeshBuilder& mesh);
-void read_off(Cursor in, MeshBuilder& mesh);
 
 /// load_mesh for a file that is in memory already; the format goes by the path's ending.
 Mesh read_mesh(const File& file);

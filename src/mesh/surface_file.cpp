@@ -21,7 +21,7 @@ class Places {
   explicit Places(double extent)
       : within_(kSamePlace * extent), box_(extent > 0 ? 1e3 * within_ : std::numeric_limits<double>::infinity()) {}
 
-  /// The mesh's point at this place; adds it if there is none.
+  /// The mesh's point at this position; adds it if there is no such point.
   int point_at(const Vector3& position, MeshBuilder& mesh) {
     const auto box_of = [&](double slack) -> std::array<long, 3> {
       const Vector3 at = ((position.array() + slack) / box_).floor();

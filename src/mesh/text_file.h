@@ -37,12 +37,12 @@ class Cursor {
 
   /// The text between two offsets of the file, as a cursor of its own.
   Cursor part(std::size_t begin, std::size_t end) const;
-  /// Binary data that was unwrapped from the file: failures are told at the file's offset `stands_at`. `data` must
+  /// Binary data that was unwrapped from the file: failures are reported at the file's offset `stands_at`. `data` must
   /// outlive it.
   Cursor unwrapped(std::string_view data, std::size_t stands_at, std::endian order) const;
 
-  /// From here on numbers are read as binary data, words still as text; and places are told as byte offsets for good,
-  /// for lines mean nothing from here on.
+  /// From here on numbers are read as binary data, words still as text; and positions are reported as byte offsets for
+  /// good, for lines mean nothing from here on.
   void begin_binary(std::endian order);
   void begin_text() { binary_ = false; }
   bool binary() const { return binary_; }

@@ -132,7 +132,7 @@ void VtuReader::read_root(pugi::xml_node root) {
   }
 }
 
-/// From the first letter of the text inside to the next tag; VTK puts <InformationKey> beside the text.
+/// From the first letter of the text inside to the next tag; VTK puts <InformationKey> next to the text.
 WrappedRange VtuReader::inline_range(pugi::xml_node array) const {
   const pugi::xml_node text = array.find_child([](pugi::xml_node node) { return node.type() == pugi::node_pcdata; });
   if (!text) return {at(array), at(array), true};

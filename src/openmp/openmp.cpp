@@ -37,7 +37,7 @@ void let_threads_sleep(char** argv) {
   setenv("GOMP_SPINCOUNT", "3000", 1);
   execv("/proc/self/exe", argv);  // comes back only if it cannot: then threads spin on
 }
-#else  // other systems cannot start a program anew in its place
+#else  // other systems cannot restart a program in its place
 void let_threads_sleep(char**) {}
 #endif
 

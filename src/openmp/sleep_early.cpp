@@ -1,5 +1,5 @@
 // In a program that has OpenMP's runtime within it: its settings are made before the runtime reads them, at what the
-// linker gives a constructor without a priority, so that let_threads_sleep has no program to start anew.
+// linker gives a constructor without a priority, so that let_threads_sleep has no program to restart.
 #include <cstdlib>
 
 namespace {

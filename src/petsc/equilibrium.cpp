@@ -153,7 +153,7 @@ class Newton {
     result.solver = solver_name("newton", preconditioner, body_);
     if (kinematics_) {
       state = std::move(now.state);
-      return result;  // nobody asks for the reactions of a step
+      return result;  // a step's reactions are not needed
     }
     body_.gather(now.state.positions.leftCols(body_.owned()), state.positions);
     result.reactions = reactions(state, now);

@@ -49,7 +49,7 @@ SharedLinearResult solve_linear(const SharedTangent& tangent, const BoxHierarchy
                                 Vec solution);
 
 /// A way out of an equilibrium that is no minimum: a direction of negative stiffness that conjugate gradients meet for
-/// a load with a part in all of them. False where there is none. Adds to `iterations`.
+/// a load with a part in all of them. False without such a motion. Adds to `iterations`.
 bool find_negative_direction(const SharedTangent& tangent, Vec direction, int& iterations);
 
 }  // namespace elastin::petsc

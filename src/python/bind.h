@@ -63,7 +63,7 @@ py::array view(const std::vector<std::array<int, corners>>& rows, const py::hand
 Positions positions_from(const py::handle& given, const char* name);
 VectorX numbers_from(const py::handle& given, const char* name);
 
-/// The value of an entry, as what is `allowed`. Throws InputError where it is none.
+/// The value of an entry, as what is `allowed`. Throws InputError where it is not.
 template <class Value>
 Value entry_of(const py::handle& given, const std::string& name, const char* allowed) {
   try {

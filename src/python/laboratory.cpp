@@ -155,7 +155,7 @@ void add_result(py::module_& module) {
                              "As the command's exit code 0: no failure, and all that the scene expects holds.")
       .def_property_readonly(
           "measures", [](const Outcomes& self) { return by_name(self.result.measures); },
-          "Value by name, of the last load step, or of the course of a run in time.")
+          "Value by name, of the last load step, or of the time history of a run.")
       .def_property_readonly(
           "gradients", [](const Outcomes& self) { return by_measure(self.result.gradients); },
           "Derivatives by name of the measure and key of the scene, those of derivatives_by; SI units.")
@@ -167,7 +167,7 @@ void add_result(py::module_& module) {
                              "Names of the measures by which strategies are compared, the most telling first.")
       .def_property_readonly(
           "errors", [](const Outcomes& self) { return by_name(self.result.errors); },
-          "By measure, against what the material asks for: relative, or the difference of a ratio; "
+          "By measure, against the material's target: relative, or the difference of a ratio; "
           "MEASURE_to_reference: relative to the scene's reference.")
       .def_property_readonly(
           "curve", [](const Outcomes& self) { return columns_of(self.result); },

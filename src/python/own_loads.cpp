@@ -36,7 +36,7 @@ Positions vectors_from(const py::handle& given, const char* name, Eigen::Index m
 /// known. Newton's method sees how the force on each molecule changes with its own position and velocity, by
 /// differences; that forces of others change too costs it iterations, and not the equilibrium.
 struct OwnForces {
-  std::shared_ptr<py::function> forces, energy;  ///< energy: null where there is none
+  std::shared_ptr<py::function> forces, energy;  ///< energy: null without one
   bool of_positions, of_velocities, of_time;     ///< what the forces look at
 };
 
@@ -129,7 +129,7 @@ class OwnLoad final : public Load {
   double size_;  ///< [m], of a molecule
   std::shared_ptr<py::object> body_;
   std::shared_ptr<py::dict> values_;
-  mutable Slopes slopes_;  // of the state that was asked for last
+  mutable Slopes slopes_;  // of the state that was requested last
 };
 
 std::shared_ptr<LoadKind> make_load(const Descriptor& row, const py::function& forces,

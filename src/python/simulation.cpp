@@ -367,7 +367,7 @@ void add_trajectory(py::module_& module, Class& simulation) {
       py::arg("parameters") = ParameterValues(),
       "Takes equal steps by dt [s] from the present state, which stays as it is, so that their end can be "
       "differentiated. Schemes: symplectic_euler, velocity_verlet, backward_euler, newmark, generalized_alpha, with "
-      "their parameters by name; explicit ones must be given steps short enough, for no step is parted. Nothing that "
+      "their parameters by name; explicit ones must be given steps short enough, for no step is split. Nothing that "
       "acts on the body may change until the last vjp().");
 }
 
@@ -553,7 +553,7 @@ void add_simulation(py::module_& module) {
       .def("observe", &observe, py::arg("see"), py::arg("every") = 1,
            "Calls see(simulation) after every `every` steps that succeeded. It must not step; what it raises ends the "
            "step() that it came from.")
-      .def("save", in_turn([](Simulation& s) { return s.save(); }), "The state to go on from, with the same bits.")
+      .def("save", in_turn([](Simulation& s) { return s.save(); }), "The state to go on from, bitwise identically.")
       .def(
           "restore",
           [](Moving& self, const SimulationState& saved) {

@@ -78,7 +78,7 @@ void add_topology(py::module_& module, MovingClass& simulation) {
           "Parts the body by a plane in its present positions [m], between its cells, or between molecules where it "
           "has "
           "none. Volume and mass stay. Molecules keep their numbers; those that were split off come last. Views show "
-          "what was before: ask for new ones. The next step takes longer.")
+          "what was before: request new ones. The next step takes longer.")
       .def(
           "cut_blade",
           [](Moving& self, const py::object& start, const py::object& end) {

@@ -161,7 +161,7 @@ experiment: {kind: compression, axis: z, force: 27 N}
   CHECK_THAT(turned.out, Contains("neo_hookean: inverted: cells ") && Contains(" are flat or inverted at rest\n"));
 }
 
-TEST_CASE("exit code 2: wrong use or input, told on standard error alone", "[command][slow]") {
+TEST_CASE("exit code 2: wrong use or input, reported on standard error alone", "[command][slow]") {
   const TemporaryFolder folder;
   const std::string cube = folder.write("cube.yaml", kCube);
   const std::string slip = folder.write("slip.yaml", replaced(kCube, "spacing", "spacng"));
@@ -341,7 +341,7 @@ experiment: {kind: tension, axis: z, force: 1 mN}
   CHECK_THAT(length.out, Contains("NO LENGTH             1: 6 (3–4)\n") && Contains("pieces                1\n"));
 }
 
-TEST_CASE("several scenes are told one after the other", "[command]") {
+TEST_CASE("several scenes are reported one after the other", "[command]") {
   const Said said = say("compare '" + kTension + "table1-a.yaml' '" + kTension + "table1-c.yaml'");
   CHECK(said.code == 0);
   const std::size_t first = said.out.find("table1-a  "), second = said.out.find("table1-c  ");

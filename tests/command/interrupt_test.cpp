@@ -132,7 +132,7 @@ TEST_CASE("a comparison that is stopped between two runs has not succeeded", "[c
               rows + " ]; do sleep 0.01; done; kill -INT $p; wait $p; }") == 1);
 }
 
-TEST_CASE("a verification that is told to end prints what it has", "[command][slow]") {
+TEST_CASE("a verification that is interrupted prints its results so far", "[command][slow]") {
   const TemporaryFolder folder;
   folder.write("bar.yaml",
                "body: {lattice: {kind: cubic, molecules: [3, 3, 3], spacing: 1 mm, connections: [axis, face]}}\n"

@@ -79,7 +79,7 @@ TEST_CASE("errors name the file in which the wrong key stands", "[scene][extends
   CHECK_THAT(refusal(folder.write("own.yaml", "extends: [base.yaml]\n")), Contains("name one file"));
 }
 
-TEST_CASE("files that a base names lie beside the base", "[scene][extends]") {
+TEST_CASE("files that a base names lie in the base's folder", "[scene][extends]") {
   const TemporaryFolder folder;
   std::filesystem::create_directory(folder.path("sub"));
   folder.write("sub/cell.msh",

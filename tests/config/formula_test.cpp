@@ -77,7 +77,7 @@ TEST_CASE("the option --set changes the values that formulas are made of", "[sce
   CHECK(of("1", {"x== side / 3"}).quantity(dimension::length) == Approx(0.01));
 }
 
-TEST_CASE("what is wrong with a formula is told at its place", "[scene][formula]") {
+TEST_CASE("faults of a formula are reported at their position", "[scene][formula]") {
   for (const auto& [formula, message] : std::vector<std::pair<std::string, std::string>>{
            {"= sid / 9", "a.yaml:2:4: x: there is no value 'sid'; did you mean 'side'? (allowed: side, n, E, "},
            {"= side + E", "x: the formula 'side + E': adds Pa to m"},

@@ -42,7 +42,7 @@ double modulus(const Simulation& tissue) {
   return kStress * kLength / (tissue.positions().row(2).maxCoeff() - kLength);
 }
 
-/// Says what was found, and whether it is what was asked for.
+/// Says what was found, and whether it is what was expected.
 bool holds(const char* how, const StepResult& result, const Simulation& tissue, double tolerance) {
   std::printf("%s: %.6f Pa of %.6g Pa %s\n", how, modulus(tissue), kMaterial.youngs_modulus, result.cause.c_str());
   return result.outcome == Outcome::converged && std::abs(modulus(tissue) / kMaterial.youngs_modulus - 1) < tolerance;

@@ -192,7 +192,7 @@ TEST_CASE("contact: a head-on collision keeps momentum to rounding, and energy",
   CHECK(scene.state.velocities.leftCols(n).row(0).mean() < 0.5);  // it has given momentum away
 }
 
-TEST_CASE("contact: two molecules meet with the restitution asked for", "[contact]") {
+TEST_CASE("contact: two molecules meet with the prescribed restitution", "[contact]") {
   for (const double restitution : {1., 0.8, 0.5, 0.1}) {
     ContactOptions options = options_of(1e8, 0, {});
     options.restitution = restitution;

@@ -236,7 +236,7 @@ TEST_CASE("where no direction is nearer than another the normal is still a unit 
   }
 }
 
-TEST_CASE("shapes that are none are named", "[contact]") {
+TEST_CASE("invalid shapes are named", "[contact]") {
   using Catch::Contains;
   CHECK_THROWS_WITH(SignedDistance(shape::Sphere{0}), Contains("radius") && Contains("above 0"));
   CHECK_THROWS_WITH(SignedDistance(shape::Box{{1, -1, 1}}), Contains("size"));

@@ -238,7 +238,7 @@ TEST_CASE("a piece that touches itself leaves out what is joined and what overla
   CHECK(contact_point_of(found, 0, 1 + 25));  // molecule 26 is sample 25: the middle one cannot touch
 }
 
-TEST_CASE("touches of every kind are those of a search that looks at everything anew", "[contact]") {
+TEST_CASE("touches of every kind are those of a search that looks at everything again", "[contact]") {
   // The same search goes through a history of motions and reaches; another is made new for each.
   const std::vector<Setting> settings{
       {pressed_blocks(5e-4), false, false, some_obstacles()},
@@ -267,7 +267,7 @@ TEST_CASE("touches of every kind are those of a search that looks at everything 
   }
 }
 
-TEST_CASE("touches are the same bits on any number of threads", "[contact]") {
+TEST_CASE("touches are bitwise identical on any number of threads", "[contact]") {
   const Setting setting{together(lattice(14), lattice(14), {0.003, 0.002, 0.1297}), false, false, some_obstacles()};
   const Positions positions = setting.body.rest + 5e-4 * random_motion(setting.body, 9);
   std::vector<std::vector<ContactPoint>> all;

@@ -1,5 +1,5 @@
 // A haptic loop: a thousand times a second the place of a device's tip becomes a grip's, and the grip's force goes
-// back. Nothing in the loop waits for another thread, asks for memory or throws.
+// back. Nothing in the loop waits for another thread, allocates memory or throws.
 //   haptic [seconds]
 #include <algorithm>
 #include <chrono>

@@ -23,6 +23,6 @@ ax = pyplot.figure(layout="constrained").add_subplot()
 for strategy, sweep in sweeps.items():
     ax.plot(sizes, sweep["effective_modulus"] / asked, "o-", label=strategy)
 ax.axhline(1, color="grey", linewidth=0.8)
-ax.set(xticks=sizes, xlabel="molecules along a side", ylabel="modulus of the cube / modulus asked for")
+ax.set(xticks=sizes, xlabel="molecules along a side", ylabel="modulus of the cube / target modulus")
 ax.legend()
 ax.figure.savefig(sys.argv[1] if len(sys.argv) > 1 else "tension_sweep.png")

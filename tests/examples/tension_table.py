@@ -1,4 +1,4 @@
-"""Table 1 of the paper, measured again: every scene, every strategy, beside what was published."""
+"""Table 1 of the paper, measured again: every scene and strategy, next to the published numbers."""
 import elastin
 
 for letter in "abcd":

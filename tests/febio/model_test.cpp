@@ -560,7 +560,7 @@ TEST_CASE("what is not supported in a model of FEBio is named with its line", "[
         "<material id=\"2\" name=\"other\" type=\"neo-Hookean\">",
         ":5: <elastic>: type=\"Mooney-Rivlin\" in a material of type viscoelastic is not supported");
   check("<analysis>STATIC", "<analysis>EIGEN", ":3: <analysis>: 'EIGEN' is not supported");
-  // What stands twice, in another file, or under a number that is none.
+  // What stands twice, in another file, or under an invalid number.
   check("id=\"1\">0,0,0<", "id=\"1a\">0,0,0<", ":8: <node>: '1a' is no whole number");
   check("<elem id=\"1\">", "<elem id=\"1a\">", ":17: <elem>: '1a' is no whole number");
   check("load_controller id=\"1\"", "load_controller id=\"1a\"", ":30: <load_controller>: '1a' is no whole number");

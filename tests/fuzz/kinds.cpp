@@ -69,7 +69,7 @@ std::string made_small(const std::string& scene) {
   return out.append(from, scene.cend());
 }
 
-/// Scenes, and beside them the mesh files that they name.
+/// Scenes, and the mesh files that they name.
 Kind scenes(const fs::path& source, const fs::path& folder) {
   Kind kind{"scene", {}, [](const std::string& path) { read_scene(path); }, true};
   fs::create_directories(folder / ".." / "tension");

@@ -21,7 +21,7 @@ struct Kind {
 };
 
 /// All kinds, with seeds from the tree at `source`; `folder` is where the files to read will stand, and what they name
-/// stands beside them.
+/// stands next to them.
 std::vector<Kind> all_kinds(const std::string& source, const std::string& folder);
 
 }  // namespace fuzz

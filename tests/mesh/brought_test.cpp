@@ -45,7 +45,7 @@ const std::string kPart = "*PART, NAME=P\n" + kNodes + kTissue + "*NSET, NSET=TO
 
 }  // namespace
 
-TEST_CASE("points at a seam are made one where that is asked for", "[brought]") {
+TEST_CASE("points at a seam are merged where that is requested", "[brought]") {
   Mesh mesh = load_mesh(brought("inp_seam.inp"));
   mesh.sets = {{"FACE", {1, 3, 5, 7, 8, 10, 12, 14}}};
   CHECK(join_points(mesh, 1e-9) == 4);

@@ -166,7 +166,7 @@ def compare(name, own, other, tolerance, what):
         if measure == BALANCE:
             continue
         there = other["measures"].get(measure)
-        # A force across the load may be none: then both are rounding of the force.
+        # A force across the load may vanish: then both are rounding of the force.
         least = 1e-12 * abs(own["measures"].get("force", 0)) if measure == "axial_force" else 0
         close = there is not None and abs(value - there) <= max(tolerance * max(abs(value), abs(there)), least)
         check(close, f"{name}: {measure} is {value!r} {what} and {there!r} otherwise")
@@ -200,7 +200,7 @@ def check_measures(folder):
             compare(name, shared[name], one[name], AGREEMENT, f"on {processes} processes")
             newton, linear = ([run[name][key] for run in (one, shared)] for key in ("iterations", "linear_iterations"))
             check(abs(newton[1] - newton[0]) <= 1, f"{name}: {newton} Newton iterations on 1 and {processes} processes")
-            # At this tolerance rounding may ask for one more solve.
+            # At this tolerance rounding may need one more solve.
             check(newton[0] != newton[1] or abs(linear[1] - linear[0]) <= max(1, newton[0]),
                   f"{name}: {linear} linear iterations on 1 and {processes} processes")
 
@@ -426,7 +426,7 @@ sys.exit(code)
 
 
 def check_memory(folder):
-    """What each process holds of a large body falls with their number: here 50³ molecules beside 9³."""
+    """What each process holds of a large body falls with their number: here 50³ molecules compared with 9³."""
     text = SOFT % (0.25, "lattice") + PULLED % ("1 mm", "") + "solver: {displacements: small, tolerance: 1e-6}\n"
     script = os.path.join(folder, "peak.py")
     with open(script, "w", encoding="utf-8") as file:

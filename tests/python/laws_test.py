@@ -1,4 +1,4 @@
-"""Cell laws of one's own: their slopes are exact, and they stand beside the built-in ones."""
+"""Cell laws of one's own: their slopes are exact, and they stand next to the built-in ones."""
 
 import inspect
 import pickle

@@ -31,7 +31,7 @@ class Touched(unittest.TestCase):
         force, torque, points = on_box.contact_forces()["plate"], on_box.contact_torques()["plate"], on_box.contact_points()
         numpy.testing.assert_allclose(force, (0, 0, -1e8 * 1e-5 * 16e-6), rtol=1e-9)  # stiffness, depth, area
         numpy.testing.assert_allclose(-points["force"].sum(axis=0), force, rtol=1e-12)
-        # The middle of the face is 1 mm beside the middle of the plate.
+        # The middle of the face is 1 mm away from the middle of the plate.
         numpy.testing.assert_allclose(torque, (0, 1e-3 * force[2], 0), atol=1e-9 * abs(force[2]))
         self.assertEqual(set(points["obstacle"]), {"plate"})
 

@@ -25,7 +25,7 @@ class Wheel(unittest.TestCase):
     def test_installed_into_an_empty_environment(self):
         """numpy alone comes from the system: there may be no network."""
         with tempfile.TemporaryDirectory() as folder:
-            sources = os.path.join(folder, "src", "python")  # setuptools writes beside what it builds
+            sources = os.path.join(folder, "src", "python")  # setuptools writes next to what it builds
             import shutil
             shutil.copytree(f"{SOURCE}/src/python", sources)
             shutil.copy(f"{SOURCE}/CMakeLists.txt", folder)

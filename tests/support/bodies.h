@@ -25,7 +25,7 @@ inline Body jittered_block() {
   return body;
 }
 
-/// A box of cells of `kind`, hexahedra parted into two prisms each if these are asked for; every corner is moved by up
+/// A box of cells of `kind`, hexahedra split into two prisms each if these are requested; every corner is moved by up
 /// to `jitter` times the cells' width, and if `curved` the nodes between them too; on the box's faces within these.
 inline Body cell_box(const CellKind& kind, const std::array<int, 3>& cells, const Vector3& size, double jitter,
                      bool curved = false) {

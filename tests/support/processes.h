@@ -58,7 +58,7 @@ class Thread final : public Processes {
   int rank_;
 };
 
-/// What work(processes) gives, of each of so many processes.
+/// The result of work(processes), of each process.
 template <class Work>
 auto on_processes(int count, Work work) {
   using Result = decltype(work(std::shared_ptr<const Processes>()));

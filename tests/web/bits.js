@@ -1,4 +1,4 @@
-// What bits.c does, in the module for browsers: prints the same lines where both give the same bits.
+// What bits.c does, in the module for browsers: prints the same lines where both are bitwise identical.
 //   node bits.js FOLDER [steps]      folder of elastin.js and elastin.wasm
 'use strict';
 const fs = require('node:fs'), path = require('node:path');

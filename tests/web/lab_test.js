@@ -216,7 +216,7 @@ const actions = {
       else one.click();
     }, 0`);
     const begin_work = () => browser.eval('globalThis.working = setInterval(work_one, 80), 0');
-    // What is left after collection [MB], each time with one body that begins anew: bodies and curves may take their memory.
+    // What is left after collection [MB], each time with one body that begins again: bodies and curves may take their memory.
     const memory = async () => {
       await browser.eval('lab.put_beside(""), document.getElementById("reset").click()');
       // A step of the tension test to a large strain may take the core long: then the next time counts.

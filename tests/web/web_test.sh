@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # The lab in a browser: web_test.sh WHAT BUILD ELASTIN [BITS]. Leaves with 77, which ctest takes as skipped, where the
 # core was not built for browsers (tools/setup --web) or there is no node or Chromium.
-#   bits      native steps and those of the module have the same bits, every strategy with every stepper
+#   bits      native steps and those of the module are bitwise identical, every strategy with every stepper
 #   hand      drag, push, pin, pause, step, keys     strategies    E in the page is that of the command
 #   rest      nothing is drawn while nothing moves                painters    card and processor draw the same
 #   wild      a minute at random                     access        labels, contrast, widths     refused    what is said where it cannot run

@@ -1,4 +1,4 @@
-// Benchmarks: how long Elastin takes and what it needs, beside peers that run in the same process in turn.
+// Benchmarks: how long Elastin takes and what it needs, compared with peers that run in the same process in turn.
 //   elastin_bench                                    every case, some minutes
 //   elastin_bench forces --sizes 22,47 --csv out.csv
 //   elastin_bench --list

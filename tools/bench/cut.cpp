@@ -48,7 +48,7 @@ struct Times {
   std::vector<char> end;  // the last state
 };
 
-/// A plane goes through it half-way, at an angle to its layers; the state of the step before is what it begins anew
+/// A plane goes through it half-way, at an angle to its layers; the state of the step before is what it begins again
 /// from.
 Times cut_through(int side, const char* scheme, int threads) {
   const auto stepped = [&](Simulation& tissue, int count, std::vector<double>& took) {

@@ -33,7 +33,7 @@ struct Figures {
   double later = kNone;        ///< 99.9 % of them [s]
   double most = kNone;         ///< all of them [s]
   double missed = kNone;       ///< steps that ended after their deadline
-  double asked = kNone;        ///< for memory, so many times
+  double asked = kNone;        ///< for memory, how many times
   double parts = kNone;        ///< in how many parts a step goes
   double newton = kNone;       ///< Newton iterations
   double iterations = kNone;   ///< of conjugate gradients, all Newton iterations together

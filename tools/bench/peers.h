@@ -15,10 +15,11 @@ struct Start {
   double dt;
 };
 
-/// Each `make_…` gives a function: how long so many steps take [s]. Each `…_missing` says why it cannot, "" if it can.
+/// Each `make_…` gives a function: how long a number of steps takes [s]. Each `…_missing` says why it cannot, "" if it
+/// can.
 
-/// LAMMPS (lmp): bond_style harmonic, fix nve, no pair style, no neighbour lists, on so many MPI ranks. Its own loop
-/// time, of a process that starts anew each time.
+/// LAMMPS (lmp): bond_style harmonic, fix nve, no pair style, no neighbour lists, on a number of MPI ranks. Its own
+/// loop time, of a process that starts each time.
 std::function<double(int steps)> make_lammps(const Start& start, int ranks);
 std::string lammps_missing(int ranks);
 

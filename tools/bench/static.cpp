@@ -279,7 +279,7 @@ std::vector<Row> run_static(const Settings& settings) {
       double peer = kNone, whole = kNone;
       for (std::size_t j = 0; j < entries.size(); ++j)
         if (entries[j].contender == &kPeer && entries[j].threads <= entries[i].threads) {
-          peer = std::fmin(peer, found[j].minimum);  // fmin takes the number where the other is none
+          peer = std::fmin(peer, found[j].minimum);  // fmin takes the number where the other is NaN
           whole = std::fmin(whole, found[j].build + found[j].median);
         }
       if (contender.compared) {

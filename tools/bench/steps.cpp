@@ -126,7 +126,7 @@ Body without_grid(Body body) {
   return body;
 }
 
-/// How long so many steps take one of the contenders [s].
+/// How long a number of steps takes one of the contenders [s].
 using Seconds = std::function<double(int steps)>;
 
 Seconds make(const Contender& contender, const Scene& scene) {

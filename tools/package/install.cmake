@@ -96,7 +96,7 @@ if(TARGET elastin)
           DESTINATION ${CMAKE_INSTALL_DATADIR}/elastin/web COMPONENT command OPTIONAL)
 endif()
 
-# What a shell must be told where the prefix is none of the system's.
+# The paths that a shell needs where the prefix is not one of the system's.
 string(CONFIGURE [=[
 if(NOT CMAKE_INSTALL_PREFIX MATCHES "^/usr(/local)?$" AND NOT DEFINED CPACK_INSTALL_PREFIX AND NOT "$ENV{DESTDIR}")
   message("export PATH=${CMAKE_INSTALL_PREFIX}/@CMAKE_INSTALL_BINDIR@:$PATH

@@ -47,7 +47,7 @@ enum {
 ELASTIN_API const char* elastin_message(void);
 
 /* How many threads the loops over large bodies take; 0 = one a core. One where this is not called. Results have the
- * same bits with any number. */
+ * identical bits with any number. */
 ELASTIN_API elastin_status elastin_set_threads(int threads);
 
 /* How a step or a run ended. */

@@ -54,7 +54,7 @@ struct ContactReport {
   double broad_seconds = 0, narrow_seconds = 0;  ///< spent so far
 };
 
-/// Contact of a body with obstacles, of its pieces with each other and, if asked, with themselves: normal force by
+/// Contact of a body with obstacles, of its pieces with each other and, if requested, with themselves: normal force by
 /// penalty, or augmented; Coulomb friction F_f = −μ |F_N| t with a regime that sticks, by elastic slip that is returned
 /// to the cone [M03; Wriggers 2006, ch. 5 and 10]. Bitwise identical on any number of threads.
 class Contact : public Load {
@@ -68,7 +68,7 @@ class Contact : public Load {
   virtual std::vector<Pose> poses(double time) const = 0;
 };
 
-/// Throws InputError on options out of range, or a body without triangles where the surface asks for them.
+/// Throws InputError on options out of range, or a body without triangles where the surface needs them.
 std::unique_ptr<Contact> make_contact(const Body& body, const ContactOptions& options);
 
 /// Force of a simulation's body on each obstacle by its name [N], what a device gets that holds the obstacle's tool:

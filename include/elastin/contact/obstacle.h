@@ -50,7 +50,7 @@ using ObstacleShape =
 /// of range.
 ObstacleShape make_shape(const std::string& name, const std::map<std::string, double>& sizes);
 
-/// A rigid thing that molecules cannot pass, fixed or moved as it is told.
+/// A rigid thing that molecules cannot pass, fixed or moved as prescribed.
 struct Obstacle {
   std::string name;
   ObstacleShape shape;

@@ -9,7 +9,7 @@ bool use_openmp();
 
 /// For the first line of a main() whose threads are OpenMP's: threads that wait shall soon sleep. One that spins keeps
 /// a busy machine from running the one it waits for, and a pass over the body then takes 20 times as long. OpenMP reads
-/// its setting once, before main, so the program starts itself anew. Does nothing where the environment already says
+/// its setting once, before main, so the program restarts itself. Does nothing where the environment already says
 /// it.
 void let_threads_sleep(char** argv);
 

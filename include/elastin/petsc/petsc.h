@@ -12,7 +12,7 @@ struct Launch {
 Launch launch();
 
 /// Starts MPI and PETSc, unless they run already; make_engine() does it by itself. PETSc reads its options from
-/// PETSC_OPTIONS; those of a preconditioner instead of ours begin with -elastin_ (-elastin_pc_type gamg).
+/// PETSC_OPTIONS; those of another preconditioner than Elastin's begin with -elastin_ (-elastin_pc_type gamg).
 void start();
 
 /// To be called last, by every process, where start() or make_engine() was: ends PETSc and MPI and returns `code`, the

@@ -7,7 +7,7 @@
 
 namespace elastin {
 
-/// Factor to SI and dimension of one unit, with its prefix: "kPa", "mm", "%". Nothing where there is none of this name.
+/// Factor to SI and dimension of one unit, with its prefix: "kPa", "mm", "%". Nothing for an unknown name.
 std::optional<std::pair<double, Dimension>> find_unit(std::string_view name);
 
 }  // namespace elastin

@@ -113,7 +113,7 @@ std::string lower_case(std::string_view text) {
   return lower;
 }
 
-/// "kPa" of "kilopascals"; "" where the word is none that is known.
+/// "kPa" of "kilopascals"; "" for an unknown word.
 std::string abbreviated(std::string_view name) {
   std::string word = lower_case(name);
   if (word.size() > 3 && word.ends_with('s')) word.pop_back();
@@ -127,7 +127,7 @@ std::string abbreviated(std::string_view name) {
   return "";
 }
 
-/// The unit with other capitals that has the wanted dimension; "" where there is none. Of several, the one of k, M, G.
+/// The unit with other capitals that has the wanted dimension; "" where no unit has it. Of several, the one of k, M, G.
 std::string with_other_capitals(std::string_view name, const Dimension& wanted) {
   std::string found;
   for (const Unit& unit : kUnits) {

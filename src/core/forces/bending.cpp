@@ -15,7 +15,8 @@ namespace {
 using Pair = std::array<int, 2>;
 Pair ordered(int a, int b) { return a < b ? Pair{a, b} : Pair{b, a}; }
 
-/// A triangle and the corners of its neighbours across the sides opposite to its corners, −1 where there is none.
+/// A triangle and the corners of its neighbours across the sides opposite to its corners, −1 where there is no
+/// neighbour.
 struct Patch {
   std::array<int, 6> molecules;
   int neighbours = 0;

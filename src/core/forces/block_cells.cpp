@@ -233,7 +233,7 @@ class BlockCells final : public NodalForces,
  private:
   friend class BlockStiffness<d>;
   static constexpr int kComponents = d * (d + 1) / 2;
-  /// A pass over cells costs so much a cell that few are worth another thread.
+  /// A pass over cells costs enough that few cells are worth another thread.
   static constexpr int kCellThreshold = 200;
   using Pressures = Eigen::Matrix<double, kMostPressures, 1>;
   using PressureMatrix = Eigen::Matrix<double, kMostPressures, kMostPressures>;

@@ -113,7 +113,7 @@ class Varying final : public Load {
  private:
   std::unique_ptr<Load> load_;
   TimeFunction function_;
-  mutable Positions whole_;  // of the load that varies: a step must not ask for memory
+  mutable Positions whole_;  // of the load that varies: a step must not allocate memory
 };
 
 }  // namespace

@@ -146,7 +146,7 @@ class Prony final : public EdgeDensities, public LawHistory, public TransposedHi
   std::vector<std::unique_ptr<Elasticity>> owned_;
   std::vector<const EdgeDensities*> elastic_;
   Relaxing relaxing_;
-  Workspace workspace_;  // kept from one step to the next, so that steps ask for no memory
+  Workspace workspace_;  // kept from one step to the next, so that steps allocate no memory
 };
 
 class PronySlopes final : public EdgeSlopes {

@@ -33,7 +33,7 @@ class BoxTree {
   explicit BoxTree(const std::vector<Box>& items, const std::vector<int>& groups = {});
   /// Takes over where the items are now. Allocates nothing.
   void refit(const std::vector<Box>& items);
-  /// Whether the boxes have grown so much over each other since the tree was made that a new one would serve better.
+  /// Whether the boxes overlap so far since the tree was made that a new one would serve better.
   bool worn() const { return size_ > 2 * size_when_made_; }
   /// In preorder; empty without items.
   const std::vector<Node>& nodes() const { return nodes_; }

@@ -107,7 +107,7 @@ const std::vector<std::array<int, 2>>& hexahedron_edges() {
   return edges;
 }
 
-/// Corners of a square or cube in VTK's order, then as asked the middles of edges, faces, cell.
+/// Corners of a square or cube in VTK's order, then as requested the middles of edges, faces, cell.
 MatrixXd box_nodes(int dimensions, int nodes) {
   static const double corner[8][3] = {{-1, -1, -1}, {1, -1, -1}, {1, 1, -1}, {-1, 1, -1},
                                       {-1, -1, 1},  {1, -1, 1},  {1, 1, 1},  {-1, 1, 1}};

@@ -84,7 +84,7 @@ class BiCgStab final : public LinearSolver {
 
  private:
   static constexpr int kPatience = 200;
-  // Kept from one solve to the next, so that steps in time ask for no memory.
+  // Kept from one solve to the next, so that steps in time allocate no memory.
   BlockInverses inverse_;
   Positions r_, shadow_, p_, v_, t_, ready_, best_x_;
   Tangent::ApplyWorkspace workspace_;

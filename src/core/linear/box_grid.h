@@ -84,7 +84,7 @@ class BoxGrid {
   /// Where a box, or a point, is on the grid.
   const std::array<int, 3>& cell(int box) const { return cells_[box]; }
   const std::array<int, 3>& at(int point) const { return at_[point]; }
-  /// The point there, −1 where there is none; of a grid of whole boxes, number().
+  /// The point there, −1 where there is no point; of a grid of whole boxes, number().
   int point_at(const std::array<int, 3>& at) const;
 
  private:

@@ -25,7 +25,7 @@ double connections_across(const Body& body) {
 
 double digits_of(double tolerance) { return std::max(1., -std::log10(tolerance)); }
 
-/// What an iteration with a coarse picture takes of a molecule, in products of a factorisation: 100 to 1000 on springs
+/// What an iteration with a grid hierarchy takes of a molecule, in products of a factorisation: 100 to 1000 on springs
 /// and hexahedra of one size, for the products of a factor with little fill take least.
 constexpr double kProductsOfIteration = 300;
 /// Numbers of the largest factor that is tried: 1.2 GB.
@@ -102,7 +102,7 @@ std::pair<bool, std::string> multigrid_is_worth_it(const Model& model, double to
   const double across = connections_across(body);
   const bool cells = !model.nodal_laws().empty() || std::any_of(model.edge_laws().begin(), model.edge_laws().end(),
                                                                 [](const auto* law) { return law->coupled(); });
-  // In iterations of single molecules' blocks: of springs they cost so little that a coarse picture takes half as much.
+  // In iterations of single molecules' blocks: of springs they cost so little that a grid hierarchy takes half as much.
   const bool worth_it = expected_iterations(body, tolerance) > (cells ? 1 : 1.5) * (20 + 8 * digits_of(tolerance));
   const std::string size = counted(static_cast<int>(molecules_of_whole(body)), "molecule") + ", " +
                            std::to_string(std::lround(across)) + " connections from end to end";

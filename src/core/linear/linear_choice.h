@@ -16,11 +16,11 @@ struct LinearChoice {
 /// How many iterations conjugate gradients take on a body at rest with the blocks of single molecules.
 double expected_iterations(const Body& body, double tolerance);
 
-/// Whether conjugate gradients on a body at rest are quicker with a coarse picture of it than without, and why.
+/// Whether conjugate gradients on a body at rest are quicker with a grid hierarchy of it than without, and why.
 std::pair<bool, std::string> multigrid_is_worth_it(const Model& model, double tolerance);
 
 /// What solves K x = b to this tolerance quickest: a factorisation for a handful of molecules; else conjugate
-/// gradients, with a coarse picture of the body where they would take many iterations without. Those are some ten for
+/// gradients, with a grid hierarchy of the body where they would take many iterations without. Those are some ten for
 /// each connection from end to end of the body at 1e-8, in proportion to the digits required (measured: cubes, rods
 /// 100 times as long as thick); with the picture some 15 of about four times the cost, and building it costs 20.
 LinearChoice choose_linear_solver(const Tangent& tangent, LinearMethod requested, double tolerance);

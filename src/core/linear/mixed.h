@@ -9,8 +9,8 @@ namespace elastin {
 /// which a hierarchy of grids does not lock.
 class SoftVolume {
  public:
-  /// λ / μ at rest, the largest among pressures of whole cells; 0 where there are none, or where a load or time has a
-  /// part in the stiffness, which cannot be taken along.
+  /// λ / μ at rest, the largest among pressures of whole cells; 0 where no pressure is one, or where a load or time has
+  /// a part in the stiffness, which cannot be taken along.
   static double ratio(const Tangent& tangent);
   /// Whether displacements and pressures together are found sooner than displacements alone: at rest. Measured:
   /// hexahedra of 27 nodes, whose pressures are linear, 7 times at ν = 0.499; with one pressure a cell no sooner.

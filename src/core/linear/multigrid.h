@@ -8,7 +8,7 @@
 
 namespace elastin {
 
-/// A coarse picture of a body in ever larger boxes, for what conjugate gradients with the blocks of single molecules
+/// A grid hierarchy of a body in ever larger boxes, for what conjugate gradients with the blocks of single molecules
 /// are slow at: motions that are smooth over many of them. One W-cycle, symmetric, in single precision; the last grid
 /// is factorised in double. Or a K-cycle, for flexible conjugate gradients.              [Notay & Vassilevski 2008]
 class Multigrid {
@@ -47,7 +47,7 @@ class Multigrid {
   bool thin_ = false, searches_ = false;
 };
 
-/// A solver that keeps its coarse picture of one stiffness for the ones after it, while it serves.
+/// A solver that keeps its grid hierarchy of one stiffness for the ones after it, while it serves.
 class KeepsCoarsePicture {
  public:
   virtual ~KeepsCoarsePicture() = default;
@@ -55,7 +55,7 @@ class KeepsCoarsePicture {
   virtual void forget() = 0;
 };
 
-/// Whether a search with so many iterations to come, at its pace, is given up for another solver.
+/// Whether a search with this number of iterations to come, at its pace, is given up for another solver.
 using GivesUp = std::function<bool(double to_come)>;
 
 /// As make_multigrid, but asks where many iterations are to come, early and at twice as many each time; of what is

@@ -20,15 +20,15 @@
 namespace elastin {
 namespace {
 
-/// A coarse picture that serves takes some 15 iterations, one of a thin or porous body up to 150; each costs about four
+/// A grid hierarchy that serves takes some 15 iterations, one of a thin or porous body up to 150; each costs about four
 /// without one. After as many as that it has to find a digit in each kForADigit.
 int most_coarse_iterations(const Body& body, double tolerance) {
   return static_cast<int>(std::clamp(expected_iterations(body, tolerance) / 2, 100., 400.));
 }
 constexpr int kForADigit = 100;
 
-/// Iterations after which the caller is asked first, so many to come that it is worth asking, and their number for each
-/// one before, beyond which a pace is not trusted.
+/// Iterations after which the caller is asked first, the number to come from which it is worth asking, and that for
+/// each one before, beyond which a pace is not trusted.
 constexpr int kAsked = 30;
 constexpr double kWorthAsking = 60, kTrusted = 6;
 /// Of a thin body, whose factor is likely to be quicker, it is asked before the first.
@@ -37,7 +37,7 @@ constexpr double kLeastOfThin = 24;
 /// Of smoothing on the grids, where no volumes resist more than shape: more take longer than the iterations they save.
 constexpr int kStepsOfShape = 3;
 
-/// A coarse picture of another stiffness serves until it takes as many times the iterations that it took when new.
+/// A grid hierarchy of another stiffness serves until it takes as many times the iterations that it took when new.
 constexpr double kServes = 1.5;
 constexpr int kServesAnyway = 10;  ///< iterations that are worth no new one
 
@@ -73,7 +73,7 @@ class Pcg final : public LinearSolver, public KeepsCoarsePicture {
     // What a preconditioner makes of r stands where K p stood: each molecule's is read before it is written.
     Positions &r = r_, &p = p_, &kp = kp_, &z = kp_, &unresolved = left_;
     if (coarse) whole.emplace(tangent, supports, p, kp);
-    // Where no force works on these motions they stay out of every direction: the coarse picture, for which next to
+    // Where no force works on these motions they stay out of every direction: the grid hierarchy, for which next to
     // nothing resists them, would drown the others in them.
     const bool apart =
         whole && !whole->empty() && whole->part_of(tangent.positions(), rhs) <= kApart * ordered_norm(rhs);
@@ -124,7 +124,7 @@ class Pcg final : public LinearSolver, public KeepsCoarsePicture {
         keep_free(supports, z);
       }
     };
-    // From what the first step makes of r: smoothed, corrected by the coarse picture and smoothed the same way back,
+    // From what the first step makes of r: smoothed, corrected by the grid hierarchy and smoothed the same way back,
     // which is symmetric.
     const auto add_coarse = [&](Eigen::Vector2d& products) {
       if (!coarse || !(products[1] > 0)) return;
@@ -253,7 +253,7 @@ class Pcg final : public LinearSolver, public KeepsCoarsePicture {
   std::optional<VolumeSmoother> volume_;  ///< in the place of D⁻¹
   double largest_ = 1;                    ///< eigenvalue of either times K, then
   int steps_ = 1;                         ///< of smoothing
-  // Kept from one solve to the next, so that steps in time ask for no memory.
+  // Kept from one solve to the next, so that steps in time allocate no memory.
   BlockInverses inverse_;
   AssembledStiffness rows_;
   Positions r_, p_, kp_, left_, step_, change_, best_x_;

@@ -15,7 +15,7 @@ namespace elastin {
 /// Schöberl 1999]
 class VolumeSmoother {
  public:
-  /// None where no volume resists so much.
+  /// None where no volume resists that much.
   static std::optional<VolumeSmoother> of(const Tangent& tangent, const std::vector<Support>& supports);
   /// vectors = S⁻¹ vectors: forces [N] become motions [m].
   void apply(Positions& vectors);

@@ -12,7 +12,7 @@ struct TopologyChange {
   std::vector<char> parted;       ///< one of Neighbours::sides each: 1 = its cells no longer hang together there
   std::vector<char> cells;        ///< one a cell: 1 = removed
   std::vector<char> connections;  ///< one a connection: 1 = removed
-  /// Whether what belongs to no cell is parted between two positions [m]; empty: nothing is.
+  /// Whether what belongs to no cell is split between two positions [m]; empty: nothing is.
   std::function<bool(const Vector3&, const Vector3&)> crosses;
 };
 

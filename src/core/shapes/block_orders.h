@@ -8,7 +8,7 @@
 namespace elastin {
 
 /// The cells of a body as blocks, of first order where it has no blocks: its tetrahedra, else its cubes, else its
-/// triangles. Throws InputError if there are none.
+/// triangles. Throws InputError without such cells.
 std::vector<CellBlock> blocks_of(const Body& body);
 
 /// The kind of first order with the same corners.

@@ -69,7 +69,7 @@ Body random_packing(const Vector3& size, double distance, double reach, std::uin
   for (int molecule = 0; molecule < count; ++molecule)
     for (int axis = 0; axis < 3; ++axis) positions(axis, molecule) = size[axis] * unit_random(generator);
 
-  const double apart = distance * 1.001;  // a little more than asked, so that rounding breaks no distance
+  const double apart = distance * 1.001;  // a little more than requested, so that rounding breaks no distance
   for (VectorX overlaps; (overlaps = push_apart(positions, size, apart)).maxCoeff() > 0;) {
     std::vector<int> crowded(positions.cols());
     std::iota(crowded.begin(), crowded.end(), 0);

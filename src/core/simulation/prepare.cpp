@@ -30,7 +30,7 @@ bool lacks_voronoi(const Body& whole, const Part& part, const Strategy& strategy
                        material_of(materials, part.material, "part '" + part.name + "'"));
 }
 
-/// Adds those of the pairs that are no connections yet; where there are none, nothing at all is changed.
+/// Adds those of the pairs that are no connections yet; without such pairs, nothing at all is changed.
 void add_missing(Body& body, const std::vector<std::array<int, 2>>& pairs) {
   std::vector<std::array<int, 2>> known;
   known.reserve(body.connections.ends.size());

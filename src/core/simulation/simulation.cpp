@@ -312,7 +312,7 @@ Sensitivity Simulation::sensitivity() {
   const double all = free.norm() + tensions().norm();
   keep_free(model().supports, free);
   if (free.norm() > 1e-6 * all)
-    throw InputError("derivatives are those of an equilibrium, and this state is none: call settle() first");
+    throw InputError("derivatives are those of an equilibrium, and this state is not one: call settle() first");
   return Sensitivity(model(), state());
 }
 

@@ -27,7 +27,7 @@ struct Simulation::Impl {
   void set_effort(int number);
   std::string odd_input() const;
   void check_molecule(int molecule) const;
-  Coupling& find(CouplingId id);  ///< throws InputError where there is none
+  Coupling& find(CouplingId id);  ///< throws InputError for an unknown one
   void ensure_host_forces();
   void ensure_couplings();
   void restore(const SimulationState& saved);
@@ -45,7 +45,7 @@ struct Simulation::Impl {
   void perform(Added& added);
   void bound_step(Added& added) const;
   void keep_history();
-  Added& load(LoadId id);  ///< throws InputError where there is none
+  Added& load(LoadId id);  ///< throws InputError for an unknown one
   Added load_of(std::shared_ptr<const LoadKind> kind, const LoadValues& values) const;
   /// How its model is made again on another body.
   struct Recipe {

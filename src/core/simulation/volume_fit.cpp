@@ -14,7 +14,7 @@ struct Sampled {
   double kappa, nu;
 };
 
-/// Where ν = (a + b κ)/(1 + c κ) through three points reaches a value; NaN if they are none of a rising branch.
+/// Where ν = (a + b κ)/(1 + c κ) through three points reaches a value; NaN if they do not lie on a rising branch.
 double inverse_of_hyperbola(const Sampled* points, double nu) {
   const double unit = std::max(std::abs(points[1].kappa), std::abs(points[2].kappa));
   Matrix3 equations;  // a + b κ − c κ ν = ν

@@ -5,6 +5,10 @@
 
 namespace elastin {
 
+// The schemes, each next to its code. The order is that of lists and documents.
+Stepper symplectic_euler(), velocity_verlet(), backward_euler(), newmark(), generalized_alpha(), energy_momentum(),
+    block_descent(), xpbd(), projective();
+
 StaticResult StaticEngine::balance_step(Model&, State&, const StaticOptions&, const Kinematics&) {
   throw InputError("this engine takes no steps in time");
 }
@@ -26,15 +30,9 @@ const Table<StaticEngineKind>& built_in_engines() {
 const Table<Stepper>& built_in_steppers() {
   static const Table<Stepper> table = [] {
     Table<Stepper> rows("scheme");
-    rows.add(symplectic_euler());
-    rows.add(velocity_verlet());
-    rows.add(backward_euler());
-    rows.add(newmark());
-    rows.add(generalized_alpha());
-    rows.add(energy_momentum());
-    rows.add(block_descent());
-    rows.add(xpbd());
-    rows.add(projective());
+    for (Stepper (*row)() : {symplectic_euler, velocity_verlet, backward_euler, newmark, generalized_alpha,
+                             energy_momentum, block_descent, xpbd, projective})
+      rows.add(row());
     return rows;
   }();
   return table;

@@ -15,7 +15,7 @@
 namespace elastin {
 namespace {
 
-/// A step that fails goes in halves, and those in halves, down to this part of it.
+/// A step that fails is bisected, and its halves again, down to this part of it.
 constexpr double kSmallestSubstep = 1. / 1024;
 
 /// Of a transposed step: residual of its linear solves, and how many there are where damping turns with the body.

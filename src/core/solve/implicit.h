@@ -59,7 +59,7 @@ class Implicit : public Integrator, public HasEffort {
   StaticResult balance_within(Model& model, const State& state, double dt);
   void go_on_to_end(const Model& model, const State& state, double dt);
 
-  // Kept from one step to the next, so that steps ask for no memory.
+  // Kept from one step to the next, so that steps allocate no memory.
   State next_, before_;
   std::vector<Support> ends_;  // of the step's supports
   Positions forces_;

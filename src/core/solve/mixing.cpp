@@ -10,7 +10,7 @@ namespace {
 
 /// Puts the x of A x = b in b's place, of the first `count` rows of a positive definite A, whose lower half is lost
 /// [Cholesky]; false if A is not positive definite. Eigen's own of this size takes seconds to compile, and one of any
-/// size asks for memory.
+/// size allocates memory.
 template <class Matrix, class Vector>
 bool solve_positive(Matrix& A, Vector& b, int count) {
   for (int j = 0; j < count; ++j) {

@@ -50,10 +50,10 @@ void take_out_rigid(const Tangent& tangent, const std::vector<Support>& supports
 }
 
 /// A way out of an equilibrium that is no minimum, which no force leads out of: a direction of negative stiffness, met
-/// on the way to the answer for a load that has a part in all of them. Null columns where there is none. By conjugate
-/// gradients, which meet it with any preconditioner; a factorisation would only count. The solver of the last time is
-/// taken where it is of that kind, for two would need twice the memory; its grid hierarchy is made again. One that may
-/// factorise is none.
+/// on the way to the answer for a load that has a part in all of them. Null columns where there is no such motion. By
+/// conjugate gradients, which meet it with any preconditioner; a factorisation would only count. The solver of the last
+/// time is taken where it is of that kind, for two would need twice the memory; its grid hierarchy is made again. One
+/// that may factorise is not one.
 Positions way_down(const Tangent& tangent, const std::vector<Support>& supports, const StaticOptions& options,
                    int& iterations, Positions& ignored, CachedSolver& cached) {
   constexpr double tolerance = 1e-5;
@@ -86,7 +86,7 @@ Positions way_down(const Tangent& tangent, const std::vector<Support>& supports,
 }
 
 /// What the next trials need, and what the linear solve before them needs, is as large as the body: an equilibrium of
-/// many molecules has room for one of them at a time. Steps in time keep both, so that they ask for no memory.
+/// many molecules has room for one of them at a time. Steps in time keep both, so that they allocate no memory.
 void forget_trials(const Kinematics* kinematics, NewtonWorkspace& workspace) {
   if (!kinematics) workspace.trials = {};
 }
@@ -268,7 +268,7 @@ StaticResult balance_once(Model& model, State& state, const StaticOptions& optio
     // Solve each step no further than the next unbalanced force can use. [Eisenstat & Walker 1996, choice 2]
     if (result.newton_iterations > 0) forcing = std::min(1e-2, 0.5 * std::pow(now.forces.norm / last, 2));
     forcing = std::max(forcing, 0.1 * goal / now.forces.norm);
-    // Conjugate gradients get stuck on a stiffness that is not symmetric: ask for little, and come again.
+    // Conjugate gradients get stuck on a stiffness that is not symmetric: require little, and come again.
     if (!model.has_energy()) forcing = std::max(forcing, 0.03);
     last = now.forces.norm;
     Positions& motion = workspace.motion;
@@ -307,7 +307,7 @@ StaticResult balance_once(Model& model, State& state, const StaticOptions& optio
   state = now.state;
   result.solver = "newton " + used.name;
   result.reason = used.reason;
-  if (kinematics) return result;  // nobody asks for the reactions of a step
+  if (kinematics) return result;  // a step's reactions are not needed
   Positions forces;
   model.set_forces(state, forces);
   result.reactions = -fixed_components(model.supports, forces);

@@ -4,17 +4,6 @@
 
 namespace elastin {
 
-/// The rows of the table, each next to its code.
-Stepper symplectic_euler();
-Stepper velocity_verlet();
-Stepper backward_euler();
-Stepper newmark();
-Stepper generalized_alpha();
-Stepper energy_momentum();
-Stepper block_descent();
-Stepper xpbd();
-Stepper projective();
-
 /// An integrator that takes a number of sweeps or iterations, which may change from step to step.
 class HasEffort {
  public:

@@ -43,7 +43,7 @@ class TransposedStep {
   virtual ~TransposedStep() = default;
   /// What changes forces and masses by δf and δM at the state `at` of a step changes m by λ·(δf − δM a).
   using Visit = std::function<void(const State& at, const Positions& lambda)>;
-  /// Slopes by the state `to` in which a step that was not parted has ended become those by the state `from`, in the
+  /// Slopes by the state `to` in which a step that was not bisected has ended become those by the state `from`, in the
   /// free directions. Throws InputError where the step has no derivative.
   virtual void transpose(Model& model, const State& from, const State& to, StateSlopes& slopes, const Visit& visit) = 0;
 };

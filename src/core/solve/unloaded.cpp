@@ -15,7 +15,7 @@ namespace elastin {
 namespace {
 
 constexpr int kMostKeepings = 200, kMixed = 20;
-/// Steps of mixing before Newton's method, its own, and the directions of each, of which so many numbers are kept.
+/// Steps of mixing before Newton's method, its own, and the directions of each, of which this many numbers are kept.
 constexpr int kMostMixings = 60, kMostNewtons = 15, kMostDirections = 200;
 constexpr int kMostTrials = 1500;  ///< rest shapes of which Newton's method looks at the forces, in all
 constexpr Eigen::Index kMostNumbers = 50'000'000;
@@ -75,7 +75,7 @@ class RestByNewton {
                const std::function<void(int, double)>& say)
       : given_(given), make_(make), options_(options), size_(size), say_(say) {}
 
-  /// From the rest shape of `found` to the one under a part of the loads; its cause says why there is none.
+  /// From the rest shape of `found` to the one under a part of the loads; its cause says why it does not exist.
   UnloadedShape under(double part, UnloadedShape found) const {
     const auto end = [&](Outcome outcome, const std::string& cause) {
       found.outcome = outcome, found.cause = cause;

@@ -471,7 +471,7 @@ void add_engine_formats(elastin::Table<ExportFormat>& rows) {
       "this file is what `elastin compare --engine` hands to an engine.");
   add("csv", "constants of the connections as CSV, with their compliance", "scenes/README.md", csv_files,
       Takes::connections, true, "stiffness k [N/m] and compliance 1/k [m/N] of each connection.",
-      "engines that ask for a compliance take 1/k as it stands, and divide by dt^2 themselves.");
+      "engines that take a compliance need 1/k as it stands, and divide by dt^2 themselves.");
   add("lammps", "data and input files of LAMMPS, harmonic bonds", "LAMMPS manual", lammps_files, Takes::connections,
       true, "K = k/2 [N/m] in harmonic bonds, E = K (r - r0)^2.",
       "`lmp -in in.body` finds the equilibrium by conjugate gradients and writes forces.dump.");

@@ -33,7 +33,7 @@ struct Ended {
 double seconds_since(std::chrono::steady_clock::time_point start);
 
 /// Runs a script of sh, whose $0 is the folder and whose $1 is `argument`. The script and all that it has started are
-/// ended where `stop` gives true, and after so many seconds. Throws InputError where no process can be started.
+/// ended where `stop` gives true, and after this many seconds. Throws InputError where no process can be started.
 Ended run_process(const JobFolder& folder, const std::string& script, const std::string& argument,
                   const std::function<bool()>& stop, double seconds);
 

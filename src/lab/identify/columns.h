@@ -32,7 +32,8 @@ ChosenColumns choose_columns(const MachineTable& table, const DataTest& test);
 /// Whether the table has columns for both, whatever their units.
 bool suits(const MachineTable& table, const DataTest& test);
 
-/// The number of a column by its name, with or without its unit, or by its number from 1; none if there is none.
+/// The number of a column by its name, with or without its unit, or by its number from 1; none if there is no such
+/// column.
 std::optional<std::size_t> find_column(const MachineTable& table, const std::string& name);
 
 /// A column by one of these names, in small letters without marks, and what makes its numbers SI: by the unit in its

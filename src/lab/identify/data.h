@@ -30,7 +30,7 @@ struct MeasuredData {
   double least_scale() const { return std::max(100 * noise, 0.01 * y.cwiseAbs().maxCoeff()); }
 };
 
-/// The file of a test. Throws InputError at the test where there is none.
+/// The file of a test. Throws InputError at the test without a file.
 MachineFile open_data(const DataTest& test);
 /// Reads the columns that a test takes, of its rows between `from` and `to`, and of them the branch that the scene
 /// chooses, as far as the specimen is whole; many rows are averaged in groups. Throws InputError naming file, line and

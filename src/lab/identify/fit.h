@@ -61,10 +61,10 @@ struct WeightedTest {
   const DataTest* stated = nullptr;
   std::unique_ptr<MeasuredTest> test;
   std::vector<WindowModulus> moduli = {};
-  double noise = 1;  ///< of its differences over the scale, beside those of the other tests
+  double noise = 1;  ///< of its differences over the scale, next to those of the other tests
   /// What differences are over, by the test's ResidualScale.
   VectorX scale() const;
-  /// Readings less what so many unknowns may take of them.
+  /// Readings less what this number of unknowns may take of them.
   double freedom(Eigen::Index unknowns) const;
   /// What the search multiplies differences by.
   VectorX factor() const;

@@ -35,7 +35,7 @@ struct TestAnswer {
   VectorX scale;                                ///< what differences are over
   std::vector<WindowModulus> moduli;            ///< by windows of the measured curve
   double relative_rms = 0;                      ///< of differences over the scale
-  double noise = 1;                             ///< that the search took for these, beside those of the other tests
+  double noise = 1;                             ///< that the search took for these, next to those of the other tests
   std::vector<std::pair<double, double>> line;  ///< the material's own curve through the test, if it is homogeneous
 };
 

@@ -116,7 +116,8 @@ std::vector<Cell> cells_of(const std::string& line, char separator) {
 
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
-/// A number with this mark of decimals, written with a point and without marks between thousands; none if it is none.
+/// A number with this mark of decimals, written with a point and without marks between thousands; none if it is not a
+/// number.
 std::optional<std::string> plain_number(const std::string& text, char decimal) {
   std::string plain;
   std::size_t at = 0;

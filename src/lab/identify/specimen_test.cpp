@@ -28,7 +28,7 @@ Material on_specimen(Material material, const Material& own) {
   return material;
 }
 
-/// Points of a body as something beside it sees them move.
+/// Points of a body as an observer at rest sees them move.
 class SeenPoints {
  public:
   /// @param data of points; their places are completed

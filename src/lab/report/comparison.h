@@ -66,7 +66,8 @@ Tone tone_of_scatter(double error);
 /// Of each measured reference with scatter its measure, in the order in which the records have them.
 std::vector<std::string> scattered_measures(const std::vector<Record>& records);
 
-/// "0.62": the largest error in units of the scatter, or why there is none; empty where the scene states no scatter.
+/// "0.62": the largest error in units of the scatter, or why it does not exist; empty where the scene states no
+/// scatter.
 TableCell scatter_cell(const Record& record, const std::vector<std::string>& measures);
 
 /// A measure's value; small ratios with digits that show that they are not 0.
@@ -208,7 +209,7 @@ std::string summary_text(const std::vector<Record>& records, bool colours);
 /// The axes of a run of an experiment that is not known.
 std::vector<ResponseAxes> usual_response(bool in_time);
 
-/// The first of these axes of which there are measures; empty ones where there are none.
+/// The first of these axes that has measures; empty ones if no axis has any.
 ResponseAxes choose_response(const std::vector<ResponseAxes>& axes,
                              const std::function<bool(const std::string& measure)>& has);
 

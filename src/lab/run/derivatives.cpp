@@ -34,7 +34,7 @@ constexpr int kLargerSteps = 3;
 constexpr double kRounding = 1e-13, kCalibratedRounding = 1e-8, kRoundedPositions = 4;
 
 /// Of whole runs: the step over the number; the slope over m/p below which m does not change with p; doubt of a slope
-/// that asks for a shorter step, and that leaves none.
+/// that needs a shorter step, and that leaves none.
 constexpr double kWholeStep = 1e-4, kInsensitive = 1e-6, kDoubtful = 1e-3, kNoSlope = 0.03;
 
 /// A state at rest: velocities are there, and zero, where a force depends on them.
@@ -243,7 +243,7 @@ void Derivatives::of_whole_runs(const RunOptions& options, Run& run) const {
         own.time->choice = StepChoice::fixed, own.time->step = run.time->last_step;
       Run varied = run_strategy(*problem.specimen, *problem.experiment, problem.choice, own);
       if (varied.outcome != Outcome::converged || varied.curve.size() != run.curve.size())
-        throw InputError("no derivative by " + of.key + ": a little beside its value the run ends otherwise" +
+        throw InputError("no derivative by " + of.key + ": a little away from its value the run ends differently" +
                          (varied.cause.empty() ? "" : ": " + varied.cause));
       return varied;
     };

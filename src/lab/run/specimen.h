@@ -106,7 +106,7 @@ std::shared_ptr<const StrategyChoice> stated_law(const Catalog& catalog, const M
 const StaticExperiment* calibration_of(const Experiment& experiment, const Specimen& specimen);
 
 /// Name of the measure to which an experiment calibrates: the first modulus that the material, without its fibres,
-/// prescribes; "" where there is none.
+/// prescribes; "" without one.
 std::string calibrated_measure(const StaticExperiment& experiment, const Material& material);
 
 /// Why a rule cannot be calibrated in this experiment, or "".

@@ -17,7 +17,7 @@
 namespace elastin::lab {
 namespace {
 
-/// How many there are along x, y, z, of cells with so many molecules each.
+/// How many cells there are along x, y, z, with this number of molecules each.
 template <class Setup, class Count>
 Key<Setup> counts_key(std::string name, std::array<int, 3> Setup::*member, std::string text, Count molecules) {
   return sized(key::wholes(std::move(name), member, 1, std::move(text)), [=](const Setup& setup) {

@@ -229,7 +229,7 @@ const Keys<SceneContact>& all_contact_keys() {
           .needed_if([](const contact::ContactOptions& contact) { return contact.adhesion > 0; },
                      "needed, with `adhesion`")
           .refused_for([](const contact::ContactOptions& contact) -> std::string {
-            return contact.adhesion_range > 0 && !(contact.adhesion > 0) ? "needs `adhesion` beside it" : "";
+            return contact.adhesion_range > 0 && !(contact.adhesion > 0) ? "needs `adhesion` too" : "";
           }),
       key::flag("self", &S::self, "whether contact of a piece with itself counts"),
       Key<S>({"obstacles", "list of maps", "", "", "none", "rigid bodies, each with one shape"},

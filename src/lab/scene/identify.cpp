@@ -268,7 +268,7 @@ const Keys<FieldChoice>& field_keys_of_identify() {
   using S = FieldChoice;
   static const Keys<S> keys{
       key::quantity("smoothness", &S::smoothness, dimension::none,
-                    "weight α of ∫ |∇ ln E|² dV / V^(1/3) beside Σ (difference / sigma)²", kPositive)
+                    "weight α of ∫ |∇ ln E|² dV / V^(1/3) in addition to Σ (difference / sigma)²", kPositive)
           .otherwise("the largest at which the differences are no more than sigma; without sigma that of the "
                      "least generalised cross-validation"),
       key::quantity("low", &S::low, dimension::none, "least factor of the material's stiffness", {1e-12, 1, false}),

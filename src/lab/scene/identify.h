@@ -81,7 +81,7 @@ struct DataTest {
   int cycle = 0;  ///< from 1, or −1 from the last; 0: the first
   bool keep_torn = false;
   std::string measure;       ///< of a specimen: that of its scene which the response is; empty: the first that is one
-  bool fixed_frame = false;  ///< of points: whether what sees them keeps its place beside the specimen
+  bool fixed_frame = false;  ///< of points: whether the observer does not move relative to the specimen
   std::optional<ZeroChoice> zero;  ///< none: as given, or found where slack is certain
   int points = 0;                  ///< to which more rows are averaged; 0: as many as show the shape of any curve
   std::vector<ModulusWindow> moduli;
@@ -117,7 +117,7 @@ struct PublishedNumber {
 
 /// A factor of the material's stiffness in each cell that is to be found, in the place of numbers.
 struct FieldChoice {
-  double smoothness = 0;  ///< weight of ∫ |∇ ln E|² dV / V^(1/3) beside the squares; 0: chosen
+  double smoothness = 0;  ///< weight of ∫ |∇ ln E|² dV / V^(1/3) in addition to the squares; 0: chosen
   double low = 1e-3, high = 1e3;
   std::function<void(const std::string&)> fail;  ///< throws InputError at its place
 };
@@ -128,7 +128,7 @@ struct IdentifyTask {
   std::string name, title;
   Material material;
   std::optional<CurveNumbers> curve;  ///< by which its curve is stated
-  std::string kept;                   ///< lines of its block that a search does not write anew: fibres, muscle …
+  std::string kept;                   ///< lines of its block that a search does not write again: fibres, muscle …
   bool plain = false;                 ///< whether the material is in plain SI numbers, and not in units
   std::vector<DataTest> tests;
   std::vector<UnknownChoice> unknowns;  ///< empty = all numbers of the law but those in `fixed`

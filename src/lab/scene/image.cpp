@@ -392,7 +392,7 @@ void Boxes::find_pieces() {
   context_.remarks.notes.push_back(text + "; the others are dropped");
 }
 
-/// Of a body that grows wider from a grip on, boxes next to the grip have body beside it, which nothing holds, and
+/// Of a body that grows wider from a grip on, boxes next to the grip have body next to it, which no support holds, and
 /// their molecules are held: such boxes are as full as their outer sides alone.
 void Boxes::cut_ends() {
   if (setup_.ends < 0) return;
@@ -422,8 +422,9 @@ void Boxes::cut_ends() {
       if (found == filled.end()) own.label = -1;
     });
   }
-  context_.remarks.notes.push_back(fmt::format("{}: of the boxes at the ends {:.2g} % lies beside them and is left out",
-                                               setup_.file->text(), 100 * (1 - after / before)));
+  context_.remarks.notes.push_back(
+      fmt::format("{}: of the boxes at the ends {:.2g} % is not covered by them and is left out", setup_.file->text(),
+                  100 * (1 - after / before)));
 }
 
 /// What lies in no cube of two boxes a side, and on none: a step of the surface is no thin place.
@@ -443,7 +444,7 @@ void Boxes::find_thin_places() const {
     ++all, thin += !(in_cube(x, y, z) || in_cube(x - 1, y, z) || in_cube(x + 1, y, z) || in_cube(x, y - 1, z) ||
                      in_cube(x, y + 1, z) || in_cube(x, y, z - 1) || in_cube(x, y, z + 1));
   });
-  constexpr std::size_t few = 50;  // one in so many: single steps of a slanted surface
+  constexpr std::size_t few = 50;  // one in this many: single steps of a slanted surface
   if (thin > 0)
     (thin * few > all ? context_.remarks.warnings : context_.remarks.notes)
         .push_back(fmt::format(

@@ -25,7 +25,7 @@ std::vector<KeySection> experiment_sections(const ExperimentCatalog& experiments
   std::vector<KeySection> sections{
       {"experiment",
        "Experiment",
-       "Each kind of experiment has keys of its own beside `kind`.",
+       "Each kind of experiment has keys of its own in addition to `kind`.",
        {{"kind", words_text(names_of(experiments.experiments())), "", "", "needed", "what is done with the body"}}}};
   for (const ExperimentInfo& info : experiments.experiments())
     sections.push_back({"experiment." + info.name, "",

@@ -11,7 +11,7 @@ double read_parameter(const Reader& reader, const ParameterInfo& info) {
 
 namespace {
 
-/// A strategy with a volume term that is unsuited for cells which keep their volume in another way than by so many
+/// A strategy with a volume term that is unsuited for cells which keep their volume by another method than by
 /// pressures each.
 Strategy with_pressures(Strategy strategy, int pressures) {
   strategy.unsuited = [before = strategy.unsuited, pressures,

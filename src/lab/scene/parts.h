@@ -29,7 +29,7 @@ struct StudyAxis {
   std::vector<std::vector<std::pair<std::string, std::string>>> values;
 };
 
-/// What a comparison changes beside the strategy. A row for each combination of all axes.
+/// What a comparison changes in addition to the strategy. One run for each combination of all axes.
 struct Study {
   std::vector<StudyAxis> axes;
   int repeats = 1;           ///< of the whole comparison, one after the other
@@ -80,8 +80,8 @@ struct Scene;
 Material read_material(Reader reader, const elastin::Table<MaterialLaw>& laws, const Material* base = nullptr);
 /// What the `curve` or `secant_modulus` of a material is stated by; none without them.
 std::optional<CurveNumbers> read_curve_numbers(Reader material);
-/// What a material states beside its law, thickness, density and relaxation, as lines of a `material:` block that takes
-/// its place in a scene of this folder: its file and name, fibres, softening.
+/// What a material states in addition to its law, thickness, density and relaxation, as lines of a `material:` block
+/// that takes its place in a scene of this folder: its file and name, fibres, softening.
 std::string read_kept(Reader material, const std::string& folder);
 /// Throws where a membrane has no thickness, or a solid is incompressible: above ν = 0.4999.
 void check_material(Reader reader, const Material& material, const Body& body);
@@ -103,7 +103,7 @@ struct Remarks {
 /// With processes: this one's share, where makes_shares says that it can be made alone.
 Body read_body(Reader reader, const Material& material, Remarks remarks,
                const std::shared_ptr<const Processes>& processes = {});
-/// Whether each of so many processes can make its share of a body without the rest of it.
+/// Whether each of several processes can make its share of a body without the rest of it.
 bool makes_shares(Reader body, int processes);
 /// A list of bodies, each a part of one, and what ties them together; sets the specimen's body and materials. Its
 /// material must be set.
@@ -214,7 +214,7 @@ void change_stiffness(Body& body, const Change& change) {
         block.size(), [&](int i) { return block.cell(i); }, block.stiffness);
 }
 /// `fields` of a material: makes the body as stiff and as heavy as they say at the middles of its cells and
-/// connections, and at its molecules, and gives the material what differs beside that. The body is at rest where the
+/// connections, and at its molecules, and gives the material what else differs. The body is at rest where the
 /// scene's places mean it.
 void set_fields(const Reader& fields, const elastin::Table<MaterialLaw>& laws, Material& material, Body& body);
 /// `rest`: makes the body unstressed as it says, whose places and fibres are those of the body before it is turned.

@@ -329,7 +329,7 @@ bool Comparison::run() {
     }
   }
   finish();
-  return good_ && done_ == rows_;  // one that was stopped between two runs has not done what it was told
+  return good_ && done_ == rows_;  // one that was stopped between two runs has not done what was requested
 }
 
 void Comparison::finish() {

@@ -51,7 +51,7 @@ struct JournalEntry {
 /// A JSON object's text with its checksum as the last key: what has changed in it since is noticed.
 std::string with_sum(std::string object);
 
-/// The finished runs in a folder. Throws InputError with the line that is none, or whose checksum does not hold.
+/// The finished runs in a folder. Throws InputError with the line that is no run, or whose checksum does not hold.
 std::vector<JournalEntry> journal_of(const std::string& folder);
 
 /// The finished runs of a comparison, in DIR/runs.jsonl, and what its page shows of them in 3D, in DIR/views.jsonl.

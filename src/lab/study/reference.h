@@ -21,7 +21,7 @@ class ReferenceStore {
   /// Of FOLDER/references.json; an empty folder stands for memory alone. A file that is no such one, or of another
   /// version of the program, counts as empty.
   explicit ReferenceStore(const std::string& folder = "");
-  /// Null where there is none.
+  /// Null without a reference.
   const ComputedReferences* find(const std::string& key) const;
   /// Writes the file again. Throws InputError naming the path.
   void add(const std::string& key, ComputedReferences found);

@@ -333,7 +333,7 @@ class Simulation:
         """Calls see(simulation) after every `every` steps that succeeded. It must not step; what it raises ends the
         step() that it came from."""
     def save(self) -> SimulationState:
-        """The state to go on from, with the same bits."""
+        """The state to go on from, bitwise identically."""
     @property
     def effort(self) -> int:
         """Sweeps or iterations of the last step; 0 where the scheme takes no number of them. With a budget it differs
@@ -349,7 +349,7 @@ class Simulation:
     def cut_plane(self, point: ArrayLike, normal: ArrayLike) -> TopologyReport:
         """Parts the body by a plane in its present positions [m], between its cells, or between molecules where it has
         none. Volume and mass stay. Molecules keep their numbers; those that were split off come last. Views show
-        what was before: ask for new ones. The next step takes longer."""
+        what was before: request new ones. The next step takes longer."""
     def cut_blade(self, start: ArrayLike, end: ArrayLike) -> TopologyReport:
         """The same by what a straight blade sweeps: its two ends [m], (2, 3), where it starts and where it ends."""
     def cut_triangles(self, points: ArrayLike, triangles: Sequence[Sequence[int]]) -> TopologyReport:
@@ -408,7 +408,7 @@ class Simulation:
                    parameters: dict[str, float] = ...) -> Trajectory:
         """Takes equal steps by dt [s] from the present state, which stays as it is, so that their end can be
         differentiated. Schemes: symplectic_euler, velocity_verlet, backward_euler, newmark, generalized_alpha, with
-        their parameters by name; explicit ones must be given steps short enough, for no step is parted. Nothing that
+        their parameters by name; explicit ones must be given steps short enough, for no step is split. Nothing that
         acts on the body may change until the last vjp()."""
     def couple(self, molecule: int, position: ArrayLike, stiffness: float, damping: float = 0.0) -> int:
         """A spring [N/m] and damper [N s/m] between a molecule and a position [m]: a tool. Gives the coupling's number."""
@@ -475,7 +475,7 @@ class Result:
         """As the command's exit code 0: no failure, and all that the scene expects holds."""
     @property
     def measures(self) -> dict[str, float]:
-        """Value by name, of the last load step, or of the course of a run in time."""
+        """Value by name, of the last load step, or of the time history of a run."""
     @property
     def gradients(self) -> dict[str, dict[str, float]]:
         """Derivatives by name of the measure and key of the scene, those of derivatives_by; SI units."""
@@ -488,7 +488,7 @@ class Result:
         """Names of the measures by which strategies are compared, the most telling first."""
     @property
     def errors(self) -> dict[str, float]:
-        """By measure, against what the material asks for: relative, or the difference of a ratio; MEASURE_to_reference:
+        """By measure, against the material's target: relative, or the difference of a ratio; MEASURE_to_reference:
         relative to the scene's reference."""
     @property
     def curve(self) -> dict[str, Floats]:
@@ -1057,7 +1057,7 @@ class Bubble(Experiment):
     pressure [Pa]: the pressure that `load_steps` reach, or one pressure for each step, ascending (quantity, or list;
     default: this, or measured).
     measured [Pa, m]: `[pressure, height]`, ascending; a file has one pair in each line, with units (list of pairs,
-    or file beside the scene; default: this, or pressure).
+    or file in the scene's folder; default: this, or pressure).
     load_steps: equal steps in which the load grows (whole; default: 1).
     identify.degree: finds the secant modulus E(ε) from the measured heights: degree of the polynomial (whole;
     default: 2).

@@ -48,7 +48,7 @@ class Held:
                 self._write(item, f"{place}[{number}]", "", "," if number < len(value) - 1 else "")
             self._line(place, "]" + after)
         elif isinstance(value, str):
-            formula = "!formula " if value.startswith("=") else ""  # a text in quotes alone is none
+            formula = "!formula " if value.startswith("=") else ""  # a text in quotes alone is no formula
             self._line(place, before + formula + json.dumps(value, ensure_ascii=False) + after)
         else:
             self._line(place, before + _yaml.text(value) + after)

@@ -160,7 +160,7 @@ export class Simulation {
   /** The slowest free vibrations about the present state, an equilibrium: frequencies [Hz], and shapes of unit modal mass. */
   vibrations(count?: number): {frequencies: Float64Array, shapes: Float64Array[]};
   /** These part the body in its present positions, between its cells. Molecules keep their numbers, and those that are split off
-   *  come last; views must be asked for again, and body() has the surface that is then to be drawn. */
+   *  come last; views must be requested again, and body() has the surface that is then to be drawn. */
   cut_plane(point: Numbers, normal: Numbers): Change;
   /** What a straight blade sweeps whose two ends, 6 numbers, go from one place to another. */
   cut_blade(from: ArrayLike<number>, to: ArrayLike<number>): Change;

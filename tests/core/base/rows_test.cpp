@@ -27,7 +27,7 @@ TEST_CASE("counts end where 32 bits do, and say so before anything is allocated"
                     Contains("2159977104 connections are more than 2147483647"));
 }
 
-TEST_CASE("a cubic lattice has the connections that are counted, and no memory beside them", "[count]") {
+TEST_CASE("a cubic lattice has the connections that are counted, and no other memory", "[count]") {
   for (const std::array<int, 3> n : {std::array{1, 1, 1}, {2, 3, 4}, {1, 5, 6}, {7, 7, 7}}) {
     const Body body = cubic_lattice(n, 1, {true, true, true});
     const auto [x, y, z] = n;

@@ -297,7 +297,7 @@ TEST_CASE("hexahedra of one size share their stiffness, which is the slope of th
   }
 }
 
-TEST_CASE("cells of any shape give the same bits on any number of threads", "[cells][threads]") {
+TEST_CASE("cells of any shape are bitwise identical on any number of threads", "[cells][threads]") {
   const Body body = cell_box(cell_kind("hexahedron20"), {7, 7, 7}, {0.01, 0.01, 0.01}, 0.05);
   const Positions positions = deformed(body, 2e-6), motion = random_motion(body, 3);
   Positions forces, images;

@@ -49,7 +49,7 @@ TEST_CASE("ranges of connections: each has one owner, and all its cells", "[cell
   }
 }
 
-TEST_CASE("passes over cells are parted where cells lie in order, and slotted where they do not",
+TEST_CASE("passes over cells are split where cells lie in order, and slotted where they do not",
           "[cell_driver][threads]") {
   const Body sheet = large_sheet(), mixed = with_shuffled_cells(sheet);
   const CellGraph in_order(sheet.connections, sheet.triangles), anyhow(mixed.connections, mixed.triangles);

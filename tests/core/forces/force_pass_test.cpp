@@ -48,7 +48,7 @@ Body without_grid(Body body) {
   return body;
 }
 
-/// The same body with its molecules numbered anew, so that connections reach far and ascend by neither end.
+/// The same body with its molecules renumbered, so that connections reach far and ascend by neither end.
 Body shuffled(const Body& body) {
   Body other = without_grid(body);
   std::vector<int> number(static_cast<std::size_t>(body.size()));
@@ -110,7 +110,7 @@ TEST_CASE("rows of a regular lattice share their constants to rounding only", "[
   CHECK((model.elastic_forces(body.rest)).cwiseAbs().maxCoeff() <= 1e-14 * scale);
 }
 
-TEST_CASE("springs on a grid: what is none is left to the list of connections", "[force_pass]") {
+TEST_CASE("springs on a grid: other springs are left to the list of connections", "[force_pass]") {
   const Body body = cubic_lattice({4, 3, 3}, 0.01, {true, true, false});
   const VectorX constants = uneven_constants(body);
   REQUIRE(GridSprings::make(body, constants, body.connections.rest_length.data()));

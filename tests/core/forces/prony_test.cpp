@@ -227,7 +227,7 @@ TEST_CASE("cells of every shape in a ramp of their stress and after it", "[prony
   }
 }
 
-TEST_CASE("a dashpot beside the law: Kelvin and Voigt", "[prony]") {
+TEST_CASE("a dashpot parallel to the law: Kelvin and Voigt", "[prony]") {
   Relaxation dashpot;
   dashpot.retardation = 0.3;
   Pair pair(dashpot);

@@ -120,7 +120,7 @@ TEST_CASE("volume term: a flat tetrahedron gives finite forces", "[volume]") {
   CHECK(model.elastic_forces(positions).norm() < 10 * kModulus);
 }
 
-TEST_CASE("volume term: the same bits on 1, 2 and 3 threads", "[volume][threads]") {
+TEST_CASE("volume term: bitwise identical on 1, 2 and 3 threads", "[volume][threads]") {
   const Body body = cubic_lattice({19, 19, 19}, 0.01, {true, true, false});  // 58 320 tetrahedra: several threads
   const Positions positions = deformed(body, 2e-4);
   std::vector<Positions> forces;
@@ -133,7 +133,7 @@ TEST_CASE("volume term: the same bits on 1, 2 and 3 threads", "[volume][threads]
   CHECK(forces[0] == forces[2]);
 }
 
-TEST_CASE("volume term: bodies without volumes are told what they need", "[volume]") {
+TEST_CASE("volume term: bodies without volumes are refused with what they need", "[volume]") {
   CHECK_THROWS_WITH(make_volume(listed_body({{0, 0, 0}, {1, 0, 0}}, {{0, 1}}), 1), Catch::Contains("delaunay"));
   CHECK_THROWS_WITH(make_volume(cubic_lattice({2, 2, 2}, 1, {true, false, true}), 1),
                     Catch::Contains("face diagonals"));

@@ -76,7 +76,7 @@ TEST_CASE("a factorisation solves a bar of soft and stiff halves and finds no me
     }
 }
 
-TEST_CASE("a factorisation still names a mechanism beside stiff parts", "[direct]") {
+TEST_CASE("a factorisation still names a mechanism next to stiff parts", "[direct]") {
   // A molecule on one connection of its own, pushed across it: no row of it resists, however soft or stiff it is.
   const Material soft{.youngs_modulus = 1e4, .poissons_ratio = 0};
   for (const double constant : {1e-3, 1., 1e6}) {

@@ -73,7 +73,7 @@ TEST_CASE("displacements and pressures together give what a factorisation gives"
     }
 }
 
-TEST_CASE("displacements and pressures together: the same bits on any number of threads", "[mixed][slow]") {
+TEST_CASE("displacements and pressures together: bitwise identical on any number of threads", "[mixed][slow]") {
   Clamped block("hexahedron8", 12, 0.499);
   Positions first;
   for (const int threads : {1, 2, 3}) {

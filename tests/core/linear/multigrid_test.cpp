@@ -286,7 +286,8 @@ TEST_CASE("multigrid keeps the sides of gaps apart in bodies of hexahedra", "[mu
   }
 }
 
-TEST_CASE("smoothing that keeps volumes is symmetric and positive, and of soft bodies there is none", "[multigrid]") {
+TEST_CASE("smoothing that keeps volumes is symmetric and positive, and soft bodies have no such smoothing",
+          "[multigrid]") {
   for (const double ratio : {0.3, 0.45, 0.49, 0.4999}) {
     Fixed fixed(with_cells(cubic_lattice({6, 5, 7}, kSpacing, {true, false, false}), cell_kind("hexahedron8")));
     fixed.model.add(built_in_catalog()
@@ -450,7 +451,7 @@ TEST_CASE("large displacements by multigrid end where conjugate gradients alone 
   CHECK((alone - coarse).norm() < 1e-7 * alone.norm());
 }
 
-TEST_CASE("the linear solver is chosen by the body's size and the digits asked for", "[multigrid]") {
+TEST_CASE("the linear solver is chosen by the body's size and the requested digits", "[multigrid]") {
   const auto choice = [](std::array<int, 3> counts, double tolerance, Weights weights = {}) {
     Fixed fixed(lattice(counts));
     fixed.body.mass = VectorX::Ones(fixed.body.size());

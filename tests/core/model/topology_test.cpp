@@ -106,7 +106,7 @@ TEST_CASE("a blade leaves the tip of its cut whole, and two of them meet", "[top
   CHECK(nothing.body.connections.ends == body.connections.ends);
 }
 
-TEST_CASE("lattices are parted between cubes, sheets between triangles, springs alone across", "[topology]") {
+TEST_CASE("lattices are split between cubes, sheets between triangles, springs alone across", "[topology]") {
   Body lattice = tissue_cube(5);
   const ChangedBody cubes = cut(lattice, lattice.rest, across_x(4e-3));
   CHECK(cubes.split_molecules == 25);
@@ -194,7 +194,7 @@ TEST_CASE("a bar tears across its pull where it is strained most", "[topology]")
   CHECK_THROWS_WITH(tear(springs, stretched, 0), Contains("strain of 0 is out of range"));
 }
 
-TEST_CASE("what cannot be parted is refused, and so is a surface that is none", "[topology]") {
+TEST_CASE("what cannot be split is refused, and so is an invalid surface", "[topology]") {
   CHECK_THROWS_WITH(CutSurface::plane({0, 0, 0}, {0, 0, 0}), Contains("normal that is not zero"));
   CHECK_THROWS_WITH(CutSurface::triangles(Positions::Zero(3, 2), {{0, 1, 2}}), Contains("corner 2; there are 2"));
   Body parts = block(2);

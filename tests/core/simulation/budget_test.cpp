@@ -1,4 +1,4 @@
-// A step that has so much time by the clock, and no more: how many sweeps it gets, and what that does to it.
+// A step with a budget of time: how many sweeps it gets, and what that does to it.
 
 #include <catch2/catch.hpp>
 
@@ -55,7 +55,7 @@ TEST_CASE("the number of sweeps is recorded, and a replay with it is bitwise the
   }
 }
 
-TEST_CASE("what too few sweeps do to a step is told, and nothing else comes of asking", "[budget]") {
+TEST_CASE("the error of too few sweeps is reported, and reporting changes nothing", "[budget]") {
   double last = std::numeric_limits<double>::infinity();
   for (const double sweeps : {1., 4., 16., 400.}) {
     Simulation tissue = swinging("block_descent", 0, {{"sweeps", sweeps}});

@@ -287,12 +287,13 @@ TEST_CASE("a program adds its own rule in one line", "[catalog]") {
   CHECK(catalog.find("twice").kind == StrategyKind::spring_rule);
 }
 
-TEST_CASE("every strategy and stepper: steps ask for no memory after the first ones", "[conformance][steppers][slow]") {
+TEST_CASE("every strategy and stepper: steps allocate no memory after the first ones",
+          "[conformance][steppers][slow]") {
   if (allocations() == 0) return;  // they cannot be counted here
   std::set<std::string> done;      // each strategy on one body, one of them on all
   std::map<std::string, int> steps;
   for_each_pair([&](const Strategy& strategy, const Body& body, Model& model, std::size_t) {
-    if (strategy.kind == StrategyKind::updated_spring_rule) return;  // sets its springs anew in every pass
+    if (strategy.kind == StrategyKind::updated_spring_rule) return;  // sets its springs again in every pass
     if (!done.insert(strategy.name).second && strategy.name != "neo_hookean") return;
     model.add(make_gravity(body, {0, 0, -9.81}));
     model.add(make_mass_damping(body, 10));

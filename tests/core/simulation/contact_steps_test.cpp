@@ -8,7 +8,7 @@ using namespace elastin;
 using namespace elastin::contact;
 using namespace elastin::testing;
 
-TEST_CASE("simulation: a body on a rough floor goes on bitwise identically after restore, and asks for no memory") {
+TEST_CASE("simulation: a body on a rough floor goes on bitwise identically after restore, and allocates no memory") {
   for (const Scheme scheme : {"symplectic_euler", "velocity_verlet", "backward_euler"}) {
     Simulation tissue = simulation_of(tissue_cube(4), scheme);
     const Body& body = tissue.body();

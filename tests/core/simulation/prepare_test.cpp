@@ -163,7 +163,7 @@ TEST_CASE("calibrated gives back the constants that are exact on a lattice") {
   }
 }
 
-TEST_CASE("calibrated tells what it cannot do") {
+TEST_CASE("calibrated reports what it cannot do") {
   const Strategy rule = kCatalog.find("calibrated:standard");
   CHECK_THAT(refusal([&] {
                Simulation(lattice({3, 3, 3}, {true, false, false}), rule, kSoft);

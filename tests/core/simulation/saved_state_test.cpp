@@ -39,7 +39,7 @@ std::string refusal(const std::vector<char>& bytes) {
 
 }  // namespace
 
-TEST_CASE("what a load remembers is committed with each step, and goes through a saved state", "[saved-state]") {
+TEST_CASE("the history of a load is committed with each step, and goes through a saved state", "[saved-state]") {
   for (const Scheme& scheme : kSchemes) {
     INFO(scheme->name);
     Simulation whole = ratcheted(scheme), other = ratcheted(scheme);
@@ -58,7 +58,7 @@ TEST_CASE("what a load remembers is committed with each step, and goes through a
   }
 }
 
-TEST_CASE("a step that fails remembers nothing", "[saved-state]") {
+TEST_CASE("a step that fails commits no history", "[saved-state]") {
   Simulation tissue = ratcheted("backward_euler");
   step(tissue, 3);
   const std::vector<char> before = bytes_of(tissue.save());
@@ -89,7 +89,7 @@ TEST_CASE("a saved state with any bit changed is refused", "[saved-state]") {
   CHECK_THAT(refusal(shorter), Contains("cut off"));
 }
 
-TEST_CASE("a state of a model that remembers something else is refused", "[saved-state]") {
+TEST_CASE("a state of a model with another history is refused", "[saved-state]") {
   Simulation tissue = ratcheted("velocity_verlet"), plain = simulation_of(tissue_cube(3), "velocity_verlet");
   step(tissue, 1);
   CHECK_THROWS_WITH(plain.restore(tissue.save()), Contains("has a history that this model does not have"));

@@ -177,7 +177,7 @@ TEST_CASE("simulation: what is moved goes there at one speed, and is pulled by w
   }
 }
 
-TEST_CASE("simulation: a molecule that something else holds is taken over, moved and let go") {
+TEST_CASE("simulation: a molecule with another support is taken over, moved and released") {
   Simulation tissue = simulation_of(tissue_cube(3));
   tissue.model().supports = {{0}, {1}, {2}};
   tissue.model().drive = [](double time, std::vector<Support>& supports) {
@@ -272,7 +272,7 @@ TEST_CASE("simulation: host forces, steps and grips give bitwise identical resul
   }
 }
 
-TEST_CASE("simulation: observers see every so many good steps") {
+TEST_CASE("simulation: observers see every n-th good step") {
   Simulation tissue = simulation_of(tissue_cube(3));
   int all = 0, some = 0;
   double last = 0;
@@ -349,7 +349,7 @@ TEST_CASE("simulation: wrong use is refused before anything changes") {
   run(tissue, 1);
 }
 
-TEST_CASE("simulation: one that was moved from says so, and takes another") {
+TEST_CASE("simulation: a moved-from simulation says so, and takes another") {
   Simulation tissue = simulation_of(tissue_cube(3));
   tissue.fix(0);
   const Positions* const seen = &tissue.positions();
@@ -362,7 +362,7 @@ TEST_CASE("simulation: one that was moved from says so, and takes another") {
   run(tissue, 1);
 }
 
-TEST_CASE("simulation: an explicit step goes in as many parts as its body and its grips ask for") {
+TEST_CASE("simulation: an explicit step goes in as many parts as its body and its grips require") {
   Simulation tissue = simulation_of(tissue_cube(3));
   Model model(tissue.body());
   const Catalog catalog = built_in_catalog();

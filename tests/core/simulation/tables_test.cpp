@@ -98,6 +98,6 @@ TEST_CASE("loads check what they are given", "[tables][loads]") {
              Contains("floor.stiffness is missing"));
 }
 
-TEST_CASE("settling may ask for memory, and says so", "[tables]") {
+TEST_CASE("settling may allocate memory, and says so", "[tables]") {
   CHECK_FALSE(noexcept(std::declval<Simulation&>().settle()));
 }

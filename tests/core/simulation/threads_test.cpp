@@ -35,7 +35,7 @@ bool step(Simulation& tissue, int number) {
   return tissue.step(1e-3).outcome == Outcome::converged;
 }
 
-/// Of so many steps, after the first.
+/// Of a number of steps, after the first.
 long allocations_in_steps(Simulation& tissue, int steps) {
   double read = 0;
   tissue.observe(2, [&read](const Simulation& seen) { read += seen.positions()(0, 0); });
@@ -61,7 +61,7 @@ Positions after_steps(Simulation& tissue, int steps) {
 
 }  // namespace
 
-TEST_CASE("simulation: steps, views, grips, moved supports and observers ask for no memory", "[slow]") {
+TEST_CASE("simulation: steps, views, grips, moved supports and observers allocate no memory", "[slow]") {
   for (const Scheme& scheme : kSchemes)
     for (const char* strategy : {"lattice", "lattice+volume", "neo_hookean"})
       for (const int newton : {0, 1}) {
@@ -78,7 +78,7 @@ TEST_CASE("simulation: steps, views, grips, moved supports and observers ask for
       }
 }
 
-TEST_CASE("simulation: damping of connections, of the stiffness and of cells asks for no memory") {
+TEST_CASE("simulation: damping of connections, of the stiffness and of cells allocates no memory") {
   for (const Scheme scheme : {"velocity_verlet", "backward_euler"}) {
     Simulation tissue = simulation_of(tissue_block(), scheme, "neo_hookean");
     load(tissue);
@@ -89,7 +89,7 @@ TEST_CASE("simulation: damping of connections, of the stiffness and of cells ask
   }
 }
 
-TEST_CASE("simulation: the host's threads give bitwise identical results, and ask for no memory either") {
+TEST_CASE("simulation: the host's threads give bitwise identical results, and allocate no memory either") {
   const auto with = [](TaskRunner* runner, int threads) {
     SimulationOptions options{.runner = runner, .threads = threads};
     options.integrator.parameters["newton_iterations"] = 1;

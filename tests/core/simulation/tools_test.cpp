@@ -77,7 +77,7 @@ TEST_CASE("a tool goes from pose to pose at constant speed and spin", "[tools]")
   CHECK(tissue.tool_pose(tool).turn == next.turn);  // who says no turn turns nothing back
 }
 
-TEST_CASE("a pose that is none, and a tool that is none, are refused", "[tools]") {
+TEST_CASE("an invalid pose and an invalid tool are refused", "[tools]") {
   Simulation tissue = simulation_of(tissue_cube(3));
   CHECK_THROWS_WITH(tissue.add_tool({.turn = 2 * Matrix3::Identity()}), Contains("no rotation"));
   CHECK_THROWS_WITH(tissue.add_tool({.turn = -Matrix3::Identity()}), Contains("no rotation"));

@@ -72,7 +72,7 @@ TEST_CASE("a budget that no number of sweeps keeps is reported", "[simulation]")
   CHECK_THAT(tissue.warnings().at(0), Contains("the budget of 1e-09 s is not kept"));
 }
 
-TEST_CASE("a material that is none is refused", "[simulation]") {
+TEST_CASE("an invalid material is refused", "[simulation]") {
   for (const double modulus : {0., -1e3, std::numeric_limits<double>::quiet_NaN()}) {
     Material material = kTissue;
     material.youngs_modulus = modulus;

@@ -1,4 +1,4 @@
-// Ways to an equilibrium other than Newton's, and equilibria that are none to stay in.
+// Ways to an equilibrium other than Newton's, and equilibria that are not stable.
 
 #include <catch2/catch.hpp>
 #include <cmath>

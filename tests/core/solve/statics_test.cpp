@@ -97,7 +97,7 @@ TEST_CASE("a free molecule that is pushed ends as a named cause, with finite pla
 }
 
 TEST_CASE("negative constants: a stable body is solved, an unstable one is said to be", "[statics]") {
-  // Springs 3 and −1 side by side make a spring of 2; −3 beside 1 pushes away.
+  // Springs 3 and −1 side by side make a spring of 2; −3 parallel to 1 pushes away.
   for (const auto& [one, other, stable] : {std::tuple{3., -1., true}, {1., -3., false}}) {
     Body body = listed_body({{0, 0, 0}, {1, 0, 0}}, {{0, 1}, {0, 1}});
     Model model(body);
@@ -180,7 +180,7 @@ TEST_CASE("forces and solutions are bitwise identical on any number of threads",
       if (body.rest(2, i) == 0) model.supports.push_back({i, kHeld, Vector3::Zero()});
     State state = state_at_rest(body);
     const Positions now = model.elastic_forces(deformed(body, 1e-4));
-    REQUIRE(solve_static(model, state, {.newton_limit = 2}).newton_iterations == 2);  // the same bits all the way
+    REQUIRE(solve_static(model, state, {.newton_limit = 2}).newton_iterations == 2);  // bitwise identical all the way
     if (count == 1) forces = now, positions = state.positions;
     CHECK(now == forces);
     CHECK(state.positions == positions);

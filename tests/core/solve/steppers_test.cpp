@@ -71,7 +71,7 @@ TEST_CASE("iterations of every stepper lead to backward Euler's step", "[stepper
           const StepResult result = bar.step(options_of(scheme, iterations), dt);
           INFO(name << " on " << strategy << ", " << iterations << " iterations of " << dt << " s: " << result.cause);
           REQUIRE(result.outcome == Outcome::converged);
-          if (result.substeps > 1) continue;  // a cell turned over: the step went in halves, and says so
+          if (result.substeps > 1) continue;  // a cell inverted: the step was bisected, and says so
           const double error = (bar.state.positions - exact.state.positions).norm() / moved;
           CHECK(error <= std::max(last, 1e-9));
           last = error;

@@ -247,7 +247,7 @@ TEST_CASE("of a linear body the sweep is the transpose of the run to rounding", 
   }
 }
 
-TEST_CASE("a sweep stores about two square roots of its steps, and has the same bits on any threads",
+TEST_CASE("a sweep stores about two square roots of its steps, and is bitwise identical on any threads",
           "[adjoint][trajectory]") {
   const Case one = cells("tetrahedra", jittered_block(), "neo_hookean", [](Model&) {});
   Positions first;

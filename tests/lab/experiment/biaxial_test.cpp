@@ -74,7 +74,7 @@ TEST_CASE("a sheet at constant width shows E and nu of its material", "[biaxial]
   CHECK(sheet.get("stress_across") == Approx(0.4 * sheet.get("stress")).epsilon(1e-9));
 }
 
-TEST_CASE("what two axes cannot be is told", "[biaxial]") {
+TEST_CASE("invalid pairs of axes are refused", "[biaxial]") {
   const auto said = [](const std::string& experiment) {
     const TemporaryFolder folder;
     try {

@@ -90,7 +90,7 @@ TEST_CASE("an indenter goes to a strain of the body's height", "[indentation]") 
   CHECK(run_of(kQuarter, indenter + "strain: 5 %").measures.get("depth") == Approx(1e-3).epsilon(1e-12));
 }
 
-TEST_CASE("an indenter goes as deep as its force asks for", "[indentation]") {
+TEST_CASE("an indenter goes as deep as its force requires", "[indentation]") {
   const Run deep = run_of(kQuarter, "indenter: {sphere: {radius: 15 mm}}, depth: 2 mm, symmetry: [x, y]");
   const std::string force = std::to_string(deep.measures.get("force"));
   const Run pressed =

@@ -294,7 +294,7 @@ TEST_CASE("measured moduli scale with E and stay under units, rotation and order
     const Specimen specimen = cube(4, pattern);
     const double reference = modulus(pull(specimen, setup, rule));
 
-    Specimen stiff = specimen;  // four times E and load: the same bits
+    Specimen stiff = specimen;  // four times E and load: bitwise identical
     stiff.material.youngs_modulus *= 4;
     TensionSetup harder = setup;
     harder.force = 4;

@@ -90,7 +90,7 @@ TEST_CASE("the torque is the slope of the energy over the angle, in any number o
   CHECK(at(0.7, 3).get("torsional_stiffness") == Approx(at(0.7, 1).get("torque") / 0.7).epsilon(1e-8));
 }
 
-TEST_CASE("a turn that would turn cells over goes in halves", "[torsion][slow]") {
+TEST_CASE("a turn that would invert cells is bisected", "[torsion][slow]") {
   const Specimen specimen = reference_cube(6);
   const Run run = turn(specimen, 90 * kDegree, 1, "neo_hookean");
   CHECK(run.bisected_load_steps > 0);

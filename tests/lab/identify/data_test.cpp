@@ -90,7 +90,7 @@ const std::vector<Broken> kBroken{
      "write residuals: absolute", "uniaxial", ", residuals: relative"},
     {"another test's column", "shear,nominal_stress [kPa]\n0.1,0.5\n0.2,1\n", 1, "'shear' does not"},
     {"no section", "stretch,force [N]\n1.1,0.5\n1.2,1\n", 0, "key 'cross_section' is missing"},
-    {"fibres beside a law", kGood, 0, "the material's `fibre` would be left out", "uniaxial", "",
+    {"fibres together with a law", kGood, 0, "the material's `fibre` would be left out", "uniaxial", "",
      ", fibre: {direction: z, youngs_modulus: 1 kPa}"},
     {"no rows of that name", kGood, 1, "no column 'region'", "uniaxial", ", rows: {region: cortex}"},
     {"range without points", kGood, 0, "between `from` and `to`", "uniaxial", ", from: 2"},

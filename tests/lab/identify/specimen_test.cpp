@@ -26,7 +26,7 @@ TEST_CASE("a dog-bone in its clamps gives E to 0.1 per cent, where section and l
       identify(kScenes + "dogbone.yaml", kCatalog, {.overrides = {"material.youngs_modulus=190 kPa"}}).front();
   CHECK(answer.outcome == FitOutcome::converged);
   CHECK(answer.numbers.front().value == Approx(200e3).epsilon(1e-3));
-  CHECK(answer.tests[1].relative_rms > 0.02);  // what the material gives without clamps, beside the force
+  CHECK(answer.tests[1].relative_rms > 0.02);  // what the material gives without clamps, compared with the force
 }
 
 TEST_CASE("a bubble gives E to 0.5 per cent from the heights of the exact membrane", "[identify][slow]") {
@@ -57,7 +57,7 @@ TEST_CASE("relaxation gives the law and its Prony terms", "[identify][slow]") {
   CHECK(answer.tests.front().relative_rms == Approx(3e-3).epsilon(0.4));  // the scatter that they were made with
 }
 
-TEST_CASE("of the brain one Ogden term is enough that is stable and determined, with what is published beside it",
+TEST_CASE("of the brain one Ogden term is enough that is stable and determined, next to the published numbers",
           "[identify]") {
   // Budday et al. 2017, Table 7, at second hand: quoted from another paper's table.
   struct Region {

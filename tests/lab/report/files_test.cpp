@@ -94,7 +94,7 @@ std::vector<Record> all_outcomes() {
   return records;
 }
 
-/// No word of a text is a number that is none.
+/// No word of a text is NaN or infinite.
 bool all_finite(std::string text) {
   std::transform(text.begin(), text.end(), text.begin(),
                  [](unsigned char c) { return std::isalnum(c) ? std::tolower(c) : ' '; });
@@ -473,7 +473,7 @@ TEST_CASE("a table is aligned by what a terminal shows", "[files]") {
   CHECK_THAT(coloured, Contains("  \033[32m1.5\033[0m  ×\n") && Contains("\033[31mnote\033[0m"));
 }
 
-TEST_CASE("texts have no escape codes unless colours are asked for", "[files]") {
+TEST_CASE("texts have no escape codes unless colours are requested", "[files]") {
   const std::vector<Record> records = all_outcomes();
   CHECK_THAT(comparison_text(records, false), !Contains("\033"));
   CHECK_THAT(comparison_text(records, true), Contains("\033["));

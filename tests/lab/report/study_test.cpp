@@ -112,7 +112,7 @@ TEST_CASE("rows that differ in the body are one curve; a reference of their own 
   CHECK(refer_to_own(records, "standard").find("cannot be extrapolated") != std::string::npos);
 }
 
-TEST_CASE("another program's time to an error stands beside our best", "[study]") {
+TEST_CASE("another program's time to an error stands next to Elastin's best", "[study]") {
   std::vector<Record> records;
   for (const double h : {1., 0.5, 0.25})  // errors of 8, 2, 0.5 % at 0.01, 0.04, 0.16 s: 1 % by the last one alone
     records.push_back(row("neo_hookean", "[" + std::to_string(h) + "]", h, 100 + 8 * h * h, 0.01 / (h * h)));

@@ -286,7 +286,7 @@ TEST_CASE("a drop without damping gives back its speed; with damping less", "[ti
   CHECK(measured(fallen, "impact_speed") == Approx(std::sqrt(2 * 9.81 * 5e-3)).epsilon(1e-4));
 }
 
-TEST_CASE("a twisted bar let go turns back and forth; a sheared one, too", "[time]") {
+TEST_CASE("a released twisted bar turns back and forth; a sheared one, too", "[time]") {
   const std::string bar =
       "body: {lattice: {kind: cubic, molecules: [2, 2, 7], spacing: 1 cm, connections: [axis, face]}}\n"
       "material: {youngs_modulus: 100 kPa, density: 1000 kg/m3}\nstiffness: lattice\n";

@@ -144,7 +144,7 @@ TEST_CASE("slips in contact are named with their place", "[scene][contact]") {
       {"{frictoin: 0.3}", "6:11: contact: unknown key 'frictoin'; did you mean 'friction'?"},
       {"{friction: -1}", "6:21: contact.friction: '-1' is out of range"},
       {"{adhesion: 0.1 J/m2}", "6:10: contact: key 'adhesion_range' is missing, with `adhesion`"},
-      {"{adhesion_range: 1 um}", "6:27: contact.adhesion_range: needs `adhesion` beside it"},
+      {"{adhesion_range: 1 um}", "6:27: contact.adhesion_range: needs `adhesion` too"},
       {"{restitution: 2}", "6:24: contact.restitution: '2' is out of range"},
       {"{penetration: 0 m}", "6:24: contact.penetration: '0 m' is out of range"},
       {"{surface: sphere}", "6:20: contact.surface: 'sphere' is not known here; did you mean 'spheres'?"},

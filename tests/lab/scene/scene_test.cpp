@@ -137,7 +137,7 @@ TEST_CASE("a scene is read as it is written", "[scene]") {
   CHECK(size.z() == Approx(0.015 * (0.5 + std::sqrt(3) / 2)));
 }
 
-TEST_CASE("a volume term is asked for by key or in short, and named so", "[scene]") {
+TEST_CASE("a volume term is requested by key or in short, and named so", "[scene]") {
   const TemporaryFolder folder;
   const auto stiffness = [&](const std::string& value) {
     return load(folder.write("volume.yaml", replaced(kScene, "stiffness: standard", "stiffness: " + value)))->stiffness;
@@ -612,7 +612,7 @@ TEST_CASE("an expectation that no run of the scene meets is a warning", "[scene]
              Contains("expect[0]: no run of this scene is with patch") && Contains("strategies"));
 }
 
-TEST_CASE("a scene file that is none is refused", "[scene]") {
+TEST_CASE("an invalid scene file is refused", "[scene]") {
   const TemporaryFolder folder;
   CHECK(refusal(folder.path("cube.yaml")) == folder.path("cube.yaml") + ": no such file");
   const std::string path = folder.write("cube.yaml", "");

@@ -24,7 +24,7 @@ const char* name_of(ValueKind kind);
 struct ParameterInfo {
   std::string name;
   Dimension unit;
-  /// Admissible range of each number, ends included, and the default, SI. NaN: there is none, and the text says what
+  /// Admissible range of each number, ends included, and the default, SI. NaN: no such number, and the text says what
   /// happens without a value.
   double low = 0, high = 0, fallback = 0;
   std::string text;        ///< what it is, in a sentence
@@ -42,8 +42,8 @@ struct Descriptor {
   std::vector<ParameterInfo> parameters = {};
 };
 
-/// The parameter of this name. Throws InputError, with the nearest name, where there is none, or where the value is out
-/// of its range. `owner` is how messages name the thing: "strategy lattice".
+/// The parameter of this name. Throws InputError, with the nearest name, where there is no such parameter, or where the
+/// value is out of its range. `owner` is how messages name the thing: "strategy lattice".
 const ParameterInfo& checked_parameter(const std::string& owner, const std::vector<ParameterInfo>& parameters,
                                        const std::string& name, double value);
 

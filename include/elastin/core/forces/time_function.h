@@ -12,7 +12,7 @@ class TimeFunction {
   /// 1 at all times.
   TimeFunction() : TimeFunction({{0, 1}}) {}
   /// Straight between points {time [s], value}, times not falling (two of one time make a jump); constant before the
-  /// first and after the last. Throws InputError if there are none, or on a time that falls.
+  /// first and after the last. Throws InputError if there are no points, or on a time that falls.
   explicit TimeFunction(std::vector<std::pair<double, double>> points);
   /// From 0 at time 0 to 1 at `duration` [s].
   static TimeFunction ramp(double duration) { return TimeFunction({{0, 0}, {duration, 1}}); }

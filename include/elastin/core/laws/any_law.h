@@ -13,7 +13,7 @@ namespace elastin {
 template <int dimensions>
 class AnyPoint {
  public:
-  /// That it is another type is asked first: whether AnyPoint is a law asks for its constructors again.
+  /// That it is another type is asked first: whether AnyPoint is a law needs its constructors again.
   template <class Law>
   requires(!std::same_as<Law, AnyPoint>) && PointLaw<Law, dimensions> explicit AnyPoint(Law law)
       : law_(std::make_shared<const Held<Law>>(std::move(law))) {}

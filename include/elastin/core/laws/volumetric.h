@@ -17,8 +17,8 @@ inline double double_artanh(double f) {
   return 2 * f + 2 * f * (s * sum);
 }
 
-/// ln x of a normal x > 0 to two roundings: the same bits wherever numbers are IEEE's, which the library's logarithm
-/// has not. x = 2ⁿ m, √½ ≤ m < √2, and ln m = 2 artanh((m − 1)/(m + 1)).
+/// ln x of a normal x > 0 to two roundings: bitwise identical wherever numbers are IEEE's, which the library's
+/// logarithm has not. x = 2ⁿ m, √½ ≤ m < √2, and ln m = 2 artanh((m − 1)/(m + 1)).
 inline double series_log(double x) {
   constexpr double ln2_high = 0x1.62e42fee00000p-1, ln2_low = 0x1.a39ef35793c76p-33;  // their sum is ln 2
   constexpr std::uint64_t root_of_half = 0x3fe6a09e667f3bcd;

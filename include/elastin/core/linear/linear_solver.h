@@ -70,7 +70,7 @@ Vector3 scattered_direction(std::int64_t molecule);
 /// Removes the fixed components of each supported molecule's column.
 void keep_free(const std::vector<Support>& supports, Positions& vectors);
 
-/// Σ a·b, and ‖v‖, with the same bits on any number of threads.
+/// Σ a·b, and ‖v‖, bitwise identical on any number of threads.
 double ordered_dot(const Positions& a, const Positions& b);
 double ordered_norm(const Positions& vectors);
 

@@ -33,7 +33,7 @@ struct Cable {
 /// The part of the body's convex hull that is nearest to each molecule, as far as spring rules use it. Made by
 /// voronoi_cells (elastin/mesh/voronoi.h), which is not part of elastin::core.
 struct VoronoiCells {
-  std::string problem;  ///< why there are none, in words for a user; then the rest is empty
+  std::string problem;  ///< why there are no such connections, in words for a user; then the rest is empty
   VectorX face_area;  ///< [m²], one a connection proper: the face between its molecules' cells; 0 if they don't touch
   VectorX volume;     ///< [m³], one a molecule; they sum to the hull's
   Positions surface_area;  ///< outward area vector of each molecule's cell on the hull [m²]
@@ -107,7 +107,7 @@ struct Body {
   std::optional<std::array<int, 3>> grid;
   /// How many times as stiff as the material each connection and cell is; empty = all alike. See set_region.
   VectorX connection_stiffness, cell_stiffness;
-  std::optional<VoronoiCells> voronoi;  ///< only where a strategy asks for them (Strategy::needs_voronoi)
+  std::optional<VoronoiCells> voronoi;  ///< only where a strategy needs them (Strategy::needs_voronoi)
   std::vector<Part> parts;              ///< in the order of their molecules; empty = the body is one whole
   std::vector<Tie> ties;                ///< between parts whose molecules do not meet
   /// Of a body whose cells were refined, or made of second order, what each of its last molecules lies between.
@@ -133,8 +133,8 @@ void set_present_lengths(Body& body);
 /// The two molecules of each side of each tetrahedron, each once, ascending.
 std::vector<std::array<int, 2>> sides_of(const Cells<4>& tetrahedra);
 
-/// Makes connections of those of the pairs that are none yet, as sides of cells only (Connections::cell_sides); those
-/// come last, ascending, with their present length as rest length.
+/// Makes connections of those of the pairs that are not connected yet, as sides of cells only
+/// (Connections::cell_sides); those come last, ascending, with their present length as rest length.
 void add_cell_sides(Body& body, const std::vector<std::array<int, 2>>& sides);
 
 /// The body with its connections proper alone: what a rule sees that does not work on cells.

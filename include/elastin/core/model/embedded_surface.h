@@ -22,9 +22,9 @@ class EmbeddedSurface {
   /// How far the point that is furthest from all cells lies outside of them [m], about; 0 = none does.
   double farthest() const { return farthest_; }
   /// Where its points are [m], x0 y0 z0 x1 …, in single precision as graphics take them, when the molecules are at
-  /// `positions`; and the unit normals there, means of the triangles around by their areas; 0 where there is none.
-  /// Allocates nothing. Each must have 3 size() numbers; `normals` may be empty. Throws InputError where these counts
-  /// or that of the molecules differ.
+  /// `positions`; and the unit normals there, means of the triangles around by their areas; 0 where there is no
+  /// triangle. Allocates nothing. Each must have 3 size() numbers; `normals` may be empty. Throws InputError where
+  /// these counts or that of the molecules differ.
   void draw(const Positions& positions, std::span<float> points, std::span<float> normals) const;
 
  private:

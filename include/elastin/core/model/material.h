@@ -76,7 +76,7 @@ struct MaterialField {
 /// What the body should behave like. A strategy turns it into the stiffness of each connection.
 struct Material {
   double youngs_modulus = 0;     ///< E [Pa], > 0; the curve's modulus at no strain, where there is a curve
-  double poissons_ratio = 0.25;  ///< ν, −1 < ν < ½. Springs alone give ¼ in an isotropic body, whatever is asked.
+  double poissons_ratio = 0.25;  ///< ν, −1 < ν < ½. Springs alone give ¼ in an isotropic body, whatever the target.
   double density = 1000;         ///< ρ [kg/m³], > 0
   double thickness = 0;          ///< t [m] of a membrane; only triangles use it
   /// D [N m] of a sheet that has a bending stiffness; 0 = no bending stiffness. A plate has E t³/(12 (1−ν²)).

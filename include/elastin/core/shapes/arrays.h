@@ -26,7 +26,7 @@ struct BodyArrays {
 /// the array, the row, what stands there and what may.
 Body make_body(const BodyArrays& arrays);
 
-/// The shortest connection proper [m]; 0 if there is none.
+/// The shortest connection proper [m]; 0 without connections.
 double shortest_connection(const Body& body);
 
 /// Sets radii and masses where a body says nothing but a density [kg/m³]: half the shortest connection; cells lumped

@@ -19,8 +19,8 @@ using MakeVoronoi = std::function<VoronoiCells(const Body&)>;
 /// A body that has all is left as it is, bitwise; numbers of molecules and of connections proper never change. What
 /// an elasticity makes for itself, as the averaged volumes of a volume term, needs no preparation. Everything is made
 /// from the body's present pose. `materials`: one of the whole body, or those of its parts by Part::material.
-/// Throws InputError where bending is asked of a body that cannot have it (see unsuited_for_bending), or where a part's
-/// material is not among them, or where the body's lists name molecules that it does not have. Cost O(n log n).
+/// Throws InputError where bending is requested of a body that cannot have it (see unsuited_for_bending), or where a
+/// part's material is not among them, or where the body's lists name molecules that it does not have. Cost O(n log n).
 void prepare(Body& body, const Strategy& strategy, const std::vector<Material>& materials,
              const MakeVoronoi& make_voronoi);
 

@@ -132,13 +132,13 @@ class Simulation {
   const Model& model() const noexcept;
 
   /// Adds what acts on the body, now and again after each change of its topology: `add` puts it on a model, whose body
-  /// it must ask for what it needs. At any time between steps; what it throws leaves the simulation as it was.
+  /// it must request what it needs. At any time between steps; what it throws leaves the simulation as it was.
   void add(std::function<void(Model&)> add);
   /// Adds a load, or damping, out of a table, as add; the strategy's material stands behind defaults.
   /// Throws InputError as checked_values.
   LoadId add_load(const LoadKind& load, const LoadValues& values = {});
-  /// From the next step on it acts with these values instead, or not at all; a history that it has begins anew or ends.
-  /// Throws InputError as add_load, and where there is no such load (any more), before anything changes.
+  /// From the next step on it acts with these values instead, or not at all; a history that it has begins again or
+  /// ends. Throws InputError as add_load, and where there is no such load (any more), before anything changes.
   void set_load(LoadId load, const LoadValues& values);
   void remove_load(LoadId load);
   /// Its row. Throws InputError as remove_load.

@@ -7,7 +7,7 @@ namespace elastin {
 struct Energies {
   double kinetic = 0;
   double elastic = 0;                  ///< stored; 0 of laws that have no energy
-  double in_laws = 0;                  ///< work done on those: stored or dissipated, which nobody can tell apart
+  double in_laws = 0;                  ///< work done on those: stored or dissipated, which cannot be distinguished
   double potential = 0;                ///< of the loads that have one and stay as they are: weight, dead forces
   double dissipated = 0;               ///< by damping, drag and laws that dissipate
   double work = 0;                     ///< put in by loads that change in time, and by supports that move
@@ -19,7 +19,7 @@ struct Energies {
 };
 
 /// Keeps the account of a run: adds up what passes the body's border, by the trapezoidal rule over its steps. Of a
-/// share (Body::share) each process keeps that of the molecules that it owns, and all ask for the energies together.
+/// share (Body::share) each process keeps that of the molecules that it owns, and all request the energies together.
 class Ledger {
  public:
   Ledger(const Model& model, const State& start);
@@ -38,7 +38,7 @@ class Ledger {
  private:
   /// Forces that take or give energy, without those with an energy of their own [N].
   struct Border {
-    Positions resisting, driving, supporting;  // empty where there are none
+    Positions resisting, driving, supporting;  // empty where there are no such forces
     double support_kinetic = 0;                // of the fixed components of the supports' motion [J]
   };
   Border border(const Model& model, const State& state) const;

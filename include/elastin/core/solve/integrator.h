@@ -63,7 +63,7 @@ class Integrator {
   virtual ~Integrator() = default;
   /// Steps by dt > 0 [s]. The supports are driven to the end of the step first (Model::drive). If the step fails the
   /// state stays where it was and the outcome says why: nothing in it is ever NaN. Steps of one model allocate nothing
-  /// after the first, but where they go wrong or in halves, where something would be passed through, where contact
+  /// after the first, but where they fail or are bisected, where something would be passed through, where contact
   /// finds more than ever before, where a direct solver or multigrid was requested, under a pressure or wind on more
   /// than 50 000 triangles on several threads, and with rules that update their springs (angles_update). Never throws
   /// on numerical trouble.

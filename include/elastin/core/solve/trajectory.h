@@ -33,7 +33,7 @@ class Trajectory {
  public:
   /// Takes the steps by dt [s] from a state, as the scheme does. Model and supports must stay. Throws InputError where
   /// the scheme, a law or a load has no such derivatives, where explicit steps are longer than the longest stable one
-  /// about the start, and where a step fails or has to be parted.
+  /// about the start, and where a step fails or has to be bisected.
   Trajectory(Model& model, State start, double dt, int steps, const IntegratorOptions& scheme);
   ~Trajectory();
   Trajectory(Trajectory&&) noexcept;

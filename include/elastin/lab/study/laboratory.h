@@ -37,7 +37,7 @@ struct LaboratoryResult {
   bool suited = true;              ///< false: the strategy cannot run on this body
   std::string cause;               ///< why it did not converge or is unsuited; empty if it did
   bool good = true;                ///< as the command's exit code 0: no failure, and every `expect` of the scene holds
-  std::vector<Measured> measures;  ///< of the last load step, or of the course of a run in time
+  std::vector<Measured> measures;  ///< of the last load step, or of the time history of a run
   std::vector<std::string> main;   ///< by which of them strategies are compared, the most telling first
   /// By measure, compared with the target of the material: relative, or the difference of a ratio.
   /// MEASURE_to_reference: relative to the scene's reference.

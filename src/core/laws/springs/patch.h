@@ -13,11 +13,11 @@ inline constexpr double kPatchVolumeWeight = 0.3;
 /// vector [m²], 0 inside),
 ///   Σ_j k_ij L_ij n n n = −C : A_i,  C_ijkl = 0.4 E (δ_ij δ_kl + δ_ik δ_jl + δ_il δ_jk):
 /// 10 equations a molecule, solved by non-negative least squares. Where they hold exactly (cubic lattices with face
-/// diagonals), E comes out as asked and ν = ¼; the material's ν is not used. Molecules inside with fewer than 20
-/// connections in the mean cannot all balance (disorder, tetrahedral meshes): the fit then also asks for each
+/// diagonals), E is the target and ν = ¼; the material's ν is not used. Molecules inside with fewer than 20
+/// connections in the mean cannot all balance (disorder, tetrahedral meshes): the fit then also requires for each
 /// molecule's share of the stiffness, Σ_j k L² = 12 E V_i of its volume V_i, since k = 0 inside would balance too. Such
-/// bodies are softer than asked, a random packing by 6 %: calibrate. Where many constants pass, those nearest to one
-/// constant for all are taken; k may be 0.
+/// bodies are softer than the target, a random packing by 6 %: calibrate. Where many constants pass, those nearest to
+/// one constant for all are taken; k may be 0.
 struct Patch {
   static constexpr std::string_view name = "patch";
   static constexpr std::string_view summary =

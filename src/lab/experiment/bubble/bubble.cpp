@@ -84,7 +84,8 @@ class Bubble final : public StaticExperiment {
     return main;
   }
 
-  /// The cap's equal biaxial strain e and tension give a first idea of E: N₀ = E t e/(1−ν), of size q = e √(2/(1−ν)).
+  /// The cap's equal biaxial strain e and tension give an initial guess for E: N₀ = E t e/(1−ν), of size q = e
+  /// √(2/(1−ν)).
   std::optional<Identification> identification() const override {
     if (!setup_.identify_degree) return std::nullopt;
     Identification wanted{"height", setup_.heights, *setup_.identify_degree, setup_.identify_up_to, {}};
@@ -240,7 +241,8 @@ double next_pressure(const Reader& reader, double before) {
   return pressure;
 }
 
-/// A text file beside the scene: a line a point, "5000 Pa, 17 mm"; lines that begin with a letter or # say nothing.
+/// A text file in the scene's folder: a line a point, "5000 Pa, 17 mm"; lines that begin with a letter or # say
+/// nothing.
 void read_table(const Reader& reader, BubbleSetup& setup) {
   const std::string path = (std::filesystem::path(reader.file_path()).parent_path() / reader.text()).string();
   std::ifstream stream(path);
@@ -319,7 +321,7 @@ ExperimentInfo bubble_row() {
               {{{"pressure", "quantity, or list", "Pa", "> 0", "",
                  "the pressure that `load_steps` reach, or one pressure for each step, ascending"},
                 read_pressures},
-               {{"measured", "list of pairs, or file beside the scene", "Pa, m", "> 0", "",
+               {{"measured", "list of pairs, or file in the scene's folder", "Pa, m", "> 0", "",
                  "`[pressure, height]`, ascending; a file has one pair in each line, with units"},
                 [](const Reader& value, BubbleKeys& setup, const Frame&) { read_measured(value, setup); }}})
               .naming_the_second(),

@@ -82,7 +82,7 @@ class Indentation final : public StaticExperiment {
     contact::Obstacle& obstacle = contact.obstacles[indenter_];
     if (obstacle.motion)
       throw InputError("the indenter '" + obstacle.name + "' has a motion of its experiment: leave that out");
-    // The moment at which the rig asks for its obstacles' poses is the indenter's displacement.
+    // The moment at which the rig requests its obstacles' poses is the indenter's displacement.
     obstacle.motion = [start = obstacle.pose, axis = setup.axis](double displacement) {
       contact::Pose pose = start;
       pose.position += displacement * axis;
@@ -186,7 +186,7 @@ class Indentation final : public StaticExperiment {
         for (int i = 0; i < sample.count; ++i) position += sample.weights[i] * body.rest.col(sample.molecules[i]);
         meet(position, 0);
       }
-    first -= 1e-9 * radius;  // what only seems to be pressed in, by rounding, would be asked for its equilibrium
+    first -= 1e-9 * radius;  // what only seems to be pressed in, by rounding, would have to be in equilibrium
     if (!std::isfinite(first)) throw InputError("no molecule lies before the indenter: give `at`, a point on its axis");
     contact::Obstacle obstacle;
     obstacle.name = kIndenter;

@@ -70,7 +70,7 @@ const MeasureList& motion_measures() {
 /// Misfits beyond which a curve has no time constant, no damping, no frequency: the fitted part is not all but all,
 /// most, the larger part of it.
 constexpr double kMostForTime = 0.1, kMostForDamping = 0.2, kMostForFrequency = 0.5;
-/// Change of the complex modulus from one period to the next beyond which it is none of the material's.
+/// Change of the complex modulus from one period to the next beyond which it is not the material's.
 constexpr double kMostChange = 0.02;
 
 /// One measure over time, from a time on, to another.

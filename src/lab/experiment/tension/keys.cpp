@@ -66,7 +66,7 @@ Keys<TensionSetup> bar_keys(bool compression) {
                  const double before = setup.cycle.empty() ? 0 : setup.cycle.back();
                  setup.cycle.push_back(item.quantity(dimension::none, {0, 1, false}));
                  if (setup.cycle.back() == before)
-                   item.fail("the load is there already: each part must differ from the one before");
+                   item.fail("the load already exists: each part must differ from the one before");
                }
              })};
 }

@@ -182,7 +182,7 @@ class Tension final : public StaticExperiment {
   }
 
   /// The scene's own area, or that of the body, between the gauge planes if there are any. An area that is stated makes
-  /// no prism of a body whose cells say that it is none.
+  /// no prism where the body's cells show another section.
   void choose_section(double low, double high) {
     section_ = setup_.gauge ? find_section(body_, setup_.axis, low_ + (*setup_.gauge)[0],
                                            std::min(high_, low_ + (*setup_.gauge)[1]), setup_.thickness)

@@ -70,7 +70,7 @@ function lines_in_space(lines, pose) {
   return lines.map((_, i) => pose[9 + i % 3] + [0, 1, 2].reduce((sum, axis) => sum + pose[3 * axis + i % 3] * lines[i - i % 3 + axis], 0));
 }
 
-/** Positions [m] with the displacements taken so many times. */
+/** Positions [m] with the displacements times a factor. */
 function positions_of(body, displacements, times) {
   return body.rest.map((v, i) => v + times * displacements[i]);
 }

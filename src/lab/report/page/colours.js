@@ -44,7 +44,7 @@ function round_down(value) {
   return decade * (first >= 5 ? 5 : first >= 2 ? 2 : 1);
 }
 
-/** The number of a text such as "12.3 mPa" or "5 %" in the unit; undefined where it is none. */
+/** The number of a text such as "12.3 mPa" or "5 %" in the unit; undefined where it is not a number. */
 function without_prefix(text, unit) {
   const found = text.trim().replace(',', '.').match(/^([-+]?[\d.]+(?:e[-+]?\d+)?)\s*(.*)$/i);
   if (!found || !isFinite(+found[1])) return undefined;

@@ -81,7 +81,7 @@ const shader_parts = {
     }`,
 };
 
-/** Four corners (x, y, number) and two triangles for each of so many flat shapes, x from `least` to 1. */
+/** Four corners (x, y, number) and two triangles for each of a number of flat shapes, x from `least` to 1. */
 function corners_of(count, least) {
   const geometry = new THREE.BufferGeometry(), corners = new Float32Array(12 * count), index = new Uint32Array(6 * count);
   for (let i = 0; i < count; ++i) {

@@ -8,7 +8,7 @@ const svg_element = (name, attributes = {}) => {
   return element;
 };
 
-/** A value on an axis {unit} in words, with so many digits. */
+/** A value on an axis {unit} in words, with this many digits. */
 function axis_text(value, {unit}, digits = 4) {
   if (unit === '%') return `${+(100 * value).toPrecision(digits)} %`;
   if (unit && !/[/^ ]/.test(unit)) return with_prefix(value, unit, digits);

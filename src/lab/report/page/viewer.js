@@ -45,7 +45,7 @@ class Viewer {
     this.request();
   }
 
-  /** Lines beside the body, three floats a point, two points a line [m]: the outlines of obstacles. */
+  /** Lines in addition to the body, three floats a point, two points a line [m]: the outlines of obstacles. */
   set_lines(lines) {
     this.depth = lines.length ? 3 : 1.2;  // of what is drawn, in lengths from the middle
     this.painter.set_lines(lines);
@@ -289,7 +289,7 @@ class Viewer {
     this.scheme.addEventListener('change', this.on_scheme);
   }
 
-  /** Moves the eye around the body: angles [rad], and distance times so much. */
+  /** Moves the eye around the body: angles [rad], and distance times a factor. */
   turn(yaw, pitch, distance) {
     const offset = this.camera.position.clone().sub(this.controls.target), ball = new THREE.Spherical();
     ball.setFromVector3(new THREE.Vector3(offset.x, offset.z, -offset.y));  // three's angles are about y

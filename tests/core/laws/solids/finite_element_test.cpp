@@ -1,5 +1,5 @@
-// Whole bodies of st_venant_kirchhoff and neo_hookean against finite elements and closed forms written here anew:
-// nothing below uses lengths, force densities or the laws' own formulas.
+// Whole bodies of st_venant_kirchhoff and neo_hookean against finite elements and closed forms written here
+// independently: nothing below uses lengths, force densities or the laws' own formulas.
 
 #include <catch2/catch.hpp>
 #include <cmath>
