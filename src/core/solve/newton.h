@@ -11,7 +11,7 @@ namespace elastin {
 
 class LastSolve;
 
-/// A linear solver kept from one solve to the next, for its memory and its coarse picture of the stiffness.
+/// A linear solver kept from one solve to the next, for its memory and its grid hierarchy of the stiffness.
 struct CachedSolver {
   std::unique_ptr<LinearSolver> solver;
   LinearMethod method = "automatic";
