@@ -1,5 +1,6 @@
 // The program elastin: the commands of run_command, with the built-in catalog.
 
+#include "command/memory.h"
 #include "elastin/command/command.h"
 #include "elastin/openmp/openmp.h"
 #ifdef ELASTIN_PETSC_PROGRAM
@@ -55,6 +56,7 @@ void let_scenes_share(elastin::Catalog& catalog, char** argv) {
 
 int main(int argc, char** argv) {
   elastin::openmp::let_threads_sleep(argv);
+  elastin::command::keep_memory();
   elastin::Catalog catalog = elastin::built_in_catalog();
 #ifdef ELASTIN_PETSC_PROGRAM
   if (is_shared(argv, argc)) {
