@@ -54,3 +54,29 @@ function(elastin_compile target name)
     endif()
   endforeach()
 endfunction()
+
+# elastin_loads_later(TARGET FOLDER): a program or shared library that needs no FCL and no Ceres before the module
+# elastin_later is loaded, from FOLDER, built and installed.
+function(elastin_loads_later target folder)
+  set(source ${PROJECT_SOURCE_DIR}/src/command/later.cpp)
+  target_sources(${target} PRIVATE ${source})
+  set_source_files_properties(${source} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON
+                              COMPILE_DEFINITIONS ELASTIN_LATER="$<TARGET_FILE_NAME:elastin_later>")
+  target_link_options(${target} PRIVATE -Wl,--as-needed)
+  target_link_libraries(${target} PRIVATE ${CMAKE_DL_LIBS})
+  set_target_properties(${target} PROPERTIES BUILD_WITH_INSTALL_RPATH ON INSTALL_RPATH ${folder})
+  add_dependencies(${target} elastin_later)
+endfunction()
+
+# elastin_has_later(TARGET FOLDER COMPONENT INSTALLED): the same of a shared library with a copy of the module of its own,
+# so that packages do not share a file: in FOLDER next to it, which is INSTALLED there.
+function(elastin_has_later target folder component installed)
+  elastin_loads_later(${target} $ORIGIN/${folder})
+  add_custom_command(TARGET ${target} POST_BUILD
+                     COMMAND ${CMAKE_COMMAND} -E make_directory $<TARGET_FILE_DIR:${target}>/${folder}
+                     COMMAND ${CMAKE_COMMAND} -E copy $<TARGET_FILE:elastin_later> $<TARGET_FILE_DIR:${target}>/${folder}
+                     VERBATIM)
+  if(ELASTIN_INSTALL)
+    install(FILES $<TARGET_FILE:elastin_later> DESTINATION ${installed}/${folder} COMPONENT ${component})
+  endif()
+endfunction()
