@@ -15,7 +15,7 @@ printf '#!/bin/sh\necho whole "$@"\n' >"$work/first/whole"
 chmod +x "$work/first/whole"
 first=$work/first/elastin
 
-told() { "$1" verify "$source"/scenes/tension/table1-*.yaml | sed 's/  *[^ ]* [µm]\?s$//'; }
+told() { "$1" verify "$source"/scenes/tension/table1-*.yaml | sed 's/  *[^ ]* [µm]\?s$//; s/  */ /g'; }  # but for times, and widths by them
 told "$whole" >"$work/whole.txt"
 told "$first" >"$work/first.txt"
 grep -q 'passed' "$work/whole.txt" || fail "nothing was verified"
