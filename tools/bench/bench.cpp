@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "command/memory.h"
 #include "command/options.h"
 #include "elastin/core/base/error.h"
 #include "elastin/openmp/openmp.h"
@@ -55,6 +56,7 @@ constexpr Case kCases[] = {
 int main(int argc, char** argv) {
   namespace command = elastin::command;
   elastin::openmp::let_threads_sleep(argv);  // as the command does: what is measured is what its user gets
+  command::keep_memory();
   elastin::openmp::use_openmp();
   std::vector<std::string> names, chosen;
   for (const Case& one : kCases) names.emplace_back(one.name);

@@ -74,7 +74,8 @@ const ExperimentCatalog& built_in_experiments() {
 MeasureList measures_of(const ExperimentCatalog& catalog) {
   MeasureList all;
   for (const ExperimentInfo& info : catalog.experiments()) all.add(info.measures);
-  return all.add(common_measures());
+  all.add(common_measures());
+  return all;
 }
 
 const MeasureList& built_in_measures() {

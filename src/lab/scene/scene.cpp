@@ -451,7 +451,7 @@ std::unique_ptr<Scene> read_scene(const SceneSource& source, const Catalog& cata
   check_volume_range(reader.at("material"), scene->specimen, known);
   scene->measures = std::make_shared<const MeasureList>(measures_of(*scene->experiment));
   MeasureList measures = *scene->measures;  // what others have is known, too: it is not measured here
-  measures.add(measures_of(experiments));
+  if (reader.has("expect") || reader.has("reference")) measures.add(measures_of(experiments));
   if (auto expect = reader.find("expect")) {
     scene->expectations = read_expectations(*expect, known, catalog, measures);
     for (std::size_t i = 0; i < scene->expectations.size(); ++i)
