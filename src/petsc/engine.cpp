@@ -37,9 +37,8 @@ class Engine final : public StaticEngine {
   void complete(const Model& model, Positions& forces) override {
     if (model.has_complete_rows()) return model.spread(forces);
     const SharedBody& body = setting(model).body;
-    const Vector sums = body.make_vector();
-    body.add_up(forces, sums);
-    body.spread(sums, forces);
+    body.add_up(forces);
+    body.spread(forces);
   }
 
   std::string unsuited(const Model& model) const override {

@@ -2,13 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <numeric>
 #include <string>
 
 #include "core/linear/linear_choice.h"
 #include "core/solve/newton.h"
 #include "core/solve/steppers.h"
 #include "elastin/core/base/text.h"
+#include "elastin/core/forces/loads.h"
 #include "petsc/linear.h"
 
 namespace elastin::petsc {
@@ -24,31 +25,9 @@ const BoxHierarchy* chosen_boxes(const Model& model, const Tangent& local, Share
   return setting.boxes.get();
 }
 
-std::string solver_name(const char* method, const std::string& preconditioner, const SharedBody& body) {
-  return std::string(method) + " petsc " + preconditioner + " on " + counted(body.processes(), "process", "processes");
+std::string solver_name(const std::string& preconditioner, const SharedBody& body) {
+  return "petsc " + preconditioner + " on " + counted(body.processes(), "process", "processes");
 }
-
-/// Forces of loads that stay as they are, and what all loads are as sizes.
-struct DeadLoads {
-  Positions owned;   ///< [N]
-  double scale = 0;  ///< sum of their norms
-};
-DeadLoads dead_loads(const Model& model, const SharedBody& body) {
-  const State rest = state_at_rest(model.body());
-  DeadLoads loads{Positions::Zero(3, body.owned())};
-  for (const auto& load : model.loads()) {
-    Positions one = Positions::Zero(3, model.body().size()), local;
-    load->add_forces(rest, one);
-    body.take(one, local);
-    loads.scale +=
-        body.of_share() ? std::sqrt(body.sum(local.leftCols(body.owned()).squaredNorm())) : ordered_norm(one);
-    loads.owned += local.leftCols(body.owned());
-  }
-  return loads;
-}
-
-/// Saddles that one solve goes down from.
-constexpr int kSaddles = 3;
 
 /// Size of the fixed components of owned molecules' vectors, of all.
 double fixed_norm(const SharedModel& model, const Positions& owned) {
@@ -60,294 +39,112 @@ double fixed_norm(const SharedModel& model, const Positions& owned) {
   return std::sqrt(model.body().sum(sum));
 }
 
-/// Where Newton's method stands.
-struct Point {
-  State state;  ///< of the subdomain; of an equilibrium positions alone
-  Vector unbalanced;
-  double energy = 0, norm = 0, scale = 0, noise = 0;
-};
-
-class Newton {
+/// What Newton's method asks of the processes.
+class Among final : public SharedProblem {
  public:
-  Newton(Model& model, SharedSetting& setting, const StaticOptions& options, const Kinematics* kinematics)
-      : given_(model),
+  Among(Model& given, SharedSetting& setting, const StaticOptions& options, bool of_step)
+      : given_(given),
         setting_(setting),
         body_(setting.body),
         options_(options),
-        kinematics_(kinematics),
-        model_(model, setting.body, kinematics ? SharedModel::Use::step : SharedModel::Use::equilibrium),
-        with_energy_(Problem(model, kinematics).with_energy),
-        motion_(setting.body.make_vector()) {
-    if (!kinematics) loads_ = dead_loads(model, setting.body);
+        model_(given, setting.body, of_step ? SharedModel::Use::step : SharedModel::Use::equilibrium) {
+    if (&model_.local() != &given) add_dead_loads();
   }
 
-  StaticResult solve(State& state) {
-    StaticResult result;
-    Point now;
-    if (kinematics_)
-      now.state = state;
-    else
-      body_.take(state.positions, now.state.positions);
-    evaluate(now);
-    if (!std::isfinite(now.energy)) {
-      result.outcome = Outcome::inverted;
-      const bool here = !std::isfinite(model_.local().elastic_energy(now.state.positions)) || !body_.of_share();
-      result.cause = first_over(given_.body(), here ? inverted_text(given_.body(), state.positions) : "") +
-                     " at the start of the step";
-      return result;
-    }
-    std::string preconditioner = "pcg";
-    bool stable_start = false;
-    int saddles = 0;
-    double forcing = 1e-3, last = now.norm;
-    while (true) {
-      if (!std::isfinite(now.norm + now.scale)) {
-        stop(Outcome::diverged, "the forces are too large for numbers", result);
-        break;
-      }
-      const SharedTangent tangent(model_, now.state, kinematics_ ? kinematics_->weights : Weights{});
-      result.scale = now.scale;
-      result.residual = now.scale > 0 ? now.norm / now.scale : 0;
-      const double goal = std::max(options_.tolerance * now.scale, 2 * tangent.rounding_floor());
-      if (now.norm <= goal) {
-        if (!options_.probe || kinematics_ || saddles == kSaddles || !may_buckle(now.state.positions)) break;
-        result.unstable = find_negative_direction(tangent, motion_, result.linear_iterations);
-        if (!result.unstable || !stable_start || !leave_saddle(now)) break;
-        ++saddles;
-        result.left_saddle = true;
-        continue;
-      }
-      if (result.newton_iterations == options_.newton_limit) {
-        const bool cut_short = kinematics_ && kinematics_->cut_short;
-        stop(Outcome::limit_reached,
-             cut_short ? "" : "no equilibrium within " + counted(options_.newton_limit, "Newton iteration"), result);
-        break;
-      }
-      // Solve each step no further than the next unbalanced force can use. [Eisenstat & Walker 1996, choice 2]
-      if (result.newton_iterations > 0) forcing = std::min(1e-2, 0.5 * std::pow(now.norm / last, 2));
-      forcing = std::max(forcing, 0.1 * goal / now.norm);
-      last = now.norm;
-      const BoxHierarchy* boxes =  // inertia keeps iterations few
-          kinematics_ ? nullptr : chosen_boxes(given_, tangent.local(), setting_, options_, forcing, result.reason);
-      const SharedLinearResult linear = solve_linear(tangent, boxes, now.unbalanced, forcing, motion_);
-      preconditioner = linear.preconditioner;
-      result.linear_iterations += linear.iterations;
-      ++result.newton_iterations;
-      result.unstable = linear.status == LinearStatus::negative_mode;
-      if (result.newton_iterations == 1) stable_start = !result.unstable;
-      if (linear.status != LinearStatus::solved && linear.residual > 0.9) limit_motion();
-      bool inverted = false;
-      const bool found = line_search(now, inverted);
-      result.cut_steps += inverted;
-      if (found) continue;
-      const bool adrift = linear.status == LinearStatus::zero_mode;
-      stop(adrift     ? Outcome::mechanism
-           : inverted ? Outcome::inverted
-                      : Outcome::diverged,
-           adrift     ? "the loads work on a zero-energy mode that does not stiffen"
-           : inverted ? "any further step would invert a cell"
-                      : "no step lowers the unbalanced force",
-           result);
-      break;
-    }
-    result.solver = solver_name("newton", preconditioner, body_);
-    if (kinematics_) {
-      state = std::move(now.state);
-      return result;  // a step's reactions are not needed
-    }
-    body_.gather(now.state.positions.leftCols(body_.owned()), state.positions);
-    result.reactions = reactions(state, now);
-    return result;
-  }
-
- private:
-  static void stop(Outcome outcome, std::string cause, StaticResult& result) {
-    result.outcome = outcome;
-    result.cause = std::move(cause);
+  Model& model() { return model_.local(); }
+  const Body& whole() const override { return body_.given(); }
+  int owned() const override { return body_.owned(); }
+  double sum(double own) const override { return body_.sum(own); }
+  double largest(double own) const override { return body_.largest(own); }
+  void add_up(Positions& forces) const override { body_.add_up(forces); }
+  std::unique_ptr<Linearised> linearise(const Tangent& tangent) override {
+    return std::make_unique<Stiffness>(*this, tangent);
   }
 
   /// On the supports of what was given; none on those of ghosts.
-  Positions reactions(const State& state, const Point& now) {
+  Positions reactions(const State& state) {
     Positions forces;
     if (!body_.of_share()) {
       given_.set_forces(state, forces);
     } else {
-      forces_.setZero(3, body_.size());
-      model_.local().add_elastic_forces(now.state.positions, forces_, workspace_);
-      const Vector sums = body_.make_vector();
-      body_.add_up(forces_, sums);
-      body_.read(sums, owned_);
-      forces = Positions::Zero(3, body_.size());
-      forces.leftCols(body_.owned()) = owned_ + loads_.owned;
+      forces = model_.local().elastic_forces(state.positions);
+      add_up(forces);
+      forces += given_.load_forces(state_at_rest(given_.body()));
+      forces.rightCols(body_.size() - owned()).setZero();
     }
     return -fixed_components(given_.supports, forces);
   }
 
-  /// Sets all of a point that follows from its positions.
-  void evaluate(Point& point) {
-    const Positions& x = point.state.positions;
-    point.norm = point.scale = point.noise = 0;
-    if (kinematics_) {
-      set_velocities(given_, *kinematics_, point.state);
-      const Weights& weights = kinematics_->weights;
-      point.state.accelerations = kinematics_->accelerations + weights.acceleration * (x - kinematics_->start);
-    }
-    double own = own_energy(point.state);
-    if (!model_.local().admissible(x)) own = std::numeric_limits<double>::infinity();
-    point.energy = body_.sum(own);
-    if (!std::isfinite(point.energy)) return;
-    forces_.setZero(3, body_.size());
-    model_.local().add_elastic_forces(x, forces_, workspace_);
-    if (!point.unbalanced) point.unbalanced = body_.make_vector();
-    if (kinematics_) {
-      given_.add_other_forces(point.state, forces_, workspace_);
-      owned_ = forces_.leftCols(body_.owned());
-      point.scale = add_inertia(point.state);
-    } else {
-      body_.add_up(forces_, point.unbalanced);
-      body_.read(point.unbalanced, owned_);
-      owned_ += loads_.owned;
-      point.scale = loads_.scale;
-    }
-    body_.write(owned_, point.unbalanced);
-    point.scale += fixed_norm(model_, owned_);
-    model_.keep_free(point.unbalanced);
-    check(VecNorm(point.unbalanced, NORM_2, &point.norm));
-    if (with_energy_) set_noise(point);
-  }
+ private:
+  struct Stiffness final : Linearised {
+    Stiffness(Among& a_problem, const Tangent& a_tangent) : problem(a_problem), tangent(a_problem.model_, a_tangent) {}
 
-  /// Of what this process counts; of a step with that of the inertia, see elastin::evaluate.
-  double own_energy(const State& state) {
-    const Positions& x = state.positions;
-    if (!kinematics_) {
-      const auto moved = (x - model_.local().body().rest).leftCols(body_.owned());
-      return model_.local().elastic_energy(x) - (loads_.owned.array() * moved.array()).sum();
+    double rounding_floor() const override { return tangent.rounding_floor(); }
+    LinearResult solve(const Positions& rhs, double tolerance, Positions& motion, UsedSolver& used) override {
+      const SharedBody& body = problem.body_;
+      const Vector forces = body.make_vector(), solution = body.make_vector();
+      body.write(rhs, forces);
+      const BoxHierarchy* boxes = problem.model_.of_step()  // whose inertia keeps iterations few
+                                      ? nullptr
+                                      : chosen_boxes(problem.given_, tangent.local(), problem.setting_,
+                                                     problem.options_, tolerance, used.reason);
+      const SharedLinearResult linear = solve_linear(tangent, boxes, forces, tolerance, solution);
+      used.name = solver_name(linear.preconditioner, body);
+      body.spread(solution, motion);
+      return {linear.status, linear.iterations, linear.residual};
     }
-    return given_.elastic_energy(x) + given_.load_energy(state) + step_energy(given_, *kinematics_, x);
-  }
+    Positions way_down(int& iterations) override {
+      const Vector direction = problem.body_.make_vector();
+      Positions motion;
+      if (find_negative_direction(tangent, direction, iterations)) problem.body_.spread(direction, motion);
+      return motion;
+    }
 
-  /// Takes the inertia of owned molecules from their forces. The size of loads and inertia [N].
-  double add_inertia(const State& state) {
-    const int owned = body_.owned();
-    double scale = 0;
+    Among& problem;
+    SharedTangent tangent;
+  };
+
+  /// On the subdomain, the forces of each load at rest: equilibria are shared out under such as stay as they are.
+  void add_dead_loads() {
+    const State rest = state_at_rest(given_.body());
+    std::vector<int> molecules(static_cast<std::size_t>(owned()));
+    std::iota(molecules.begin(), molecules.end(), 0);
     for (const auto& load : given_.loads()) {
-      forces_.setZero();
-      load->add_forces(state, forces_);
-      scale += std::sqrt(body_.sum(forces_.leftCols(owned).squaredNorm()));
+      Positions forces = Positions::Zero(3, given_.body().size()), local;
+      load->add_forces(rest, forces);
+      body_.take(forces, local);
+      model().add(std::make_unique<PointLoads>(model().body(), molecules, local.leftCols(owned())));
     }
-    const Positions inertia = state.accelerations.leftCols(owned) * given_.body().mass.head(owned).asDiagonal();
-    owned_ -= inertia;
-    return scale + std::sqrt(body_.sum(inertia.squaredNorm()));
-  }
-
-  /// What rounding of the positions does to the energy [J].
-  void set_noise(Point& point) {
-    const Positions& x = point.state.positions;
-    const Connections& connections = model_.local().body().connections;
-    densities_.setZero(connections.size());
-    for (const auto* law : model_.local().edge_laws()) law->add_force_densities(x, densities_, workspace_);
-    double pull = 0;
-    for (int c = 0; c < connections.size(); ++c) {
-      const auto& [a, b] = connections.ends[c];
-      pull += std::abs(densities_[c]) * (x.col(b) - x.col(a)).norm();
-    }
-    for (const auto* law : model_.local().nodal_laws()) pull += law->internal_force(x);
-    const double reach = body_.largest(x.size() > 0 ? x.cwiseAbs().maxCoeff() : 0);
-    const double all = body_.sum(pull) + std::sqrt(static_cast<double>(body_.all_molecules())) * point.scale;
-    point.noise = 4 * std::numeric_limits<double>::epsilon() * reach * all;
-  }
-
-  /// Halves the step until the energy falls or, where rounding hides that, the unbalanced force does.
-  bool line_search(Point& now, bool& inverted) {
-    Positions motion;
-    body_.spread(motion_, motion);
-    if (!body_.all(motion.allFinite())) return false;
-    double slope = 0;
-    check(VecDot(now.unbalanced, motion_, &slope));
-    slope = -slope;
-    Point trial;
-    if (kinematics_) trial.state = now.state;
-    for (double step = 1; step > 1e-9; step /= 2) {
-      trial.state.positions = now.state.positions + step * motion;
-      evaluate(trial);
-      inverted |= std::isinf(trial.energy);
-      if (!std::isfinite(trial.energy) || !std::isfinite(trial.norm)) continue;
-      bool falls = with_energy_ && slope < 0 && trial.energy <= now.energy + 1e-4 * step * slope;
-      if (!with_energy_) {  // of a step: its forces' work along it gives the same criterion
-        double work = 0;
-        check(VecDot(trial.unbalanced, motion_, &work));
-        falls = slope < 0 && (work - slope) / 2 >= -1e-4 * slope;
-      }
-      const bool calmer = trial.norm < (1 - 1e-4 * step) * now.norm;
-      if (falls || (calmer && (!with_energy_ || trial.energy - now.energy <= trial.noise))) {
-        std::swap(now, trial);
-        return true;
-      }
-    }
-    return false;
-  }
-
-  /// Whether the body may be strained enough to buckle; as solve_newton.
-  bool may_buckle(const Positions& x) const {
-    const auto [low, high] = outline_of_whole(given_.body());
-    const Vector3 size = high - low;
-    const double thin = size.minCoeff() / size.maxCoeff(), limit = std::min(1e-4, 0.1 * thin * thin);
-    const Connections& connections = body_.local().connections;
-    bool strained = false;
-    for (int c = 0; c < connections.size() && !strained; ++c) {
-      const auto& [a, b] = connections.ends[c];
-      const double length = connections.rest_length[c];
-      strained = !(std::abs((x.col(b) - x.col(a)).norm() - length) < limit * length);
-    }
-    return !body_.all(!strained);
-  }
-
-  /// Goes along the motion, or against it, as far as the energy falls by more than its rounding.
-  bool leave_saddle(Point& now) {
-    Positions direction;
-    body_.spread(motion_, direction);
-    const double furthest = body_.largest(direction.cols() ? direction.colwise().norm().maxCoeff() : 0);
-    const double length = 0.1 * mean_length(given_.body()) / furthest;
-    Point trial;
-    for (double step = length; step > 1e-6 * length; step /= 4)
-      for (const double factor : {step, -step}) {
-        trial.state.positions = now.state.positions + factor * direction;
-        evaluate(trial);
-        if (!(now.energy - trial.energy > 10 * std::max(now.noise, trial.noise))) continue;
-        std::swap(now, trial);
-        return true;
-      }
-    return false;
-  }
-
-  /// A direction without stiffness has no length of its own: no molecule goes further than half its connections' mean.
-  void limit_motion() {
-    Positions motion;
-    body_.read(motion_, motion);
-    const double furthest = body_.largest(motion.cols() ? motion.colwise().norm().maxCoeff() : 0);
-    const double most = 0.5 * mean_length(given_.body());
-    if (furthest > most) check(VecScale(motion_, most / furthest));
   }
 
   Model& given_;
   SharedSetting& setting_;
   const SharedBody& body_;
   const StaticOptions& options_;
-  const Kinematics* kinematics_;  ///< null: an equilibrium
   SharedModel model_;
-  bool with_energy_;  ///< whether what is sought has the least of one
-  DeadLoads loads_;
-  Vector motion_;
-  Positions forces_, owned_;
-  VectorX densities_;
-  Workspace workspace_;
 };
 
 }  // namespace
 
 StaticResult balance(Model& model, SharedSetting& setting, State& state, const StaticOptions& options,
                      const Kinematics* kinematics) {
-  return Newton(model, setting, options, kinematics).solve(state);
+  const SharedBody& body = setting.body;
+  Among processes(model, setting, options, kinematics != nullptr);
+  State own;
+  if (!body.of_share()) body.take(state.positions, own.positions);
+  State& solved = body.of_share() ? state : own;
+  if (solved.velocities.size() == 0 && processes.model().feels_velocity()) solved.velocities.setZero(3, body.size());
+  NewtonWorkspace workspace;
+  StaticResult result = solve_newton(processes.model(), solved, options, kinematics, workspace, nullptr, &processes);
+  if (result.solver.empty()) {  // it did not start
+    result.cause = inverted_anywhere(model, state.positions) + " at the start of the step";
+    return result;
+  }
+  if (result.newton_iterations == 0) result.solver = "newton " + solver_name("pcg", body);
+  if (kinematics) return result;
+  body.gather(Positions(solved.positions.leftCols(body.owned())), state.positions);
+  result.reactions = processes.reactions(state);
+  return result;
 }
 
 StaticResponse respond(Model& model, SharedSetting& setting, const Positions& at, const Positions& load_change,
@@ -361,7 +158,10 @@ StaticResponse respond(Model& model, SharedSetting& setting, const Positions& at
   }
   Positions local, motion, loads, owned;
   body.take(at, local);
-  const SharedTangent tangent(shared, State{std::move(local), Positions()});
+  State state{std::move(local), Positions()};
+  if (shared.local().feels_velocity()) state.velocities.setZero(3, body.size());  // what damps looks at them
+  const Tangent own(shared.local(), state);
+  const SharedTangent tangent(shared, own);
   body.take(prescribed, motion);
   body.take(load_change, loads);
   Vector rhs = body.make_vector(), solution = body.make_vector();
@@ -378,7 +178,7 @@ StaticResponse respond(Model& model, SharedSetting& setting, const Positions& at
   StaticResult& result = response.result;
   const BoxHierarchy* boxes = chosen_boxes(model, tangent.local(), setting, options, options.tolerance, result.reason);
   const SharedLinearResult linear = solve_linear(tangent, boxes, rhs, options.tolerance, solution);
-  result.solver = solver_name("linear", linear.preconditioner, body);
+  result.solver = "linear " + solver_name(linear.preconditioner, body);
   result.linear = true;
   result.newton_iterations = 1;
   result.linear_iterations = linear.iterations;

@@ -199,12 +199,6 @@ void set_free_motions(const SharedTangent& tangent, Mat operation) {
   check(MatNullSpaceDestroy(&free_motions));
 }
 
-/// What damps looks at them, at rest too.
-State with_velocities(State state, const Model& model) {
-  if (state.velocities.size() == 0 && model.feels_velocity()) state.velocities.setZero(3, state.positions.cols());
-  return state;
-}
-
 LinearStatus status_of(KSPConvergedReason reason) {
   if (reason > 0) return LinearStatus::solved;
   if (reason == KSP_DIVERGED_INDEFINITE_MAT) return LinearStatus::negative_mode;
@@ -214,10 +208,7 @@ LinearStatus status_of(KSPConvergedReason reason) {
 
 }  // namespace
 
-SharedTangent::SharedTangent(SharedModel& model, State state, const Weights& weights)
-    : model_(model),
-      state_(with_velocities(std::move(state), model.local())),
-      tangent_(model.local(), state_, weights) {
+SharedTangent::SharedTangent(SharedModel& model, const Tangent& tangent) : model_(model), tangent_(tangent) {
   const SharedBody& body = model.body();
   diagonal_.resize(body.owned());
   Vector sums = body.make_vector();
@@ -247,7 +238,7 @@ double SharedTangent::rounding_floor() const {
   const SharedBody& body = model_.body();
   double sum = 0;
   for (const Matrix3& block : diagonal_) sum += block.squaredNorm();
-  const double reach = body.largest(state_.positions.cwiseAbs().maxCoeff());
+  const double reach = body.largest(positions().cwiseAbs().maxCoeff());
   return std::numeric_limits<double>::epsilon() * reach * std::sqrt(body.sum(sum));
 }
 

@@ -12,12 +12,12 @@ namespace elastin::petsc {
 /// The stiffness of a shared model at one state.
 class SharedTangent {
  public:
-  /// `state`: of the subdomain's molecules. `weights`: of a step in time.
-  SharedTangent(SharedModel& model, State state, const Weights& weights = {});
+  /// `tangent`: of its local model; it must outlive this.
+  SharedTangent(SharedModel& model, const Tangent& tangent);
 
   SharedModel& model() const { return model_; }
   const Tangent& local() const { return tangent_; }
-  const Positions& positions() const { return state_.positions; }
+  const Positions& positions() const { return tangent_.positions(); }
   /// K_aa [N/m] of each owned molecule.
   const std::vector<Matrix3>& diagonal() const { return diagonal_; }
   /// K motion [N] of owned molecules, from the motion of the subdomain's.
@@ -29,8 +29,7 @@ class SharedTangent {
 
  private:
   SharedModel& model_;
-  State state_;
-  Tangent tangent_;
+  const Tangent& tangent_;
   std::vector<Matrix3> diagonal_;
   mutable Positions motion_, forces_;
   mutable Tangent::ApplyWorkspace workspace_;

@@ -78,13 +78,10 @@ void SharedBody::spread(Positions& local) const {
   check(VecGhostUpdateEnd(ghosted_, INSERT_VALUES, SCATTER_FORWARD));
 }
 
-void SharedBody::add_up(Positions& local, Vec owned_values) const {
-  {
-    const Placed placed(ghosted_, local);
-    check(VecGhostUpdateBegin(ghosted_, ADD_VALUES, SCATTER_REVERSE));
-    check(VecGhostUpdateEnd(ghosted_, ADD_VALUES, SCATTER_REVERSE));
-  }
-  write(local, owned_values);
+void SharedBody::add_up(Positions& local) const {
+  const Placed placed(ghosted_, local);
+  check(VecGhostUpdateBegin(ghosted_, ADD_VALUES, SCATTER_REVERSE));
+  check(VecGhostUpdateEnd(ghosted_, ADD_VALUES, SCATTER_REVERSE));
 }
 
 void SharedBody::take(const Positions& given, Positions& local) const {

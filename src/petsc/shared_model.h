@@ -40,8 +40,8 @@ class SharedBody {
   void spread(Vec owned, Positions& local) const;
   /// Of what is in place for all molecules of a share, the owners' values for the others.
   void spread(Positions& local) const;
-  /// The sums of what all subdomains have for a molecule, for its owner, in `local` too.
-  void add_up(Positions& local, Vec owned) const;
+  /// Makes of what a subdomain has for a molecule, at its owner, the sums of what all have.
+  void add_up(Positions& local) const;
   /// Columns of what was given that are the subdomain's.
   void take(const Positions& given, Positions& local) const;
   /// Values of owned molecules as columns, and back.
@@ -81,7 +81,8 @@ class SharedModel {
   bool of_step() const { return use_ == Use::step; }
   /// What has to be added for owned molecules: what all processes have for them, or, of complete rows, what is there.
   void collect(Positions& local, Vec owned) const {
-    of_step() ? body_.write(local, owned) : body_.add_up(local, owned);
+    if (!of_step()) body_.add_up(local);
+    body_.write(local, owned);
   }
   /// Takes the fixed components of owned molecules out.
   void keep_free(Vec vector) const;

@@ -102,7 +102,8 @@ EXPLICIT = {
                        TIME % ("50 ms", ", integrator: velocity_verlet"),
     "hexahedra-verlet": HEXAHEDRA + SOFT % (0.3, "neo_hookean") + RAMPED % "2 mm" + TIGHT % "large" +
                         TIME % ("50 ms", ", integrator: velocity_verlet"),
-    "relaxation-verlet": LATTICE + SOFT % (0.25, "lattice") + TIGHT % "large" + TIME % ("0.2 s", "") +
+    "relaxation-verlet": LATTICE + SOFT % (0.25, "lattice") + TIGHT % "large" +
+                         TIME % ("0.2 s", ", integrator: velocity_verlet") +
                          "experiment: {kind: relaxation, ramp: 0.1 s, fixture: {kind: shear, axis: z, direction: x, "
                          "strain: 5 %}}\nloads: [{rayleigh: {mass: 5 1/s, stiffness: 1 ms}}, {damping: 1 mN s/m}]\n",
     "shake-verlet": PACKING + SOFT % (0.25, "standard") + TIGHT % "large" + TIME % ("0.1 s", "") +
@@ -263,6 +264,8 @@ def check_steps(folder):
             check(processes == 1 or any("its share of the body" in note for note in shared[name]["notes"]),
                   f"{name}: {shared[name].get('notes')}")
             compare_in_time(name, shared[name], one[name], AGREEMENT, f"on {processes} processes, on one")
+        explicit = one[name]["time"]["integrator"] in ("velocity_verlet", "symplectic_euler")
+        check(explicit == (name in EXPLICIT), f"{name}: steps by {one[name]['time']['integrator']}")
         if name in EXPLICIT and not name.startswith("release"):  # which begins with an equilibrium
             alone = displacements_of(first, name)
             for where in (second, fourth):

@@ -357,19 +357,26 @@ class BlockCells final : public NodalForces,
       return frames_[shape_[cell] * points_ + g];
   }
 
+  /// Of a share of a body from the first node, and rounded: whichever cells a process has, a cell is the same there as
+  /// on any other, and those of a grid are alike to the last digit.
+  NodeVectors nodes_at_rest(int cell) const {
+    NodeVectors nodes = gathered(body_.rest, cell);
+    if (!body_.share) return nodes;
+    nodes.colwise() -= Vector3(nodes.col(0));
+    constexpr int digits = 40;  // binary; less than the rounding of positions leaves
+    const double unit = std::ldexp(1, std::ilogb(nodes.col(1).norm()) - digits);
+    return (nodes / unit).array().round() * unit;
+  }
   /// Cells of one shape share what is known of them at rest: those of a grid are like one of the last few new ones.
   bool is_like_another(const NodeVectors& nodes) {
     constexpr std::size_t last = 8;
-    constexpr double rounding = 1e-11;
+    const double rounding = body_.share ? 0 : 1e-11 * (nodes.col(1) - nodes.col(0)).norm();
     if (body_.unstressed) return false;
-    const double size = (nodes.col(1) - nodes.col(0)).norm();
     for (std::size_t shape = first_of_shape_.size(), end = shape - std::min(shape, last); shape-- > end;) {
-      const int* other = block_.cell(first_of_shape_[shape]).data();
+      const NodeVectors other = nodes_at_rest(first_of_shape_[shape]);
       bool same = true;
       for (int a = 1; a < kind_.nodes && same; ++a)
-        same =
-            (nodes.col(a) - nodes.col(0) - body_.rest.col(other[a]) + body_.rest.col(other[0])).cwiseAbs().maxCoeff() <=
-            rounding * size;
+        same = (nodes.col(a) - nodes.col(0) - other.col(a) + other.col(0)).cwiseAbs().maxCoeff() <= rounding;
       if (!same) continue;
       shape_.push_back(static_cast<int>(shape));
       return true;
@@ -377,7 +384,7 @@ class BlockCells final : public NodalForces,
     return false;
   }
   void set_rest(int cell, double part) {
-    const NodeVectors nodes = gathered(body_.rest, cell);
+    const NodeVectors nodes = nodes_at_rest(cell);
     if (is_like_another(nodes)) return;
     shape_.push_back(static_cast<int>(first_of_shape_.size()));
     first_of_shape_.push_back(cell);

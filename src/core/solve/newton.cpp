@@ -95,25 +95,27 @@ void forget_tangent(const Kinematics* kinematics, NewtonWorkspace& workspace) {
 }
 
 /// A direction without stiffness has no length of its own: no molecule goes further than half its connections' mean.
-void limit_motion(const Body& body, Positions& motion) {
-  const double mean = mean_length(body);
-  const double furthest = std::sqrt(motion.colwise().squaredNorm().maxCoeff());
-  if (furthest > 0.5 * mean) motion *= 0.5 * mean / furthest;
+void limit_motion(const Problem& problem, Positions& motion) {
+  const double most = 0.5 * mean_length(problem.whole()), own = furthest(problem, motion);
+  if (own > most) motion *= most / own;
 }
 
 /// Whether a body may be strained enough to buckle, which is worth another linear solve to find out. A column with one
 /// end free buckles at a strain of π²/48 (h/L)², any other later; and where the body is thinner than its outline,
 /// struts up to 45 times as long as they are thick do at 1e-4.
-bool may_buckle(const Body& body, const Positions& positions) {
-  if (body.unstressed) return true;
-  const Vector3 size = body.rest.rowwise().maxCoeff() - body.rest.rowwise().minCoeff();
+bool may_buckle(const Problem& problem, const Positions& positions) {
+  if (problem.whole().unstressed) return true;
+  const auto [low, high] = outline_of_whole(problem.whole());
+  const Vector3 size = high - low;
   const double thin = size.minCoeff() / size.maxCoeff(), limit = std::min(1e-4, 0.1 * thin * thin);
-  for (int c = 0; c < body.connections.size(); ++c) {
-    const auto& [a, b] = body.connections.ends[c];
-    const double rest = body.connections.rest_length[c];
-    if (!(std::abs((positions.col(b) - positions.col(a)).norm() - rest) < limit * rest)) return true;
+  const Connections& connections = problem.model.body().connections;
+  bool strained = false;
+  for (int c = 0; c < connections.size() && !strained; ++c) {
+    const auto& [a, b] = connections.ends[c];
+    const double rest = connections.rest_length[c];
+    strained = !(std::abs((positions.col(b) - positions.col(a)).norm() - rest) < limit * rest);
   }
-  return false;
+  return problem.any(strained);
 }
 
 }  // namespace
@@ -207,15 +209,15 @@ constexpr int kMultiplierUpdates = 50;
 
 /// An equilibrium with the memory that the state has.
 StaticResult balance_once(Model& model, State& state, const StaticOptions& options, const Kinematics* kinematics,
-                          NewtonWorkspace& workspace, LastSolve* last_solve) {
+                          NewtonWorkspace& workspace, LastSolve* last_solve, SharedProblem* shared) {
   StaticResult result;
-  const Problem problem(model, kinematics);
+  const Problem problem(model, kinematics, shared);
   Trial& now = workspace.now;
   now.state = state;
   evaluate(problem, problem.with_energy, now, workspace.trials);
   if (!std::isfinite(now.energy)) {
     result.outcome = Outcome::inverted;
-    result.cause = inverted_text(model.body(), now.state.positions) + " at the start of the step";
+    result.cause = inverted_anywhere(model, now.state.positions) + " at the start of the step";
     return result;
   }
   UsedSolver used{options.method->factorises ? options.method->name : "pcg", ""};
@@ -239,16 +241,19 @@ StaticResult balance_once(Model& model, State& state, const StaticOptions& optio
     else
       workspace.tangent = std::make_unique<Tangent>(model, now.state, weights);
     const Tangent& tangent = *workspace.tangent;
-    const double floor = rounding_floor(tangent, now.state.positions);
+    auto linearised = shared ? shared->linearise(tangent) : nullptr;
+    const double floor = linearised ? linearised->rounding_floor() : rounding_floor(tangent, now.state.positions);
     result.scale = now.forces.scale;
     result.residual = now.forces.scale > 0 ? now.forces.norm / now.forces.scale : 0;
     const double goal = std::max(options.tolerance * now.forces.scale, 2 * floor);
     if (now.forces.norm <= goal) {
       const bool probe = options.probe && !kinematics && problem.with_energy && saddles < kSaddles;
-      if (!probe || !may_buckle(model.body(), now.state.positions)) break;
-      const Positions down =
-          way_down(tangent, model.supports, options, result.linear_iterations, workspace.motion, workspace.solver);
+      if (!probe || !may_buckle(problem, now.state.positions)) break;
+      const Positions down = linearised ? linearised->way_down(result.linear_iterations)
+                                        : way_down(tangent, model.supports, options, result.linear_iterations,
+                                                   workspace.motion, workspace.solver);
       result.unstable = down.size() > 0;
+      linearised.reset();
       forget_tangent(kinematics, workspace);
       if (!result.unstable || !stable_start || !leave_saddle(problem, down, now, workspace.trials)) break;
       ++saddles;
@@ -256,7 +261,7 @@ StaticResult balance_once(Model& model, State& state, const StaticOptions& optio
       result.left_saddle = true;
       continue;
     }
-    if (is_interrupted(options, result)) break;
+    if (!shared && is_interrupted(options, result)) break;
     if (result.newton_iterations == options.newton_limit) {
       result.outcome = adrift ? Outcome::mechanism : Outcome::limit_reached;
       if (!kinematics || !kinematics->cut_short || adrift)
@@ -272,23 +277,27 @@ StaticResult balance_once(Model& model, State& state, const StaticOptions& optio
     if (!model.has_energy()) forcing = std::max(forcing, 0.03);
     last = now.forces.norm;
     Positions& motion = workspace.motion;
-    const LinearResult linear = solve_linear(tangent, model.supports, now.forces.unbalanced, forcing, options,
-                                             !stable_start || result.newton_iterations >= last_saddle + kDownhillSteps,
-                                             motion, used, workspace.solver);
+    const LinearResult linear =
+        linearised ? linearised->solve(now.forces.unbalanced, forcing, motion, used)
+                   : solve_linear(tangent, model.supports, now.forces.unbalanced, forcing, options,
+                                  !stable_start || result.newton_iterations >= last_saddle + kDownhillSteps, motion,
+                                  used, workspace.solver);
     const bool negative = linear.status == LinearStatus::negative_mode || linear.negative_modes > 0;
     if (result.newton_iterations == 0) stable_start = stable_start || (problem.with_energy && !negative);
     result.linear_iterations += linear.iterations;
     ++result.newton_iterations;
     result.unstable = negative;
     adrift = linear.status == LinearStatus::zero_mode && linear.residual > 0.9;
-    if (linear.status != LinearStatus::solved && linear.residual > 0.9) limit_motion(model.body(), motion);
+    if (linear.status != LinearStatus::solved && linear.residual > 0.9) limit_motion(problem, motion);
     // A full answer of an indefinite stiffness leads to a saddle of the energy: there only the force can be a guide.
     const bool to_saddle = linear.negative_modes > 0;
     bool inverted = false;
+    linearised.reset();
     forget_tangent(kinematics, workspace);
     if (growing_limit > 0 && growing == growing_limit) calm = now;
-    const bool found = motion.allFinite() && line_search(problem, motion, problem.with_energy && !to_saddle, now,
-                                                         inverted, workspace.trials, &growing);
+    const bool found =
+        !problem.any(!motion.allFinite()) &&
+        line_search(problem, motion, problem.with_energy && !to_saddle, now, inverted, workspace.trials, &growing);
     result.cut_steps += inverted;
     if (found && last_solve) last_solve->note(motion, model.supports);
     if (!found && growing < growing_limit && calm) {  // back, and by the force alone
@@ -307,7 +316,7 @@ StaticResult balance_once(Model& model, State& state, const StaticOptions& optio
   state = now.state;
   result.solver = "newton " + used.name;
   result.reason = used.reason;
-  if (kinematics) return result;  // a step's reactions are not needed
+  if (kinematics || shared) return result;  // a step needs no reactions; processes find them together
   Positions forces;
   model.set_forces(state, forces);
   result.reactions = -fixed_components(model.supports, forces);
@@ -317,9 +326,9 @@ StaticResult balance_once(Model& model, State& state, const StaticOptions& optio
 }  // namespace
 
 StaticResult solve_newton(Model& model, State& state, const StaticOptions& options, const Kinematics* kinematics,
-                          NewtonWorkspace& workspace, LastSolve* last) {
+                          NewtonWorkspace& workspace, LastSolve* last, SharedProblem* shared) {
   workspace.solver.forget();
-  StaticResult result = balance_once(model, state, options, kinematics, workspace, last);
+  StaticResult result = balance_once(model, state, options, kinematics, workspace, last, shared);
   for (int round = 0; result.outcome == Outcome::converged && model.update_multipliers(state); ++round) {
     if (round == kMultiplierUpdates) {
       result.outcome = Outcome::limit_reached;
@@ -327,7 +336,7 @@ StaticResult solve_newton(Model& model, State& state, const StaticOptions& optio
                      " multiplier updates";
       break;
     }
-    StaticResult again = balance_once(model, state, options, kinematics, workspace, last);
+    StaticResult again = balance_once(model, state, options, kinematics, workspace, last, shared);
     again.newton_iterations += result.newton_iterations;
     again.linear_iterations += result.linear_iterations;
     again.cut_steps += result.cut_steps;

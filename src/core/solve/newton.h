@@ -33,21 +33,17 @@ struct NewtonWorkspace {
 /// inertia, from state.positions, with a line search on the energy where there is one and else on the unbalanced force.
 /// state.time is that of the answer; supports must be set for it. Never throws on numerical trouble.
 /// @param kinematics nullptr: static. Else reactions are not computed.
-/// @param room of this model alone.
+/// @param workspace of this model alone.
 /// @param last where the motions are noted; may be null
+/// @param shared of several processes: `model` has what this one computes; reactions are not computed either.
 StaticResult solve_newton(Model& model, State& state, const StaticOptions& options, const Kinematics* kinematics,
-                          NewtonWorkspace& workspace, LastSolve* last = nullptr);
+                          NewtonWorkspace& workspace, LastSolve* last = nullptr, SharedProblem* shared = nullptr);
 
 /// Whether the options' `stop` ends the solve; if so, the result says it.
 bool is_interrupted(const StaticOptions& options, StaticResult& result);
 
 /// The unbalanced force [N] that rounding of the positions alone makes: no smaller tolerance can be reached.
 double rounding_floor(const Tangent& tangent, const Positions& positions);
-
-/// What solved a linear problem, and why that: "multigrid", "103823 molecules, …".
-struct UsedSolver {
-  std::string name, reason;
-};
 
 /// One linear solve, by the method of the options; falls back on the factorisation where iterations met what they
 /// cannot handle and the body is small enough for it; on a negative mode only if `through_saddles`.

@@ -22,23 +22,27 @@ void set_balance(const Problem& problem, const State& state, Balance& result, Tr
   for (const auto& load : model.loads()) {
     one.setZero(3, n);
     load->add_forces(state, one);
-    result.scale += ordered_norm(one);
+    result.scale += problem.norm(one);
     workspace.loads += one;
   }
   if (problem.kinematics) {
     model.set_forces(state, result.unbalanced, workspace.force_pass);
     workspace.inertia = state.accelerations * model.body().mass.asDiagonal();
     result.unbalanced -= workspace.inertia;
-    result.scale += ordered_norm(workspace.inertia);
+    result.scale += problem.norm(workspace.inertia);
   } else {
     result.unbalanced.setZero(3, n);
     model.add_elastic_forces(state.positions, result.unbalanced, workspace.force_pass);
+    if (problem.shared) problem.shared->add_up(result.unbalanced);
     result.unbalanced += workspace.loads;
   }
   set_fixed_components(model.supports, result.unbalanced, workspace.supported);
-  result.scale += workspace.supported.norm();
+  for (std::size_t i = 0; problem.shared && i < model.supports.size(); ++i)  // those of ghosts count elsewhere
+    if (model.supports[i].molecule >= problem.shared->owned())
+      workspace.supported.col(static_cast<Eigen::Index>(i)).setZero();
+  result.scale += std::sqrt(problem.sum(workspace.supported.squaredNorm()));
   keep_free(model.supports, result.unbalanced);
-  result.norm = ordered_norm(result.unbalanced);
+  result.norm = problem.norm(result.unbalanced);
 }
 
 /// Velocities and accelerations that go with the positions; supports move as they say.
@@ -50,7 +54,8 @@ void follow(const Model& model, const Kinematics& kinematics, State& state) {
 }
 
 /// What rounding of the positions does to the energy [J].
-double noise_of(const Model& model, const Trial& trial, TrialWorkspace& workspace) {
+double noise_of(const Problem& problem, const Trial& trial, TrialWorkspace& workspace) {
+  const Model& model = problem.model;
   const Positions& positions = trial.state.positions;
   const int connections = model.body().connections.size();
   workspace.force_densities.setZero(connections);
@@ -62,13 +67,9 @@ double noise_of(const Model& model, const Trial& trial, TrialWorkspace& workspac
   });
   double within = pull;
   for (const auto* law : model.nodal_laws()) within += law->internal_force(positions);
-  const double all = within + std::sqrt(static_cast<double>(positions.cols())) * trial.forces.scale;
-  return 4 * std::numeric_limits<double>::epsilon() * positions.cwiseAbs().maxCoeff() * all;
-}
-
-double work(const Balance& forces, const Positions& motion) {
-  return ordered_sum(static_cast<int>(motion.cols()),
-                     [&](int i) { return forces.unbalanced.col(i).dot(motion.col(i)); });
+  const auto molecules = static_cast<double>(molecules_of_whole(problem.whole()));
+  const double all = problem.sum(within) + std::sqrt(molecules) * trial.forces.scale;
+  return 4 * std::numeric_limits<double>::epsilon() * problem.largest(positions.cwiseAbs().maxCoeff()) * all;
 }
 
 /// The trial state `way` · motion further on.
@@ -90,11 +91,26 @@ double step_energy(const Model& model, const Kinematics& kinematics, const Posit
   });
 }
 
-Problem::Problem(Model& a_model, const Kinematics* some_kinematics) : model(a_model), kinematics(some_kinematics) {
+Problem::Problem(Model& a_model, const Kinematics* some_kinematics, SharedProblem* some_shared)
+    : model(a_model), kinematics(some_kinematics), shared(some_shared) {
   with_energy = model.conservative();
   if (!kinematics) return;
   with_energy &= model.viscosity().empty();
   for (const auto& load : model.loads()) with_energy &= !load->resists();
+}
+
+double Problem::dot(const Positions& a, const Positions& b) const {
+  return sum(ordered_sum(shared ? shared->owned() : static_cast<int>(a.cols()),
+                         [&](int i) { return a.col(i).dot(b.col(i)); }));
+}
+
+double Problem::norm(const Positions& vectors) const {
+  if (!shared) return ordered_norm(vectors);
+  return std::sqrt(dot(vectors, vectors));
+}
+
+double furthest(const Problem& problem, const Positions& motion) {
+  return std::sqrt(problem.largest(motion.colwise().squaredNorm().maxCoeff()));
 }
 
 void evaluate(const Problem& problem, bool with_energy, Trial& trial, TrialWorkspace& workspace) {
@@ -106,14 +122,15 @@ void evaluate(const Problem& problem, bool with_energy, Trial& trial, TrialWorks
   trial.energy = model.elastic_energy(positions) + model.load_energy(trial.state);
   if (!model.admissible(positions)) trial.energy = std::numeric_limits<double>::infinity();
   if (problem.kinematics) trial.energy += step_energy(model, *problem.kinematics, positions);
+  trial.energy = problem.sum(trial.energy);
   if (!std::isfinite(trial.energy)) return;
   set_balance(problem, trial.state, trial.forces, workspace);
-  if (with_energy) trial.noise = noise_of(model, trial, workspace);
+  if (with_energy) trial.noise = noise_of(problem, trial, workspace);
 }
 
 bool line_search(const Problem& problem, const Positions& motion, bool with_energy, Trial& now, bool& inverted,
                  TrialWorkspace& workspace, int* growing) {
-  const double slope = -work(now.forces, motion);
+  const double slope = -problem.dot(now.forces.unbalanced, motion);
   inverted = false;
   Trial& trial = workspace.next;
   set_state(now.state, 1, motion, trial.state);
@@ -124,11 +141,12 @@ bool line_search(const Problem& problem, const Positions& motion, bool with_ener
     if (!std::isfinite(trial.energy) || !std::isfinite(trial.forces.norm)) continue;
     bool falls = with_energy && slope < 0 && trial.energy <= now.energy + 1e-4 * step * slope;
     if (!problem.with_energy && problem.kinematics)
-      falls = slope < 0 && (work(trial.forces, motion) - slope) / 2 >= -1e-4 * slope;
+      falls = slope < 0 && (problem.dot(trial.forces.unbalanced, motion) - slope) / 2 >= -1e-4 * slope;
     const bool calmer = trial.forces.norm < (1 - 1e-4 * step) * now.forces.norm;
     // A step along a nearly incompressible body's stiff valley leaves it by its square: the force grows at first, and
     // works little along the step.                                                          [Matthies & Strang 1979]
-    if (!calmer && growing && *growing > 0 && std::abs(work(trial.forces, motion)) < 0.5 * std::abs(slope))
+    if (!calmer && growing && *growing > 0 &&
+        std::abs(problem.dot(trial.forces.unbalanced, motion)) < 0.5 * std::abs(slope))
       falls = true, --*growing;
     // Near the answer the energy differs by less than its rounding; far from it, a calmer force alone may be a saddle.
     const bool same_energy = !with_energy || trial.energy - now.energy <= trial.noise;
@@ -141,8 +159,7 @@ bool line_search(const Problem& problem, const Positions& motion, bool with_ener
 }
 
 bool leave_saddle(const Problem& problem, const Positions& direction, Trial& now, TrialWorkspace& workspace) {
-  const double furthest = std::sqrt(direction.colwise().squaredNorm().maxCoeff());
-  const double length = 0.1 * mean_length(problem.model.body()) / furthest;
+  const double length = 0.1 * mean_length(problem.whole()) / furthest(problem, direction);
   Trial& trial = workspace.next;
   for (double step = length; step > 1e-6 * length; step /= 4)
     for (const double factor : {step, -step}) {

@@ -1,8 +1,11 @@
 #pragma once
+#include <memory>
+#include <string>
 #include <vector>
 
 #include "elastin/core/forces/model.h"
 #include "elastin/core/forces/tangent.h"
+#include "elastin/core/linear/linear_solver.h"
 
 namespace elastin {
 
@@ -17,13 +20,50 @@ struct Kinematics {
   bool cut_short = false;
 };
 
-/// What stays the same through Newton's iterations.
+/// What solved a linear problem, and why that: "multigrid", "103823 molecules, …".
+struct UsedSolver {
+  std::string name, reason;
+};
+
+/// How several processes solve one problem: each has molecules of its own, which come first, and ghosts of others. All
+/// call each of these together.
+class SharedProblem {
+ public:
+  /// The stiffness at one state.
+  struct Linearised {
+    virtual ~Linearised() = default;
+    virtual double rounding_floor() const = 0;
+    virtual LinearResult solve(const Positions& rhs, double tolerance, Positions& motion, UsedSolver& used) = 0;
+    /// A direction of negative stiffness; no columns where there is none.
+    virtual Positions way_down(int& iterations) = 0;
+  };
+
+  virtual ~SharedProblem() = default;
+  /// The body that the processes have among them, or a share that knows it.
+  virtual const Body& whole() const = 0;
+  virtual int owned() const = 0;
+  virtual double sum(double own) const = 0;
+  virtual double largest(double own) const = 0;
+  /// Of forces that each process has of what it computes, makes those of all, at its own molecules.
+  virtual void add_up(Positions& forces) const = 0;
+  virtual std::unique_ptr<Linearised> linearise(const Tangent& tangent) = 0;
+};
+
+/// What stays the same through Newton's iterations, and how vectors of the problem are added up.
 struct Problem {
   Model& model;
   const Kinematics* kinematics;  ///< null: static
+  SharedProblem* shared;         ///< null: this process has all of it
   bool with_energy;              ///< whether the answer minimises an energy
 
-  Problem(Model& a_model, const Kinematics* some_kinematics);
+  Problem(Model& a_model, const Kinematics* some_kinematics, SharedProblem* some_shared = nullptr);
+
+  const Body& whole() const { return shared ? shared->whole() : model.body(); }
+  double sum(double own) const { return shared ? shared->sum(own) : own; }
+  double largest(double own) const { return shared ? shared->largest(own) : own; }
+  bool any(bool own) const { return largest(own) > 0; }
+  double dot(const Positions& a, const Positions& b) const;
+  double norm(const Positions& vectors) const;
 };
 
 struct Balance {
@@ -64,6 +104,9 @@ bool line_search(const Problem& problem, const Positions& motion, bool with_ener
 
 /// Goes along a direction, or against it, as far as the energy falls by more than its rounding. Returns whether it did.
 bool leave_saddle(const Problem& problem, const Positions& direction, Trial& now, TrialWorkspace& workspace);
+
+/// The largest norm of a column, of all processes.
+double furthest(const Problem& problem, const Positions& motion);
 
 /// Mean rest length of the connections [m].
 double mean_length(const Body& body);
