@@ -121,6 +121,7 @@ void Multigrid::cycle(std::size_t number) {
 }
 
 void Multigrid::search() {
+  if (searches_) return;
   searches_ = true;
   for (std::size_t number = 1; number + 1 < levels_.size(); ++number) {
     LevelWorkspace& own = workspaces_[number];
