@@ -24,50 +24,74 @@ struct Frame {
   const Body* body = nullptr;  ///< whose molecules a key may pick; null: none may be picked
 };
 
-/// One key of a map. It sets a member of `Setup`, and is said once: its rows in the key reference, how its value is
-/// read, and which values are refused. Copies share the rows, which are most of it.
-template <class Setup>
-class Key {
+/// One key of a map that is read into some object: what does not depend on the object's type, compiled once.
+class AnyKey {
  public:
-  using Read = std::function<void(const Reader& value, Setup&, const Frame&)>;
-  /// Says in words what is wrong with a setup of which all keys are read; "" if nothing is.
-  using Fault = std::function<std::string(const Setup&)>;
-  using Condition = std::function<bool(const Setup&)>;
+  using Read = std::function<void(const Reader& value, void* setup, const Frame&)>;
+  using Absent = std::function<void(void* setup, const Frame&)>;
+  using Fault = std::function<std::string(const void* setup)>;
+  using Condition = std::function<bool(const void* setup)>;
 
-  /// `read` may leave the frame out.
+  const std::string& name() const { return name_; }
+  const std::vector<SceneKey>& rows() const { return *rows_; }
+  bool is_needed(const void* setup) const { return needed_ && needed_(setup); }
+  bool belongs_to(const void* setup) const { return !condition_ || condition_(setup); }
+  std::string fault_of(const void* setup) const { return fault_ ? fault_(setup) : ""; }
+  void read(const std::optional<Reader>& value, void* setup, const Frame& frame) const;
+
+ protected:
+  AnyKey(SceneKey row, Read read, Absent absent);
+  AnyKey(std::string name, std::vector<SceneKey> rows, Read read);
+  /// A key of a part of the object.
+  AnyKey(AnyKey key, void* (*part)(void*));
+  void set_fallback(std::string words);
+  void read_first(std::function<void(const Reader& value)> check);
+  void read_then(Read next);
+  Fault fault_;
+  Condition condition_, needed_;
+
+ private:
+  std::string name_;
+  std::shared_ptr<std::vector<SceneKey>> rows_;  ///< copies share them, for they are most of a key
+  Read read_;
+  Absent absent_;
+};
+
+/// One key of a map. It sets a member of `Setup`, and is said once: its rows in the key reference, how its value is
+/// read, and which values are refused.
+template <class Setup>
+class Key : public AnyKey {
+ public:
+  /// `reads(const Reader& value, Setup&, const Frame&)` may leave the frame out; `absent(Setup&, const Frame&)` is
+  /// called where the key is missing.
   template <class Reads>
-  Key(SceneKey row, Reads reads, std::function<void(Setup&, const Frame&)> absent = {})
-      : name_(row.name),
-        rows_(std::make_shared<Rows>()),
-        read_(with_frame(std::move(reads))),
-        absent_(std::move(absent)) {
-    rows_->push_back(std::move(row));
-  }
+  Key(SceneKey row, Reads reads) : AnyKey(std::move(row), with_frame(std::move(reads)), {}) {}
+  template <class Reads, class Missing>
+  Key(SceneKey row, Reads reads, Missing absent)
+      : AnyKey(std::move(row), with_frame(std::move(reads)),
+               [absent = std::move(absent)](void* setup, const Frame& frame) {
+                 absent(*static_cast<Setup*>(setup), frame);
+               }) {}
   /// A key with keys of its own below it, in whose rows its name stands before theirs.
   template <class Reads>
   Key(std::string name, std::vector<SceneKey> rows, Reads reads)
-      : name_(std::move(name)), rows_(std::make_shared<Rows>(std::move(rows))), read_(with_frame(std::move(reads))) {}
+      : AnyKey(std::move(name), std::move(rows), with_frame(std::move(reads))) {}
   /// A key of what this setup is made of.
   template <class Base>
   requires(std::derived_from<Setup, Base> && !std::same_as<Setup, Base>) Key(Key<Base> key)
-      : name_(key.name()), rows_(key.rows_) {
-    const auto own = std::make_shared<const Key<Base>>(std::move(key));
-    read_ = [own](const Reader& value, Setup& setup, const Frame& frame) { own->read(value, setup, frame); };
-    absent_ = [own](Setup& setup, const Frame& frame) { own->read(std::nullopt, setup, frame); };
-    needed_ = [own](const Setup& setup) { return own->is_needed(setup); };
-    if (own->fault()) fault_ = own->fault();
-    if (own->condition()) condition_ = own->condition();
-  }
+      : AnyKey(std::move(key), [](void* setup) -> void* { return static_cast<Base*>(static_cast<Setup*>(setup)); }) {}
 
   /// A map without the key is refused.
   Key needed() && { return std::move(*this).needed("needed"); }
   /// The same, with other words for it in the reference.
   Key needed(std::string words) && {
-    return std::move(*this).needed_if([](const Setup&) { return true; }, std::move(words));
+    needed_ = [](const void*) { return true; };
+    return std::move(*this).otherwise(std::move(words));
   }
-  /// The same, of a map for which the condition holds for the keys before it.
-  Key needed_if(Condition condition, std::string words) && {
-    needed_ = std::move(condition);
+  /// The same, of a map for which `condition(const Setup&)` holds for the keys before it.
+  template <class Holds>
+  Key needed_if(Holds condition, std::string words) && {
+    needed_ = of_setup<bool>(std::move(condition));
     return std::move(*this).otherwise(std::move(words));
   }
   Key optional() && {
@@ -76,39 +100,34 @@ class Key {
   }
   /// What counts where the key is missing, in the reference's words.
   Key otherwise(std::string words) && {
-    if (rows_.use_count() > 1) rows_ = std::make_shared<Rows>(*rows_);
-    rows_->front().fallback = std::move(words);
+    set_fallback(std::move(words));
     return std::move(*this);
   }
   /// A map for which the condition does not hold has no such key, and any other must have it.
-  Key needed_when(const Condition& condition, std::string words) && {
-    return std::move(*this).when(condition).needed_if(condition, std::move(words));
+  template <class Holds>
+  Key needed_when(Holds condition, std::string words) && {
+    condition_ = needed_ = of_setup<bool>(std::move(condition));
+    return std::move(*this).otherwise(std::move(words));
   }
   /// Calls `check` before the value is read; it may fail at the value.
   Key first(std::function<void(const Reader& value)> check) && {
-    read_ = [read = std::move(read_), check = std::move(check)](const Reader& value, Setup& setup, const Frame& frame) {
-      check(value);
-      read(value, setup, frame);
-    };
+    read_first(std::move(check));
     return std::move(*this);
   }
-  /// Calls `next` when the value has been read; it may change the setup and fail at the value.
+  /// Calls `next` when the value has been read, as it is read; it may change the setup and fail at the value.
   template <class Next>
   Key then(Next next) && {
-    read_ = [read = std::move(read_), next = with_frame(std::move(next))](const Reader& value, Setup& setup,
-                                                                          const Frame& frame) {
-      read(value, setup, frame);
-      next(value, setup, frame);
-    };
+    read_then(with_frame(std::move(next)));
     return std::move(*this);
   }
   /// Keeps where the value stands, for messages when more is known.
   Key place(std::optional<Reader> Setup::*member) && {
     return std::move(*this).then([member](const Reader& value, Setup& setup) { setup.*member = value; });
   }
-  /// The map has this key only where the condition holds for the keys before it.
-  Key when(Condition condition) && {
-    condition_ = std::move(condition);
+  /// The map has this key only where `condition(const Setup&)` holds for the keys before it.
+  template <class Holds>
+  Key when(Holds condition) && {
+    condition_ = of_setup<bool>(std::move(condition));
     return std::move(*this);
   }
   /// The map has this key only together with another.
@@ -116,44 +135,34 @@ class Key {
   Key when(std::optional<Value> Setup::*other) && {
     return std::move(*this).when([other](const Setup& setup) { return (setup.*other).has_value(); });
   }
-  /// Fails at the value if the key is given, and otherwise at the map, where the whole setup has this fault.
-  Key refused_for(Fault fault) && {
-    fault_ = std::move(fault);
+  /// `fault(const Setup&)` says in words what is wrong with a setup of which all keys are read, "" if nothing is. Fails
+  /// at the value if the key is given, and otherwise at the map.
+  template <class Says>
+  Key refused_for(Says fault) && {
+    fault_ = of_setup<std::string>(std::move(fault));
     return std::move(*this);
   }
 
-  const std::string& name() const { return name_; }
-  bool is_needed(const Setup& setup) const { return needed_ && needed_(setup); }
-  const std::vector<SceneKey>& rows() const { return *rows_; }
-  const Fault& fault() const { return fault_; }
-  const Condition& condition() const { return condition_; }
-  bool belongs_to(const Setup& setup) const { return !condition_ || condition_(setup); }
   void read(const std::optional<Reader>& value, Setup& setup, const Frame& frame) const {
-    if (value)
-      read_(*value, setup, frame);
-    else if (absent_)
-      absent_(setup, frame);
+    AnyKey::read(value, &setup, frame);
   }
 
  private:
-  template <class Other>
-  friend class Key;
-  using Rows = std::vector<SceneKey>;
-
   template <class Reads>
   static Read with_frame(Reads reads) {
-    if constexpr (std::is_invocable_v<Reads, const Reader&, Setup&, const Frame&>)
-      return reads;
-    else
-      return [reads = std::move(reads)](const Reader& value, Setup& setup, const Frame&) { reads(value, setup); };
+    return [reads = std::move(reads)](const Reader& value, void* setup, const Frame& frame) {
+      if constexpr (std::is_invocable_v<const Reads&, const Reader&, Setup&, const Frame&>)
+        reads(value, *static_cast<Setup*>(setup), frame);
+      else
+        reads(value, *static_cast<Setup*>(setup));
+    };
   }
-
-  std::string name_;
-  std::shared_ptr<Rows> rows_;
-  Read read_;
-  std::function<void(Setup&, const Frame&)> absent_;
-  Fault fault_;
-  Condition condition_, needed_;
+  template <class Result, class Function>
+  static std::function<Result(const void*)> of_setup(Function function) {
+    return [function = std::move(function)](const void* setup) -> Result {
+      return std::invoke(function, *static_cast<const Setup*>(setup));
+    };
+  }
 };
 
 /// Keys that stand in each other's place.
@@ -171,13 +180,14 @@ struct KeyGroup {
   }
 };
 
+/// What the reference has of a key that stands in the place of others: "this, or `molecules`", "one of three needed".
+std::string one_of_words(std::size_t count, const std::string& other);
+
 /// Exactly one of these keys is given.
 template <class Setup>
 KeyGroup<Setup> one_of(std::string message, std::vector<Key<Setup>> keys) {
   for (std::size_t i = 0; i < keys.size(); ++i)
-    keys[i] = std::move(keys[i]).otherwise(keys.size() == 2 ? "this, or `" + keys[1 - i].name() + "`"
-                                                            : std::string("one of ") +
-                                                                  (keys.size() == 3 ? "three" : "four") + " needed");
+    keys[i] = std::move(keys[i]).otherwise(one_of_words(keys.size(), keys[i == 0].name()));
   return {std::move(keys), std::move(message)};
 }
 
@@ -185,53 +195,56 @@ KeyGroup<Setup> one_of(std::string message, std::vector<Key<Setup>> keys) {
 template <class Setup>
 KeyGroup<Setup> any_of(std::string message, std::vector<Key<Setup>> keys) {
   for (std::size_t i = 0; i < keys.size(); ++i)
-    keys[i] = std::move(keys[i]).otherwise("this, `" + keys[1 - i].name() + "` or both");
+    keys[i] = std::move(keys[i]).otherwise("this, `" + keys[i == 0].name() + "` or both");
   return {std::move(keys), std::move(message), false};
 }
 
-/// All keys of a map that is read into a `Setup`, in the order of the reference. Copies share them.
-template <class Setup>
-class Keys {
+/// All keys of a map that is read into some object, in the order of the reference: what does not depend on its type.
+/// Copies share them.
+class AnyKeys {
  public:
   /// A key, a group of keys, or all keys of another table.
-  class Entry {
+  struct Entry {
+    explicit Entry(AnyKey key);
+    Entry(std::vector<AnyKey> all, std::string none_given, std::string several_given, bool only_one_may_be);
+    std::shared_ptr<const std::vector<AnyKey>> keys;
+    std::string message = {}, several = {};  ///< of a map with none of them, and with two
+    bool only_one = false;
+  };
+
+  std::vector<SceneKey> rows() const;
+  const std::string& first_name() const { return entries_->front().keys->front().name(); }
+  std::vector<std::string> names() const;
+  /// Lets `map.finish()` know all keys, where none is read.
+  void add_to_known(Reader& map) const;
+
+ protected:
+  explicit AnyKeys(std::vector<Entry> entries)
+      : entries_(std::make_shared<const std::vector<Entry>>(std::move(entries))) {}
+  void read_any(Reader& map, void* setup, const Frame& frame) const;
+  void check_any(Reader& map, const void* setup) const;
+
+ private:
+  std::shared_ptr<const std::vector<Entry>> entries_;
+};
+
+/// The same of a map that is read into a `Setup`.
+template <class Setup>
+class Keys : public AnyKeys {
+ public:
+  class Entry : public AnyKeys::Entry {
    public:
-    Entry(Key<Setup> key) : Entry(std::vector<Key<Setup>>()) { keys_->push_back(std::move(key)); }
+    Entry(Key<Setup> key) : AnyKeys::Entry(std::move(key)) {}
     template <class Base>
     requires(std::derived_from<Setup, Base> && !std::same_as<Setup, Base>) Entry(Key<Base> key)
         : Entry(Key<Setup>(std::move(key))) {}
-    Entry(std::vector<Key<Setup>> keys) : keys_(std::make_shared<std::vector<Key<Setup>>>(std::move(keys))) {}
-    Entry(KeyGroup<Setup> group)
-        : keys_(std::make_shared<std::vector<Key<Setup>>>(std::move(group.keys))),
-          message_(std::move(group.message)),
-          several_(std::move(group.several)),
-          only_one_(group.only_one) {}
-
-   private:
-    friend class Keys;
-    std::shared_ptr<std::vector<Key<Setup>>> keys_;
-    std::string message_ = {}, several_ = {};
-    bool only_one_ = false;
+    Entry(const std::vector<Key<Setup>>& list) : AnyKeys::Entry({list.begin(), list.end()}, "", "", false) {}
+    Entry(const KeyGroup<Setup>& group)
+        : AnyKeys::Entry({group.keys.begin(), group.keys.end()}, group.message, group.several, group.only_one) {}
   };
 
-  Keys(std::initializer_list<Entry> entries) : entries_(std::make_shared<const std::vector<Entry>>(entries)) {}
-  explicit Keys(std::vector<Entry> entries)
-      : entries_(std::make_shared<const std::vector<Entry>>(std::move(entries))) {}
-
-  std::vector<SceneKey> rows() const {
-    std::vector<SceneKey> rows;
-    for (const Entry& entry : *entries_)
-      for (const Key<Setup>& key : *entry.keys_) rows.insert(rows.end(), key.rows().begin(), key.rows().end());
-    return rows;
-  }
-
-  const std::string& first_name() const { return entries_->front().keys_->front().name(); }
-  std::vector<std::string> names() const {
-    std::vector<std::string> names;
-    for (const Entry& entry : *entries_)
-      for (const Key<Setup>& key : *entry.keys_) names.push_back(key.name());
-    return names;
-  }
+  Keys(std::initializer_list<Entry> entries) : AnyKeys({entries.begin(), entries.end()}) {}
+  explicit Keys(const std::vector<Entry>& entries) : AnyKeys({entries.begin(), entries.end()}) {}
 
   /// Reads a whole map: what it does not say stays as `setup` has it. Throws InputError with place and key on a key
   /// that is not among these, on one that is missing, and on what a key refuses. A member `place` of the setup, a
@@ -244,40 +257,8 @@ class Keys {
     return setup;
   }
   /// The same of a map that has other keys too: the caller finishes it, and then calls `check`.
-  void read_into(Reader& map, Setup& setup, const Frame& frame = {}) const {
-    for (const Entry& entry : *entries_)
-      for (const Key<Setup>& key : *entry.keys_) map.refuse_old_name(key.name());
-    for (const Entry& entry : *entries_)
-      for (const Key<Setup>& key : *entry.keys_)
-        if (key.belongs_to(setup))
-          key.read(key.is_needed(setup) ? std::optional(map.at(key.name(), key.rows().front().fallback))
-                                        : map.find(key.name()),
-                   setup, frame);
-  }
-  /// Lets `map.finish()` know all keys, where none is read.
-  void add_to_known(Reader& map) const {
-    for (const std::string& name : names()) map.has(name);
-  }
-  void check(Reader& map, const Setup& setup) const {
-    for (const Entry& entry : *entries_) {
-      std::string given;
-      for (const Key<Setup>& key : *entry.keys_) {
-        if (!key.belongs_to(setup)) continue;
-        const std::optional<Reader> value = map.find(key.name());
-        if (value && entry.only_one_ && !given.empty()) {
-          if (!entry.several_.empty()) map.fail(entry.several_);
-          value->fail("there is a " + given + " already; give one of them");
-        }
-        if (value) given = key.name();
-        if (!key.fault()) continue;
-        if (const std::string fault = key.fault()(setup); !fault.empty()) (value ? *value : map).fail(fault);
-      }
-      if (!entry.message_.empty() && given.empty()) map.fail(entry.message_);
-    }
-  }
-
- private:
-  std::shared_ptr<const std::vector<Entry>> entries_;
+  void read_into(Reader& map, Setup& setup, const Frame& frame = {}) const { read_any(map, &setup, frame); }
+  void check(Reader& map, const Setup& setup) const { check_any(map, &setup); }
 };
 
 /// A map of one of several forms: of the one whose first key it has, or else of the last.
