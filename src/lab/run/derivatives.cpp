@@ -313,10 +313,10 @@ void Derivatives::start(Model& model, const StaticRig&, const Start& start, cons
 
 Gradients Derivatives::at(Model& model, const StaticExperiment& experiment, const StaticRig& rig, const Start& start,
                           const State& reached, const StaticResult& solved, double load_factor, bool last,
-                          const RunOptions& options) {
+                          const RunOptions& options, LastSolve& left) {
   const State state = still(model, reached.positions, reached);
   const State about = options.statics.linear ? still(model, model.body().rest, reached) : state;
-  Responses responses(model, about, options.statics);
+  Responses responses(model, about, options.statics, &left);
   RunOptions exact = options;
   exact.statics.tolerance = std::min(exact.statics.tolerance, 1e-13);
   const auto read = [&](Model& its, const StaticExperiment& of, const StaticRig& by, const Start& from,

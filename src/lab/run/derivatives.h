@@ -51,10 +51,11 @@ class Derivatives {
   /// Takes the state at which measuring starts.
   void start(Model& model, const StaticRig& rig, const Start& start, const RunOptions& options);
   /// At the equilibrium under a part of the load; `last`: with what is measured once, at the last of several load
-  /// steps. Throws InputError where a number cannot be changed, or its equilibrium has no derivative.
+  /// steps; `left`: what the solve left, which this takes. Throws InputError where a number cannot be changed, or its
+  /// equilibrium has no derivative.
   Gradients at(Model& model, const StaticExperiment& experiment, const StaticRig& rig, const Start& start,
-               const State& state, const StaticResult& solved, double load_factor, bool last,
-               const RunOptions& options);
+               const State& state, const StaticResult& solved, double load_factor, bool last, const RunOptions& options,
+               LastSolve& left);
 
  private:
   struct Side;

@@ -53,8 +53,8 @@ void adjust_load(Model& model, StaticRig& rig, const StaticOptions& options, Sta
   solved.cause = "what is prescribed is not reached after " + std::to_string(kCorrections) + " corrections of the load";
 }
 
-LoadPath::LoadPath(Model& model, StaticRig& rig, const StaticOptions& options, State start)
-    : model_(model), rig_(rig), options_(options), state_(std::move(start)) {
+LoadPath::LoadPath(Model& model, StaticRig& rig, const StaticOptions& options, State start, LastSolve* last)
+    : model_(model), rig_(rig), options_(options), state_(std::move(start)), last_(last) {
   options_.probe = rig.leaves_saddles();
   rig.approach(state_.positions);
   model_.commit_step(state_);
@@ -113,6 +113,10 @@ StaticResult LoadPath::advance(double factor) {
   return solved;
 }
 
+StaticResult LoadPath::solve(State& state, const StaticOptions& options) {
+  return last_ ? solve_static(model_, state, options, *last_) : solve_static(model_, state, options);
+}
+
 StaticResult LoadPath::advance(double factor, double smallest) {
   set_load(model_, rig_, factor);
   State next = start_of(factor);
@@ -121,11 +125,11 @@ StaticResult LoadPath::advance(double factor, double smallest) {
   const bool can_be_halved = !options_.linear && std::abs(factor - factor_) / 2 >= smallest;
   if (can_be_halved) options.newton_limit = std::min(options.newton_limit, kPatience);
   const bool went_on = any_over(model_.body(), next.positions != state_.positions);
-  StaticResult solved = solve_static(model_, next, options);
+  StaticResult solved = solve(next, options);
   if (solved.outcome == Outcome::diverged &&
       went_on) {  // where the path bends sharply, its extrapolation may lead nowhere
     next = state_;
-    const StaticResult before = std::exchange(solved, solve_static(model_, next, options));
+    const StaticResult before = std::exchange(solved, solve(next, options));
     add_cost(solved, before);
   }
   const bool balanced = solved.outcome == Outcome::converged;
@@ -356,7 +360,8 @@ void solve_load_curve(Model& model, const StaticExperiment& experiment, StaticRi
   Start start;
   if (!find_start(model, rig, options, !begin, at_start, start, run)) return;
   if (options.derivatives) options.derivatives->start(model, rig, start, options);
-  LoadPath path(model, rig, options.statics, std::move(at_start));
+  const auto last = options.derivatives ? make_last_solve() : nullptr;
+  LoadPath path(model, rig, options.statics, std::move(at_start), last.get());
   const auto keep = [&](double load_factor, int step) {
     keep_snapshot(model, path.state(), load_factor, step, options, run);
   };
@@ -397,7 +402,7 @@ void solve_load_curve(Model& model, const StaticExperiment& experiment, StaticRi
     run.curve.push_back({load_factor, measures, solved.newton_iterations, solved.linear_iterations, solved.residual});
     if (options.derivatives)
       run.curve.back().gradients = options.derivatives->at(model, experiment, rig, start, path.state(), solved,
-                                                           load_factor, steps > 1 && step == steps, options);
+                                                           load_factor, steps > 1 && step == steps, options, *last);
     keep(load_factor, step);
   }
   run.measures = run.curve.back().measures;

@@ -18,7 +18,8 @@ void adjust_load(Model& model, StaticRig& rig, const StaticOptions& options, Sta
 class LoadPath {
  public:
   /// From `start`, an equilibrium of the load 0. All references must outlive the path.
-  LoadPath(Model& model, StaticRig& rig, const StaticOptions& options, State start);
+  /// @param last gets what each equilibrium leaves; null: that is dropped
+  LoadPath(Model& model, StaticRig& rig, const StaticOptions& options, State start, LastSolve* last = nullptr);
 
   /// Brings the load to `factor` (0 … 1; less than before: the body is unloaded). Where that would invert a cell, or
   /// finds no equilibrium, the step is bisected, repeatedly, down to 1/64 of it. An obstacle goes no further in one
@@ -31,6 +32,7 @@ class LoadPath {
 
  private:
   StaticResult advance(double factor, double smallest);
+  StaticResult solve(State& state, const StaticOptions& options);
   int parts_for_obstacles(double factor);
   State start_of(double factor) const;
 
@@ -38,6 +40,7 @@ class LoadPath {
   StaticRig& rig_;
   StaticOptions options_;
   State state_;
+  LastSolve* last_;
   Positions displacement_;             // from the equilibrium before
   double factor_ = 0, last_step_ = 0;  // of the load: now, and how much the last part added
   int halvings_ = 0;
