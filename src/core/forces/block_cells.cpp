@@ -58,6 +58,7 @@ class BlockCells final : public NodalForces,
                          public LocalElasticity,
                          public ElementForces,
                          public LawHistory,
+                         public TransposedHistory,
                          public Softens {
   using Gradient = Eigen::Matrix<double, 3, d>;  ///< F, δF, F S
   using Square = Eigen::Matrix<double, d, d>;
@@ -208,6 +209,7 @@ class BlockCells final : public NodalForces,
     relaxing_ = Relaxing(relaxation, static_cast<Eigen::Index>(block_.size()) * points_ * kComponents);
     return true;
   }
+  bool softened() const override { return static_cast<bool>(softened_); }
   bool dissipates() const override { return softened_ || relaxing_; }
   std::vector<HistoryBlock> history(const std::string& name) const override {
     std::vector<HistoryBlock> all = softened_.history(name + ".most");
@@ -228,6 +230,45 @@ class BlockCells final : public NodalForces,
         if (const int cell = element / points_; cell != cell_of) set_strains(state.positions, cell_of = cell, now);
         return density(cell_of, element % points_, now);
       });
+  }
+  void transpose_commit(const HistoryBlock& from, double time, const Positions& positions, std::vector<double>& slopes,
+                        Positions& of_positions) const override {
+    VectorX of_stresses;
+    if (relaxing_) of_stresses = relaxing_.transpose_commit(time - from.values[0], slopes);
+    for (int cell = 0; cell < block_.size(); ++cell) {
+      PointGradients<d> P;
+      if (relaxing_)
+        transpose_relaxing_stresses(positions, cell, of_stresses, P);
+      else
+        visit_unsoftened(positions, cell, [&](int g, double energy, const Gradient& of_energy) {
+          P[g] = softened_.transpose_commit(from, cell * points_ + g, energy, slopes) * of_energy;
+        });
+      NodeVectors own = NodeVectors::Zero(3, kind_.nodes);
+      spread(cell, P, own);
+      for (int a = 0; a < kind_.nodes; ++a) of_positions.col(block_.cell(cell)[a]) += own.col(a);
+    }
+  }
+  void transpose_forces(const HistoryBlock& from, double time, const Positions& positions, const Positions& lambda,
+                        std::vector<double>& slopes) const override {
+    VectorX of_left = VectorX::Zero(relaxing_.fixed().size());
+    for (int cell = 0; cell < block_.size(); ++cell) {
+      PointGradients<d> motion;
+      set_gradients(cell, gathered(lambda, cell), motion);
+      if (relaxing_) {
+        Strains now;
+        set_strains(positions, cell, now);
+        for (int g = 0; g < points_; ++g) {
+          const Square change = now.F[g].transpose() * motion[g];
+          of_stress(of_left, cell, g) = -rest(cell, g).weight / 2 * doubled_components(change + change.transpose());
+        }
+      } else {
+        visit_unsoftened(positions, cell, [&](int g, double energy, const Gradient& of_energy) {
+          softened_.transpose_forces(from, cell * points_ + g, energy,
+                                     -rest(cell, g).weight * of_energy.cwiseProduct(motion[g]).sum(), slopes);
+        });
+      }
+    }
+    if (relaxing_) relaxing_.transpose_fixed(time - from.values[0], of_left, slopes);
   }
 
  private:
@@ -503,6 +544,57 @@ class BlockCells final : public NodalForces,
       D[g] = softened.factor * D[g] + softened.slope / 2 * own * own.transpose();
     }
   }
+  /// Calls visit(g, W, ∂W/∂F) of the laws at each point of a cell.
+  template <class Visit>
+  void visit_unsoftened(const Positions& positions, int cell, Visit visit) const {
+    Stresses now;
+    set_strains(positions, cell, now);
+    laws_->stresses(number(cell), span(now.A), span(now.S));
+    for (int g = 0; g < points_; ++g) visit(g, density(cell, g, now), now.F[g] * now.S[g]);
+  }
+  /// P = ∂(w·S)/∂F at each point of a cell, of the stresses of set_relaxing_stresses and numbers w by which m has them.
+  void transpose_relaxing_stresses(const Positions& positions, int cell, const VectorX& weights,
+                                   PointGradients<d>& P) const {
+    Stresses now;
+    set_elastic_stresses(positions, cell, now);
+    std::array<Moduli, kMostPoints> D;
+    laws_->tangents(number(cell), span(now.A), {D.data(), static_cast<std::size_t>(points_)});
+    Pressures of_pressures = Pressures::Zero();
+    for (int g = 0; g < points_; ++g) {
+      const Components<d> own = of_stress(weights, cell, g);
+      if constexpr (d == 3)
+        if (!volume_.empty()) {
+          const Dilatation shape(now.A[g]);
+          of_pressures += shape.J() * components_of(shape.inverse).dot(own) * functions_[g];
+          add_pressure(now.p[g], now.A[g], now.S[g], D[g]);
+        }
+      P[g] = 2 * now.F[g] * tensor_of(D[g].transpose() * own);
+    }
+    if constexpr (d == 3)
+      if (!volume_.empty()) {
+        const Pressures of_swelling = stiffness_of_pressures(cell, now, 1 / relaxing_.factor()) * of_pressures;
+        for (int g = 0; g < points_; ++g) P[g] += rest(cell, g).weight * at_point(of_swelling, g) * cofactors(now.F[g]);
+      }
+  }
+  template <class Numbers>
+  static auto of_stress_in(Numbers& all, std::ptrdiff_t first) {
+    return all.template segment<kComponents>(first * kComponents);
+  }
+  auto of_stress(VectorX& all, int cell, int g) const { return of_stress_in(all, cell * points_ + g); }
+  auto of_stress(const VectorX& all, int cell, int g) const { return of_stress_in(all, cell * points_ + g); }
+  /// Those off the diagonal twice: both of their places in a product.
+  static Components<d> doubled_components(const Square& tensor) {
+    return components_of(2 * tensor - Square(tensor.diagonal().asDiagonal()));
+  }
+  static Square tensor_of(const Components<d>& own) {
+    Square tensor;
+    constexpr auto order = components<d>();
+    for (int k = 0; k < kComponents; ++k) {
+      const auto [i, j] = order[k];
+      tensor(i, j) = tensor(j, i) = own[k];
+    }
+    return tensor;
+  }
   static Components<d> components_of(const Square& tensor) {
     Components<d> own;
     constexpr auto order = components<d>();
@@ -513,19 +605,9 @@ class BlockCells final : public NodalForces,
     return own;
   }
   /// What the past has left of the stress at a point.
-  Square left_stress(int cell, int g) const {
-    const double* own = relaxing_.fixed().data() + static_cast<std::ptrdiff_t>(cell * points_ + g) * kComponents;
-    Square tensor;
-    constexpr auto order = components<d>();
-    for (int k = 0; k < kComponents; ++k) {
-      const auto [i, j] = order[k];
-      tensor(i, j) = tensor(j, i) = own[k];
-    }
-    return tensor;
-  }
+  Square left_stress(int cell, int g) const { return tensor_of(of_stress(relaxing_.fixed(), cell, g)); }
   /// S of all points, with the cells' pressures, without relaxation, and their strains.
   void set_relaxing_stresses(const Positions& positions) {
-    double *all = relaxing_.now().data(), *strains = relaxing_.strain().data();
     parallel_for(
         block_.size(),
         [&](int cell) {
@@ -537,11 +619,8 @@ class BlockCells final : public NodalForces,
                 const Dilatation shape(now.A[g]);
                 now.S[g] += now.p[g] * shape.J() * shape.inverse;
               }
-            const std::ptrdiff_t first = static_cast<std::ptrdiff_t>(cell * points_ + g) * kComponents;
-            Eigen::Map<Components<d>>(all + first) = components_of(now.S[g]);
-            // 2E, those off the diagonal twice: both of their places in the product with a stress.
-            const Square strain = rest(cell, g).weight * (2 * now.A[g] - Square(now.A[g].diagonal().asDiagonal()));
-            Eigen::Map<Components<d>>(strains + first) = components_of(strain);
+            of_stress(relaxing_.now(), cell, g) = components_of(now.S[g]);
+            of_stress(relaxing_.strain(), cell, g) = rest(cell, g).weight * doubled_components(now.A[g]);  // 2E
           }
         },
         kCellThreshold);

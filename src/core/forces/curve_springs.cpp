@@ -14,7 +14,11 @@ namespace {
 
 /// Tension w L P(ε), ε = l/L − 1: q = w L P/l, ∂q/∂s = w (P′ − P L/l)/(2 l²), energy w L² W, W = ∫P dε. Where they
 /// soften, P is η(W) P, and P′ is η P′ + η′ P².
-class CurveSprings final : public EdgeDensities, public LocalElasticity, public LawHistory, public Softens {
+class CurveSprings final : public EdgeDensities,
+                           public LocalElasticity,
+                           public LawHistory,
+                           public TransposedHistory,
+                           public Softens {
  public:
   CurveSprings(const Body& body, VectorX sections, StressStrain curve)
       : body_(body),
@@ -85,11 +89,36 @@ class CurveSprings final : public EdgeDensities, public LocalElasticity, public 
     softened_ = SoftenedElements(softening, connections_.size());
     return true;
   }
-  bool dissipates() const override { return static_cast<bool>(softened_); }
+  bool softened() const override { return static_cast<bool>(softened_); }
+  bool dissipates() const override { return softened(); }
   std::vector<HistoryBlock> history(const std::string& name) const override { return softened_.history(name); }
   void begin_step(const std::string& name, const State& from, double) override { softened_.begin_step(name, from); }
   void commit_step(const std::string& name, State& state) override {
     softened_.commit_step(name, state, [&](int c) { return curve_.energy_density(strain(state.positions, c)); });
+  }
+  void transpose_commit(const HistoryBlock& from, double, const Positions& positions, std::vector<double>& slopes,
+                        Positions& of_positions) const override {
+    for (int c = 0; c < connections_.size(); ++c) {
+      const auto& [a, b] = connections_.ends[c];
+      const double at = strain(positions, c), rest = rest_lengths_[c],
+                   slope = softened_.transpose_commit(from, c, curve_.energy_density(at), slopes);
+      if (slope == 0) continue;
+      const Vector3 of_end =
+          slope * curve_.stress(at) / ((1 + at) * rest * rest) * (positions.col(b) - positions.col(a));
+      of_positions.col(b) += of_end;
+      of_positions.col(a) -= of_end;
+    }
+  }
+  void transpose_forces(const HistoryBlock& from, double, const Positions& positions, const Positions& lambda,
+                        std::vector<double>& slopes) const override {
+    for (int c = 0; c < connections_.size(); ++c) {
+      const auto& [a, b] = connections_.ends[c];
+      const double at = strain(positions, c);
+      if (sections_[c] == 0 || !(at > -1)) continue;
+      const double work = (positions.col(b) - positions.col(a)).dot(lambda.col(a) - lambda.col(b));
+      softened_.transpose_forces(from, c, curve_.energy_density(at), sections_[c] * curve_.stress(at) / (1 + at) * work,
+                                 slopes);
+    }
   }
 
  private:

@@ -25,6 +25,13 @@ SoftenedEnergy softened_energy(const Softening& softening, double energy, double
           2 * std::numbers::inv_sqrtpi * std::exp(-below * below) / (softening.r * width)};
 }
 
+double softened_factor_by_most(const Softening& softening, double energy, double most) {
+  if (energy >= most) return 0;
+  const double width = softening.m + softening.beta * most, below = (most - energy) / width;
+  return -2 * std::numbers::inv_sqrtpi * std::exp(-below * below) / softening.r *
+         (softening.m + softening.beta * energy) / (width * width);
+}
+
 void check_softening(const Softening& softening) {
   const auto& [r, m, beta] = softening;
   if (!(r > 1) || !std::isfinite(r))

@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "core/forces/relaxing.h"
-#include "core/forces/transposed_history.h"
 #include "core/forces/unstressed_lengths.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/base/text.h"
@@ -98,9 +97,9 @@ class Prony final : public EdgeDensities, public LawHistory, public TransposedHi
   }
 
   /// ∂q/∂s of the terms is symmetric.
-  void transpose_commit(double step, const Positions& positions, std::vector<double>& slopes,
+  void transpose_commit(const HistoryBlock& from, double time, const Positions& positions, std::vector<double>& slopes,
                         Positions& of_positions) const override {
-    const VectorX of_now = relaxing_.transpose_commit(step, slopes);
+    const VectorX of_now = relaxing_.transpose_commit(time - from.values[0], slopes);
     VectorX own = VectorX::Zero(of_now.size()), change = own;
     Workspace workspace;
     for (const auto* term : elastic_) {
@@ -117,14 +116,14 @@ class Prony final : public EdgeDensities, public LawHistory, public TransposedHi
       of_positions.col(a) -= slope;
     }
   }
-  void transpose_forces(double step, const Positions& positions, const Positions& lambda,
+  void transpose_forces(const HistoryBlock& from, double time, const Positions& positions, const Positions& lambda,
                         std::vector<double>& slopes) const override {
     VectorX work(body_.connections.size());
     for (int c = 0; c < body_.connections.size(); ++c) {
       const auto& [a, b] = body_.connections.ends[c];
       work[c] = (positions.col(b) - positions.col(a)).dot(lambda.col(a) - lambda.col(b));
     }
-    relaxing_.transpose_fixed(step, work, slopes);
+    relaxing_.transpose_fixed(time - from.values[0], work, slopes);
   }
 
  private:

@@ -5,7 +5,6 @@
 #include <string>
 #include <utility>
 
-#include "core/forces/transposed_history.h"
 #include "core/solve/stiffness_slopes.h"
 #include "core/solve/transposed_step.h"
 #include "elastin/core/base/error.h"
@@ -24,7 +23,7 @@ std::string without_derivatives(const Model& model) {
     if (const auto* past = dynamic_cast<const LawHistory*>(model.elasticity()[law].get())) {
       const std::size_t blocks = past->history("law").size();
       if (blocks > 1 || (blocks == 1 && !dynamic_cast<const TransposedHistory*>(model.elasticity()[law].get())))
-        return "of laws with a history, prony alone of springs and first-order cells has its transpose";
+        return "of laws with a history, those that relax or soften have a transpose, not those that do both";
     }
   for (const auto& load : model.loads())
     if (!load->history().empty()) return "a load has a history";
@@ -48,7 +47,7 @@ double past(const Model& model, const State& from, const State& to, const std::v
   model.commit_step(end);
   double sum = 0;
   for (std::size_t block = 0; block < slopes.size(); ++block)
-    for (std::size_t i = 1; i < slopes[block].values.size(); ++i)
+    for (std::size_t i = 0; i < slopes[block].values.size(); ++i)
       sum += slopes[block].values[i] * end.history[block].values[i];
   return sum;
 }
@@ -83,6 +82,7 @@ struct Trajectory::Impl {
     set_accelerations(model, start);
     stored.push_back(std::move(start));
     end = stored.front();
+    begins_with_forces = scheme.scheme->name == "symplectic_euler";
     for (int step = 0; step < steps; ++step) {
       if (step > 0 && step % stride() == 0) stored.push_back(end);
       advance(end, step);
@@ -104,6 +104,7 @@ struct Trajectory::Impl {
   int steps;
   std::unique_ptr<Integrator> integrator;
   TransposedStep* backward = nullptr;
+  bool begins_with_forces = false;  ///< those of a step are at the state where it begins
   std::vector<State> stored;
   State end;
 };
@@ -123,6 +124,13 @@ TrajectoryAdjoint Trajectory::adjoint(const AddSlopes& add_slopes, const std::ve
   Impl& in = *impl_;
   Model& model = in.model;
   const Eigen::Index molecules = in.end.positions.cols();
+  // There η has a kink of which differences by a number see one side, for W is W_max wherever it has just grown.
+  for (const auto& law : model.elasticity())
+    if (const auto* softens = dynamic_cast<const Softens*>(law.get());
+        softens && softens->softened() && in.begins_with_forces && !varied.empty())
+      throw InputError(
+          "no derivative by a number of what softens by 'symplectic_euler', whose forces are those at a step's "
+          "beginning: take velocity_verlet");
   const Positions none = Positions::Zero(3, molecules);
   TrajectoryAdjoint found{none, none, none, {}, std::vector<double>(varied.size(), 0)};
   for (const auto& law : model.elasticity())

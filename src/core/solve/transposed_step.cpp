@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <string>
 
-#include "core/forces/transposed_history.h"
-
 namespace elastin {
 namespace {
 
@@ -13,8 +11,9 @@ template <class Blocks, class Visit>
 void for_each_history(const Model& model, Blocks& blocks, const Visit& visit) {
   for (std::size_t law = 0; law < model.elasticity().size(); ++law) {
     const auto* own = dynamic_cast<const TransposedHistory*>(model.elasticity()[law].get());
+    const std::string name = "law" + std::to_string(law);
     for (auto& block : blocks)
-      if (own && block.name == "law" + std::to_string(law)) visit(*own, block);
+      if (own && (block.name == name || block.name.starts_with(name + "."))) visit(*own, block);
   }
 }
 
@@ -71,14 +70,13 @@ void TransposedForces::add_turning(const Positions& lambda, Positions& of_positi
 
 void TransposedForces::add_past(const Positions& lambda, StateSlopes& slopes) const {
   for_each_history(model_, slopes.history, [&](const TransposedHistory& law, HistoryBlock& block) {
-    law.transpose_forces(time_ - from_->find_history(block.name)->values[0], at_->positions, lambda, block.values);
+    law.transpose_forces(*from_->find_history(block.name), time_, at_->positions, lambda, block.values);
   });
 }
 
 void transpose_commit(const Model& model, const State& from, const State& to, StateSlopes& slopes) {
   for_each_history(model, slopes.history, [&](const TransposedHistory& law, HistoryBlock& block) {
-    law.transpose_commit(to.time - from.find_history(block.name)->values[0], to.positions, block.values,
-                         slopes.positions);
+    law.transpose_commit(*from.find_history(block.name), to.time, to.positions, block.values, slopes.positions);
   });
 }
 

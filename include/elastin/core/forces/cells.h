@@ -100,10 +100,14 @@ void add_shares(const CellGraph& graph, const Share& share, VectorX& values, Wor
 }
 }  // namespace detail
 
-/// The simplices of one shape: where their nodes are, their sides, what they make of slopes once a law has given them.
-/// Nothing here knows a law.
+/// The simplices of one shape: where their nodes are, their sides, what they make of slopes once a law has given them,
+/// how they soften. Nothing here knows a law.
 template <CellShape Shape>
-class SimplexCells : public EdgeDensities, public LocalElasticity {
+class SimplexCells : public EdgeDensities,
+                     public LocalElasticity,
+                     public LawHistory,
+                     public TransposedHistory,
+                     public Softens {
  public:
   int elements() const override { return graph_.cells(); }
   std::span<const int> molecules_of(int cell) const override { return Shape::in(body_)[cell]; }
@@ -131,6 +135,34 @@ class SimplexCells : public EdgeDensities, public LocalElasticity {
   }
   bool coupled() const override { return true; }
   std::unique_ptr<EdgeSlopes> slopes() const override { return std::make_unique<Slopes>(*this); }
+
+  bool soften(const Softening& softening) override {
+    if (!has_energy()) return false;
+    softened_ = SoftenedElements(softening, graph_.cells());
+    set_sizes();
+    return true;
+  }
+  bool softened() const override { return static_cast<bool>(softened_); }
+  bool dissipates() const override { return softened(); }
+  std::vector<HistoryBlock> history(const std::string& name) const override { return softened_.history(name); }
+  void begin_step(const std::string& name, const State& from, double) override { softened_.begin_step(name, from); }
+  void commit_step(const std::string& name, State& state) override {
+    softened_.commit_step(name, state, [&](int cell) { return density(cell, squared_lengths(state.positions, cell)); });
+  }
+  /// ∂W/∂s = q/(2V).
+  void transpose_commit(const HistoryBlock& from, double, const Positions& positions, std::vector<double>& slopes,
+                        Positions& of_positions) const override {
+    visit_unsoftened(positions, [&](int cell, double energy, const NodePositions<nodes>& pull) {
+      const double slope = softened_.transpose_commit(from, cell, energy, slopes) / sizes_[cell];
+      for (int node = 0; node < nodes; ++node) of_positions.col(Shape::in(body_)[cell][node]) -= slope * pull.col(node);
+    });
+  }
+  void transpose_forces(const HistoryBlock& from, double, const Positions& positions, const Positions& lambda,
+                        std::vector<double>& slopes) const override {
+    visit_unsoftened(positions, [&](int cell, double energy, const NodePositions<nodes>& pull) {
+      softened_.transpose_forces(from, cell, energy, positions_of(lambda, cell).cwiseProduct(pull).sum(), slopes);
+    });
+  }
 
  protected:
   static constexpr int nodes = Shape::nodes, sides = pairs_of(nodes);
@@ -177,12 +209,40 @@ class SimplexCells : public EdgeDensities, public LocalElasticity {
   }
 
   virtual void set_slopes(const Positions& positions, std::vector<Slope>& slopes) const = 0;
+  /// Without softening: energy [J], [J] and force densities of a cell.
+  virtual std::pair<double, SquaredLengths> unsoftened(int cell, const SquaredLengths& s) const = 0;
+
+  /// W [J/m³], [J/m²].
+  double density(int cell, const SquaredLengths& s) const { return unsoftened(cell, s).first / sizes_[cell]; }
+  void set_sizes() {
+    sizes_.clear();
+    for (int cell = 0; cell < graph_.cells(); ++cell) sizes_.push_back(RestCell<Shape>(unstressed(cell)).measure());
+  }
 
   const Body& body_;
   CellGraph graph_;
   double rest_part_ = 1;  ///< of Body::unstressed
+  SoftenedElements softened_;
+  std::vector<double> sizes_;  ///< V [m³], [m²] of what softens
 
  private:
+  /// Calls visit(cell, W, forces on its nodes), without softening.
+  template <class Visit>
+  void visit_unsoftened(const Positions& positions, Visit visit) const {
+    static constexpr auto pairs = node_pairs<nodes>();
+    for (int cell = 0; cell < graph_.cells(); ++cell) {
+      const auto [energy, q] = unsoftened(cell, squared_lengths(positions, cell));
+      const NodePositions<nodes> own = positions_of(positions, cell);
+      NodePositions<nodes> pull = NodePositions<nodes>::Zero();
+      for (int side = 0; side < sides; ++side) {
+        const auto [a, b] = pairs[side];
+        const Vector3 force = q[side] * (own.col(b) - own.col(a));
+        pull.col(a) += force, pull.col(b) -= force;
+      }
+      visit(cell, energy / sizes_[cell], pull);
+    }
+  }
+
   class Slopes final : public EdgeSlopes {
    public:
     explicit Slopes(const SimplexCells& cells) : cells_(cells) {}
@@ -221,10 +281,10 @@ class SimplexCells : public EdgeDensities, public LocalElasticity {
 /// The one driver of every cell law. It owns the loops over the cells of one shape, what is written where and by whom;
 /// the kernel (see CellKernel) is the law on one cell.
 template <LengthKernel Kernel>
-class CellElasticity final : public SimplexCells<typename Kernel::Shape>, public LawHistory, public Softens {
+class CellElasticity final : public SimplexCells<typename Kernel::Shape> {
   using Shape = typename Kernel::Shape;
   using Block = SimplexCells<Shape>;
-  using Block::graph_, Block::squared_lengths, Block::sides;
+  using Block::graph_, Block::squared_lengths, Block::sides, Block::softened_, Block::sizes_, Block::density;
   using typename Block::SquaredLengths;
 
  public:
@@ -236,7 +296,7 @@ class CellElasticity final : public SimplexCells<typename Kernel::Shape>, public
     if (!material_) return;
     this->rest_part_ = part;
     set_constants(*material_);
-    if (softened_) set_sizes();
+    if (softened_) this->set_sizes();
   }
 
   std::unique_ptr<Elasticity> clone() const override { return std::make_unique<CellElasticity>(*this); }
@@ -272,7 +332,7 @@ class CellElasticity final : public SimplexCells<typename Kernel::Shape>, public
       add_force_densities(positions, of_connections, workspace);
   }
 
-  const LocalElasticity* local() const override { return HasEnergy<Kernel> && !dissipates() ? this : nullptr; }
+  const LocalElasticity* local() const override { return HasEnergy<Kernel> && !softened_ ? this : nullptr; }
   double element_energy(const Positions& positions, int cell) const override {
     if constexpr (HasEnergy<Kernel>)
       return this->is_inverted(positions, cell) ? std::numeric_limits<double>::infinity()
@@ -316,18 +376,6 @@ class CellElasticity final : public SimplexCells<typename Kernel::Shape>, public
     }
     return false;
   }
-  bool soften(const Softening& softening) override {
-    if (!HasEnergy<Kernel>) return false;
-    softened_ = SoftenedElements(softening, graph_.cells());
-    set_sizes();
-    return true;
-  }
-  bool dissipates() const override { return static_cast<bool>(softened_); }
-  std::vector<HistoryBlock> history(const std::string& name) const override { return softened_.history(name); }
-  void begin_step(const std::string& name, const State& from, double) override { softened_.begin_step(name, from); }
-  void commit_step(const std::string& name, State& state) override {
-    softened_.commit_step(name, state, [&](int cell) { return density(cell, squared_lengths(state.positions, cell)); });
-  }
 
  private:
   using typename Block::Slope;
@@ -350,11 +398,6 @@ class CellElasticity final : public SimplexCells<typename Kernel::Shape>, public
       constants_.push_back(kernel_.constants(this->unstressed(cell), own));
     }
   }
-  void set_sizes() {
-    sizes_.clear();
-    for (int cell = 0; cell < graph_.cells(); ++cell)
-      sizes_.push_back(RestCell<Shape>(this->unstressed(cell)).measure());
-  }
 
   void set_slopes(const Positions& positions, std::vector<Slope>& slopes) const override {
     detail::for_each_cell(graph_.cells(), [&](int begin, int end) {
@@ -367,19 +410,18 @@ class CellElasticity final : public SimplexCells<typename Kernel::Shape>, public
       constants_.push_back(whole.constants_[cell]);
   }
 
-  /// W [J/m³], [J/m²].
-  double density(int cell, const SquaredLengths& s) const {
+  std::pair<double, SquaredLengths> unsoftened(int cell, const SquaredLengths& s) const override {
     if constexpr (HasEnergy<Kernel>)
-      return kernel_.energy(constants_[cell], s) / sizes_[cell];
+      return {kernel_.energy(constants_[cell], s), kernel_.force_densities(constants_[cell], s)};
     else
-      return 0;
+      return {0, SquaredLengths::Zero()};
   }
   SoftenedEnergy softened_at(int cell, const SquaredLengths& s) const { return softened_.at(cell, density(cell, s)); }
 
   SquaredLengths densities(int cell, const SquaredLengths& s) const {
-    SquaredLengths q = kernel_.force_densities(constants_[cell], s);
-    if (softened_) q *= softened_at(cell, s).factor;
-    return q;
+    if (!softened_) return kernel_.force_densities(constants_[cell], s);
+    const auto [energy, q] = unsoftened(cell, s);
+    return softened_.at(cell, energy / sizes_[cell]).factor * q;
   }
   /// ∂(η q)/∂s = η ∂q/∂s + η′ q qᵀ/(2 V), for q = 2 V ∂W/∂s.
   auto slope(int cell, const SquaredLengths& s) const {
@@ -395,8 +437,6 @@ class CellElasticity final : public SimplexCells<typename Kernel::Shape>, public
   Kernel kernel_;
   std::vector<typename Kernel::Constants> constants_;
   std::shared_ptr<const Material> material_;  ///< where constants change with the rest
-  SoftenedElements softened_;
-  std::vector<double> sizes_;  ///< V [m³], [m²] of what softens
 };
 
 namespace detail {

@@ -208,12 +208,27 @@ class LawHistory {
   virtual void commit_step(const std::string& name, State& state) = 0;
 };
 
+/// A law with a history of one block that knows what a function m of later states changes with: slopes
+/// ∂m/∂(number of the block), in the block's order. Of a step from a state with the block `from` to a time [s].
+class TransposedHistory {
+ public:
+  virtual ~TransposedHistory() = default;
+  /// Of LawHistory::commit_step: slopes by the block at the end become those by `from`, and those by the positions at
+  /// the end are added.
+  virtual void transpose_commit(const HistoryBlock& from, double time, const Positions& positions,
+                                std::vector<double>& slopes, Positions& of_positions) const = 0;
+  /// Adds what m has by `from` through the forces f within the step, of which it has λ·δf.
+  virtual void transpose_forces(const HistoryBlock& from, double time, const Positions& positions,
+                                const Positions& lambda, std::vector<double>& slopes) const = 0;
+};
+
 /// A law that can soften (see make_mullins).
 class Softens {
  public:
   virtual ~Softens() = default;
   /// From now on it softens. False where there is no energy to go by: then nothing changed.
   virtual bool soften(const Softening&) = 0;
+  virtual bool softened() const = 0;  ///< whether it does
 };
 
 /// Laws that act together on one body, as a strategy makes them: none, one or several.

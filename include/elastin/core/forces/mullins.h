@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "elastin/core/forces/elasticity.h"
@@ -19,6 +20,9 @@ struct SoftenedEnergy {
 ///   η = 1 − (1/r) erf((W_max − W)/(m + β W_max));  at W_max and beyond η = 1.        [Ogden & Roxburgh 1999]
 /// φ is its integral from 0. W and W_max [J/m³], ≥ 0.
 SoftenedEnergy softened_energy(const Softening& softening, double energy, double most);
+
+/// ∂η/∂W_max [1/Pa]; 0 at W_max and beyond.
+double softened_factor_by_most(const Softening& softening, double energy, double most);
 
 /// Throws InputError unless r > 1, m ≥ 0, β ≥ 0 and one of m and β is above 0.
 void check_softening(const Softening& softening);
@@ -55,6 +59,15 @@ class SoftenedElements {
     if (!block) return;
     for (std::size_t element = 0; element < most_.size(); ++element)
       block->values[element] = most_[element] = std::max(block->values[element], energy(static_cast<int>(element)));
+  }
+  /// As TransposedHistory::transpose_commit, of one element with this energy at the end: gives the slope by it.
+  double transpose_commit(const HistoryBlock& from, int element, double energy, std::vector<double>& slopes) const {
+    return energy > from.values[element] ? std::exchange(slopes[element], 0) : 0;
+  }
+  /// As TransposedHistory::transpose_forces, of one element. @param work λ·f of its forces without softening
+  void transpose_forces(const HistoryBlock& from, int element, double energy, double work,
+                        std::vector<double>& slopes) const {
+    slopes[element] += softened_factor_by_most(softening_, energy, from.values[element]) * work;
   }
 
  private:

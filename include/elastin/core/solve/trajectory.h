@@ -27,8 +27,8 @@ struct TrajectoryAdjoint {
 /// A run of equal steps that can be differentiated by everything at once: one sweep backward through the steps, each by
 /// the transpose of what the scheme has done. States are stored about every √N steps, and between two of them as the
 /// sweep comes by, so that a sweep takes each of the N steps a second time. [Griewank & Walther 2008]
-/// Schemes: symplectic_euler, velocity_verlet, backward_euler, newmark, generalized_alpha. Histories: prony of springs
-/// and of first-order cells. Contact without friction counts as in the steps taken: what touches goes on touching.
+/// Schemes: symplectic_euler, velocity_verlet, backward_euler, newmark, generalized_alpha. Histories: of what
+/// relaxes or softens. Contact without friction counts as in the steps taken: what touches goes on touching.
 class Trajectory {
  public:
   /// Takes the steps by dt [s] from a state, as the scheme does. Model and supports must stay. Throws InputError where
@@ -45,7 +45,8 @@ class Trajectory {
   /// Called for each state from the last to the first, number `steps` to 0: adds ∂m/∂x and ∂m/∂v of it.
   using AddSlopes =
       std::function<void(int number, const State& state, Positions& of_positions, Positions& of_velocities)>;
-  /// Throws InputError where a step has no derivative, or `varied` other molecules.
+  /// Throws InputError where a step has no derivative, `varied` has other molecules, or is of what softens, by
+  /// symplectic_euler.
   TrajectoryAdjoint adjoint(const AddSlopes& add_slopes, const std::vector<VariedModels>& varied = {});
 
  private:
