@@ -58,7 +58,7 @@ void check_refusal(std::string experiment, const std::string& path, const std::s
 
 }  // namespace
 
-TEST_CASE("a shear may be given as a way, a strain or an angle", "[scene][shear]") {
+TEST_CASE("a shear may be given as a displacement, a strain or an angle", "[scene][shear]") {
   std::vector<double> forces;
   for (const char* amount : {"displacement: 2 mm", "strain: 20 %", "strain: 0.2", "angle: 11.309932474 deg"})
     forces.push_back(
