@@ -1,4 +1,4 @@
-// Experiments as a scene writes them: what is read, and slips named with their place.
+// Experiments as a scene writes them: what is read, and mistakes named with their place.
 
 #include <algorithm>
 #include <catch2/catch.hpp>
@@ -124,7 +124,7 @@ TEST_CASE("a plane angle has its unit where other values have one", "[scene]") {
   CHECK_THROWS_WITH(height(units, "30"), Contains(":4:26: rotate.angle: '30' has no unit"));
 }
 
-TEST_CASE("slips in an experiment are named with their place", "[scene]") {
+TEST_CASE("mistakes in an experiment are named with their place", "[scene]") {
   check_refusal("kind: @shaer, strain: 0.1", "experiment.kind: 'shaer' is not known here",
                 "did you mean 'shear'? (allowed: tension, compression, biaxial, planar, shear, torsion, ");
   check_refusal("kind: shear, axis: x, direction: @x, strain: 0.1",

@@ -218,8 +218,8 @@ class SimplexCells : public EdgeDensities, public LocalElasticity {
   };
 };
 
-/// The one driver of every cell law. It owns the loops over the cells of one shape, what is written where and by whom;
-/// the kernel (see CellKernel) is the law on one cell.
+/// The one driver of every cell law. It owns the loops over the cells of one shape, what is written where and by which
+/// thread; the kernel (see CellKernel) is the law on one cell.
 template <LengthKernel Kernel>
 class CellElasticity final : public SimplexCells<typename Kernel::Shape>, public LawHistory, public Softens {
   using Shape = typename Kernel::Shape;
