@@ -1,7 +1,6 @@
 #include "core/simulation/tools.h"
 
 #include <algorithm>
-#include <utility>
 
 #include "core/simulation/simulation_impl.h"
 #include "elastin/core/base/error.h"

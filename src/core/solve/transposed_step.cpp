@@ -1,6 +1,5 @@
 #include "core/solve/transposed_step.h"
 
-#include <algorithm>
 #include <string>
 
 #include "core/forces/transposed_history.h"
