@@ -22,11 +22,11 @@ let steps = 0, force;
 for (; steps < request.most_steps; ++steps) {
   force = loads.slice();
   for (const { a, b, rest_length, stiffness: k } of body.connections) {
-    const way = axes.map((axis) => x[3 * b + axis] - x[3 * a + axis]);
-    const density = k * (1 - rest_length / Math.hypot(...way));
+    const span = axes.map((axis) => x[3 * b + axis] - x[3 * a + axis]);
+    const density = k * (1 - rest_length / Math.hypot(...span));
     for (const axis of axes) {
-      force[3 * a + axis] += density * way[axis];
-      force[3 * b + axis] -= density * way[axis];
+      force[3 * a + axis] += density * span[axis];
+      force[3 * b + axis] -= density * span[axis];
     }
   }
   let scale = 0, loose = 0;

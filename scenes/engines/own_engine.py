@@ -29,10 +29,10 @@ keep, steps, start = 0.98, 0, time.perf_counter()
 while steps < request["most_steps"]:
     force = [list(load) for load in loads]
     for a, b, length, k in springs:
-        way = [q - p for p, q in zip(x[a], x[b])]
-        now = math.hypot(*way)
+        span = [q - p for p, q in zip(x[a], x[b])]
+        now = math.hypot(*span)
         for axis in range(3):
-            pull = k * (1 - length / now) * way[axis]
+            pull = k * (1 - length / now) * span[axis]
             force[a][axis] += pull
             force[b][axis] -= pull
     scale = max(abs(f) for row in force for f in row)  # of loads and reactions

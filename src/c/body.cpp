@@ -58,7 +58,7 @@ Body body_of(const elastin_arrays& from) {
     arrays.growth.emplace_back(Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(from.growth + 9 * cell));
   if (!from.masses) require_positive(from.density, "density");
   if (!from.masses && !arrays.triangles.empty()) require_positive(from.thickness, "thickness");
-  arrays.density = from.masses ? 1 : from.density;  // the masses replace what comes of it
+  arrays.density = from.masses ? 1 : from.density;  // the masses replace those that follow from it
   arrays.thickness = from.masses ? 1 : from.thickness;
   return make_body(arrays);
 }

@@ -66,7 +66,7 @@ bool continue_in(const std::string& folder, std::string& out);
 /// comparison or a search after its run, with all files complete. The second one ends the program, and so does the
 /// first where no signal has arrived within a second.
 void stop_on_interrupt();
-/// Whether there was one. Who asks has seen it, and ends what it does.
+/// Whether there was one. The caller then ends what it does.
 bool interrupted();
 
 }  // namespace elastin::command

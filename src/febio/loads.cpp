@@ -53,7 +53,7 @@ class TimedSurfaceForces final : public TimedLoad {
 class LinearSprings final : public TimedLoad {
  public:
   LinearSprings(const Body& body, std::vector<LinearSpring> springs) : springs_(std::move(springs)) {
-    for (const LinearSpring& spring : springs_) rest_.push_back(way(spring, body.rest).norm());
+    for (const LinearSpring& spring : springs_) rest_.push_back(span_of(spring, body.rest).norm());
     set_time(0);
   }
 
@@ -66,7 +66,7 @@ class LinearSprings final : public TimedLoad {
   void add_forces(const State& state, Positions& forces) const override {
     for (std::size_t i = 0; i < springs_.size(); ++i) {
       const auto [a, b] = springs_[i].ends;
-      const Vector3 d = way(springs_[i], state.positions), force = constants_[i] * (1 - ratio(i, d)) * d;
+      const Vector3 d = span_of(springs_[i], state.positions), force = constants_[i] * (1 - ratio(i, d)) * d;
       forces.col(a) += force;
       forces.col(b) -= force;
     }
@@ -74,7 +74,7 @@ class LinearSprings final : public TimedLoad {
   double energy(const State& state) const override {
     double sum = 0;
     for (std::size_t i = 0; i < springs_.size(); ++i)
-      sum += constants_[i] / 2 * std::pow(way(springs_[i], state.positions).norm() - rest_[i], 2);
+      sum += constants_[i] / 2 * std::pow(span_of(springs_[i], state.positions).norm() - rest_[i], 2);
     return sum;
   }
   void add_change(const State& state, const Positions& dx, const Positions&, Positions& change) const override {
@@ -83,7 +83,7 @@ class LinearSprings final : public TimedLoad {
   void visit_blocks(const State& state, double, const BlockVisitor& visit) const override {
     for (std::size_t i = 0; i < springs_.size(); ++i) {
       const auto [a, b] = springs_[i].ends;
-      const Vector3 d = way(springs_[i], state.positions), u = d.stableNormalized();
+      const Vector3 d = span_of(springs_[i], state.positions), u = d.stableNormalized();
       const double part = ratio(i, d);
       const Matrix3 block = constants_[i] * ((1 - part) * Matrix3::Identity() + part * u * u.transpose());
       visit(a, a, block), visit(b, b, block), visit(a, b, -block), visit(b, a, -block);
@@ -91,7 +91,7 @@ class LinearSprings final : public TimedLoad {
   }
 
  private:
-  static Vector3 way(const LinearSpring& spring, const Positions& x) {
+  static Vector3 span_of(const LinearSpring& spring, const Positions& x) {
     return x.col(spring.ends[1]) - x.col(spring.ends[0]);
   }
   /// l₀/l; 0 where both are.
@@ -146,9 +146,9 @@ class ConsistentInertia final : public Inertia {
   double energy(const State& state) const override {
     const auto moving = motion(state);
     if (!moving) return 0;
-    const Positions way = state.positions - moving->predicted;
+    const Positions off = state.positions - moving->predicted;
     const double now = integration_->alpha_mass;
-    double sum = now * moving->stiffness / 2 * (way * mass_).cwiseProduct(way).sum();
+    double sum = now * moving->stiffness / 2 * (off * mass_).cwiseProduct(off).sum();
     if (now != 1) sum += (1 - now) * (moving->accelerations * mass_).cwiseProduct(state.positions - body_.rest).sum();
     return sum;
   }

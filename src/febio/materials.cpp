@@ -244,8 +244,8 @@ FibreDirections read_fibre(const Element& element) {
     if (ends.size() != 2 || ends[0] < 1 || ends[1] < 1) element.at("local").fail("needs two numbers of nodes, from 1");
     return {false, [ends, element](const PointPlace& place) -> Vector3 {
               if (std::max(ends[0], ends[1]) > place.nodes.cols()) element.fail("a cell has no such node");
-              const Vector3 way = place.nodes.col(ends[1] - 1) - place.nodes.col(ends[0] - 1);
-              return way.normalized();
+              const Vector3 edge = place.nodes.col(ends[1] - 1) - place.nodes.col(ends[0] - 1);
+              return edge.normalized();
             }};
   }
   if (type == "spherical") {

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <set>
 
-#include "elastin/core/base/text.h"
 #include "lab/export/formats.h"
 
 namespace elastin::febio {

@@ -837,8 +837,8 @@ void ModelReader::read_tied_line(const Element& constraint) {
     double least = std::numeric_limits<double>::infinity(), part = 0;
     std::array<int, 2> nearest{};
     for (const auto& [a, b] : targets) {
-      const Vector3 way = rest.col(b) - rest.col(a), from = rest.col(molecule) - rest.col(a);
-      const double at = from.dot(way) / way.squaredNorm(), distance = (from - at * way).norm();
+      const Vector3 edge = rest.col(b) - rest.col(a), from = rest.col(molecule) - rest.col(a);
+      const double at = from.dot(edge) / edge.squaredNorm(), distance = (from - at * edge).norm();
       if (at >= -1e-5 && at <= 1 + 1e-5 && distance < least) least = distance, part = at, nearest = {a, b};
     }
     if (!std::isfinite(least) || (furthest > 0 && least > furthest)) continue;

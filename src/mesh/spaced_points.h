@@ -10,7 +10,7 @@ namespace elastin::mesh {
 /// Points that keep a distance from each other, O(1) a question.
 class SpacedPoints {
  public:
-  /// @param reach the largest distance that will be asked about [m].
+  /// @param reach the largest distance that will be searched [m].
   explicit SpacedPoints(double reach) : buckets_(reach) {}
 
   /// Whether no point lies closer than `distance` [m] ≤ reach. A point whose normal is turned away from `normal` by

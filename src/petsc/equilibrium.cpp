@@ -193,7 +193,7 @@ StaticResponse respond(Model& model, SharedSetting& setting, const Positions& at
                               : "the linear solver ran out of iterations";
   }
   body.spread(solution, motion);
-  if (!body.all(motion.allFinite())) {
+  if (body.largest(motion.allFinite() ? 0 : 1) > 0) {
     result.outcome = Outcome::diverged;
     result.cause = "the displacements are too large for numbers";
   }

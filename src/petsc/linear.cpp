@@ -139,7 +139,7 @@ PetscErrorCode precondition(PC pc, Vec x, Vec y) {
   });
 }
 
-/// Tells the operator of the motions as a whole that supports and forces leave to the body: what rounding on the last
+/// Gives the operator the motions as a whole that supports and forces leave to the body: what rounding on the last
 /// grid makes of them is then taken out. As elastin::RigidMotions.
 void set_free_motions(const SharedTangent& tangent, Mat operation) {
   const SharedModel& model = tangent.model();

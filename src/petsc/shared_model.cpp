@@ -1,7 +1,5 @@
 #include "petsc/shared_model.h"
 
-#include <algorithm>
-
 namespace elastin::petsc {
 
 SharedBody::SharedBody(const Body& given, MPI_Comm communicator) : communicator_(communicator), given_(given) {
@@ -125,12 +123,6 @@ double SharedBody::sum(double own) const {
   double total = 0;
   MPI_Allreduce(&own, &total, 1, MPI_DOUBLE, MPI_SUM, communicator_);
   return total;
-}
-
-bool SharedBody::all(bool own) const {
-  int one = own, every = 0;
-  MPI_Allreduce(&one, &every, 1, MPI_INT, MPI_LAND, communicator_);
-  return every != 0;
 }
 
 double SharedBody::largest(double own) const {

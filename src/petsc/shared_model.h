@@ -50,7 +50,6 @@ class SharedBody {
   /// Owned columns, for all molecules of what was given.
   void gather(const Positions& owned, Positions& given) const;
   double sum(double own) const;
-  bool all(bool own) const;
   double largest(double own) const;
 
  private:

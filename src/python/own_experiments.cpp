@@ -1,7 +1,5 @@
 #include <pybind11/eigen.h>
 
-#include <cctype>
-
 #include "elastin/lab/experiment/experiment_catalog.h"
 #include "lab/run/common_measures.h"
 #include "python/bind.h"

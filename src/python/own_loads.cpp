@@ -1,6 +1,5 @@
 #include <pybind11/eigen.h>
 
-#include <cmath>
 #include <limits>
 
 #include "core/solve/newton.h"

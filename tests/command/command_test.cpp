@@ -134,7 +134,8 @@ TEST_CASE("exit code 1: an expectation or the run failed", "[command]") {
 }
 
 TEST_CASE("what rounding alone makes of the load is no equilibrium", "[command]") {
-  // Beside an end 10¹² times as stiff, forces are known no better than the load is large: the body did not move at all.
+  // Next to an end 10¹² times as stiff, forces are known no better than the load is large: the body did not move at
+  // all.
   const TemporaryFolder folder;
   const std::string contrast = text_of_file(ELASTIN_SOURCE_DIR "/scenes/hard/contrast.yaml");
   const Said said = say("run " + folder.write("contrast.yaml", replaced(contrast, "1e6", "1e12")));

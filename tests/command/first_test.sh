@@ -7,7 +7,7 @@ work=$(mktemp -d)
 trap 'rm -rf -- "$work"' EXIT
 fail() { echo "$1"; exit 1; }
 
-# A copy, whose script of the whole program says what it was asked for.
+# A copy, whose script of the whole program says how it was called.
 mkdir "$work/first"
 cp -- "$first" "$work/first/elastin"
 ln -s -- "$(dirname -- "$whole")/../lib" "$work/lib"

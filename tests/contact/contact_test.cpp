@@ -276,7 +276,7 @@ TEST_CASE("contact: a block slides from the angle of friction on, with g (sin âˆ
     rotate(body, incline(angle).pose.turn);
     Scene scene(body, options_of(1e9, mu, {incline(angle)}));
     const Vector3 down = incline(angle).pose.turn.col(0);
-    // Pressed on by its weight's normal part before it is let go, or it bounces.
+    // Pressed on by its weight's normal part before it is released, or it bounces.
     scene.step({"backward_euler"}, 0.01, 20);
     const double before = scene.speed().dot(down);
     scene.step({"backward_euler"}, 0.01, 100);

@@ -255,7 +255,7 @@ TEST_CASE("Nastran files in free, small and large fields", "[mesh_file]") {
   }
 }
 
-TEST_CASE("Nastran and I-DEAS files: what is wrong is told by line and column", "[mesh_file]") {
+TEST_CASE("Nastran and I-DEAS files: what is wrong is reported by line and column", "[mesh_file]") {
   const std::string nodes = "GRID,1,,0.,0.,0.\nGRID,2,,1.,0.,0.\nGRID,3,,0.,1.,0.\nGRID,4,,0.,0.,1.\n";
   for (const auto& [text, message] : std::vector<std::pair<std::string, std::string>>{
            {nodes + "CTETRA,9,1,1,2,3,5\n", "a.bdf:5:18: cell 9 uses node 5, which no GRID has"},
@@ -340,7 +340,7 @@ TEST_CASE("each piece of a vtu file counts its own points", "[mesh_file]") {
   REQUIRE(two.points.col(7) == Vector3(0, 0, 2));
 }
 
-TEST_CASE("a file that can't be opened is told by name", "[mesh_file]") {
+TEST_CASE("a file that can't be opened is reported by name", "[mesh_file]") {
   CHECK_THROWS_WITH(load_mesh("no/such.msh"), "no/such.msh: cannot open: No such file or directory");
   const TemporaryFolder folder;
   const std::string pipe = folder.path("pipe.msh");
@@ -350,7 +350,7 @@ TEST_CASE("a file that can't be opened is told by name", "[mesh_file]") {
   CHECK_THROWS_WITH(load_mesh("dir.msh/name"), Catch::StartsWith("dir.msh/name: unknown ending ''; allowed: .msh"));
 }
 
-TEST_CASE("Gmsh files: what is wrong is told by line and column", "[mesh_file]") {
+TEST_CASE("Gmsh files: what is wrong is reported by line and column", "[mesh_file]") {
   check_messages({
       {"a.msh", "", "a.msh:1:1: expected $MeshFormat, but the data ends here"},
       {"a.msh", "solid cube\n", "a.msh:1:1: expected $MeshFormat, found 'solid'"},
@@ -399,7 +399,7 @@ TEST_CASE("Gmsh files: what is wrong is told by line and column", "[mesh_file]")
   });
 }
 
-TEST_CASE("binary files: what is wrong is told by its byte", "[mesh_file]") {
+TEST_CASE("binary files: what is wrong is reported by its byte", "[mesh_file]") {
   const std::string gmsh = binary_22(std::endian::little);
   std::string byte_order = gmsh, bad_index = gmsh, not_finite = gmsh;
   byte_order[20] = 7;
@@ -421,7 +421,7 @@ TEST_CASE("binary files: what is wrong is told by its byte", "[mesh_file]") {
   });
 }
 
-TEST_CASE("legacy VTK files: what is wrong is told by line and column", "[mesh_file]") {
+TEST_CASE("legacy VTK files: what is wrong is reported by line and column", "[mesh_file]") {
   check_messages({
       {"a.vtk", "", "a.vtk:1:1: expected #, but the data ends here"},
       {"a.vtk", replaced(one_30, "3.0", "1.0"),
@@ -468,7 +468,7 @@ TEST_CASE("legacy VTK files: what is wrong is told by line and column", "[mesh_f
   });
 }
 
-TEST_CASE("VTK XML files: what is wrong is told by line and column", "[mesh_file]") {
+TEST_CASE("VTK XML files: what is wrong is reported by line and column", "[mesh_file]") {
   const std::string raw = fixture("vtk_appended_raw.vtu").bytes, base64 = fixture("vtk_binary.vtu").bytes,
                     packed = fixture("meshio_zlib.vtu").bytes;
   const std::size_t block = packed.find("eJ", packed.find("connectivity"));  // how zlib data begin, in base64

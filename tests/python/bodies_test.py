@@ -81,7 +81,7 @@ class Bodies(unittest.TestCase):
                                          numpy.sort(body.connections[connection_from], axis=1))
 
     def test_cells_give_connections_and_masses(self):
-        body = elastin.Body(CORNERS, tetrahedra=[[0, 2, 1, 3]])  # turned over: it comes out right
+        body = elastin.Body(CORNERS, tetrahedra=[[0, 2, 1, 3]])  # inverted: it is reordered
         self.assertEqual(len(body.connections), 6)
         self.assertEqual(sorted(body.tetrahedra[0]), [0, 1, 2, 3])
         a, b, c, d = CORNERS[body.tetrahedra[0]]

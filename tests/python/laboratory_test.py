@@ -139,7 +139,7 @@ class Engines(unittest.TestCase):
         result = elastin.measure(self.solved, self.BAR, engines={"dt": 0.002, "iterations": 7}, **self.TEST)
         self.assertEqual(self.seen, (0.002, 7, 50.0, [{"molecule": 2, "force": [0, 0, 0.01]}]))
         self.assertEqual((result.outcome, result.strategy), ("converged", "engine"))
-        # stress over strain: (f / A) / (2 f / k / L)
+        # stress / strain: (f / A) / (2 f / k / L)
         self.assertAlmostEqual(result.measures["effective_modulus"], 50 * 0.02 / 2 / 1e-4, delta=1e-6)
 
     def test_wrong_answers_are_outcomes_and_errors_come_out(self):

@@ -1,4 +1,4 @@
-"""Scenes without a file: dicts, bodies, arrays, experiments. What comes of them is what comes of the file."""
+"""Scenes without a file: dicts, bodies, arrays, experiments. Their results are those of the file."""
 
 import inspect
 import os

@@ -42,7 +42,7 @@ async function sound(browser) {
   const words = await browser.eval('(document.body.innerText.match(/.{0,30}(NaN|undefined|Infinity).{0,20}/) ?? [])[0]');
   must(!words, `the page says "${words}"`);
   const outside = browser.asked.filter(address => !/^(file|blob|data|about):/.test(address));
-  must(outside.length === 0, `the page asked for ${outside}`);
+  must(outside.length === 0, `the page requested ${outside}`);
 }
 
 async function drag_by_mouse(browser) {

@@ -167,8 +167,8 @@ std::vector<Figures> steady(int side, const Contender& contender, double seconds
   if (!contender.integrator.scheme->effort.empty())
     for (int look = 0; look < 100; ++look) {
       host.one_step();
-      const auto [distance, way] = host.tissue().iteration_error(kStep);
-      off = std::max(off, distance), motion = std::max(motion, way);
+      const auto [distance, step] = host.tissue().iteration_error(kStep);
+      off = std::max(off, distance), motion = std::max(motion, step);
     }
   for (Figures* figures : {&clock, &processor}) {
     figures->molecules = host.tissue().body().size();

@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 #include <fmt/os.h>
 
-#include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>

@@ -89,8 +89,8 @@ enum { ELASTIN_AXIS = 1, ELASTIN_FACE = 2, ELASTIN_SPACE = 4 };
 /* A cubic lattice of counts[0] * counts[1] * counts[2] molecules, spacing [m] along x, y, z, density [kg/m^3]. */
 ELASTIN_API elastin_status elastin_lattice(const int counts[3], const double spacing[3], int pattern, double density,
                                            elastin_body** body);
-/* A mesh file (.msh, .vtk, .vtu, .inp, .bdf, .nas, .unv, .off, .ply, .obj, .stl) whose numbers are in `length_unit`
- * [m]: 1e-3 of millimetres. */
+/* A mesh file, of any kind that body.mesh of a scene reads, whose numbers are in `length_unit` [m]: 1e-3 of
+ * millimetres. */
 ELASTIN_API elastin_status elastin_body_from_mesh(const char* path, double length_unit, double density,
                                                   double thickness, elastin_body** body);
 ELASTIN_API void elastin_body_free(elastin_body* body); /* null is allowed */

@@ -24,17 +24,13 @@ struct Mesh {
   std::string comment;  ///< what was left out, e.g. "12 lines, 3 points and 4 unused points left out"; empty if nothing
 };
 
-/// Reads Gmsh .msh (1, 2 and 4.1, ASCII and binary), legacy VTK .vtk (unstructured grid, ASCII and binary) and VTK
-/// XML .vtu (ASCII, base64 and raw appended, plain and zlib-compressed), and surfaces of triangles from .ply (ASCII and
-/// binary), .off, .obj and .stl (corners at the same position are one point, in single precision; errors of the last
-/// three name the face), Abaqus .inp (nodes, elements, sets, parts and their instances, other files that it names),
-/// Nastran .bdf or .nas (GRID, CTETRA, CHEXA, CPENTA, CTRIA3, CTRIA6) and I-DEAS .unv (nodes, elements, groups), chosen
-/// by the file's ending. Cells of the table of shapes are used; what may stand next to a solid is left out: points,
-/// lines, springs, masses, quadrangles; others (pyramids, prisms of second order) are refused by name, and so is a
-/// keyword that would change the mesh. Throws InputError with file:line:column and what was expected: missing file,
-/// unknown ending (with the command that converts the file, where there is one) or version, a truncated section, an
-/// index that names no point, a coordinate that is not finite, no triangle and no tetrahedron, a flat cell
-/// (of a surface file a flat triangle is dropped).
+/// Reads a file of one of mesh_formats(), chosen by its ending, text or binary, packed or not. Corners of a surface at
+/// the same position are one point, in single precision. Cells of the table of shapes are used; what may stand next to
+/// a solid is left out: points, lines, springs, masses, quadrangles; others (pyramids, prisms of second order) are
+/// refused by name, and so is a keyword that would change the mesh. Throws InputError with file:line:column and what
+/// was expected: missing file, unknown ending (with the command that converts the file, where there is one) or version,
+/// a truncated section, an index that names no point, a coordinate that is not finite, no triangle and no tetrahedron,
+/// a flat cell (of a surface file a flat triangle is dropped).
 ///
 /// Points and cells keep the file's order, unless there are 10 000 points or more and the numbers in a cell are several
 /// times as far apart as by order_in_space: then they get that order, for passes over them would wait for the memory.

@@ -28,8 +28,8 @@ int end(int code, void (*last_words)() = nullptr);
 /// Every process hands over the same whole model and gets the same whole result, or that of its share of a body
 /// (Body::share) and gets what belongs to it. Of shares it also balances implicit steps, and explicit ones take from it
 /// what gives ghosts what their owners have (Model::complete_rows). Models in equilibrium with loads that change as the
-/// body moves, with laws that remember, and, of a whole body, with cells that are driven at their nodes are not taken;
-/// see StaticEngine::unsuited.
+/// body moves, with laws that have a history, and, of a whole body, with cells that are driven at their nodes are not
+/// taken; see StaticEngine::unsuited.
 std::shared_ptr<StaticEngine> make_engine();
 
 /// Makes the engine `petsc` of a catalog one that works.

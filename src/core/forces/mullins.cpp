@@ -2,7 +2,6 @@
 
 #include <cmath>
 #include <numbers>
-#include <utility>
 
 #include "elastin/core/base/error.h"
 #include "elastin/core/base/text.h"

@@ -1,7 +1,6 @@
 #include "core/forces/surface_load.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "core/base/cross_matrix.h"
 #include "core/geometry/boundary.h"

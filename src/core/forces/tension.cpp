@@ -1,7 +1,6 @@
 #include "elastin/core/forces/tension.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "core/model/incidence.h"

@@ -1,7 +1,6 @@
 #include "elastin/core/geometry/numbering.h"
 
 #include <algorithm>
-#include <array>
 #include <cstdint>
 #include <numeric>
 

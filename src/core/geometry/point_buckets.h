@@ -11,7 +11,7 @@ namespace elastin {
 /// 21 bits an axis do not tell their cubes apart share some.
 class PointBuckets {
  public:
-  /// @param size side of a cube [m], > 0: the largest distance that is asked about.
+  /// @param size side of a cube [m], > 0: the largest distance that is searched.
   explicit PointBuckets(double size) : size_(size) {}
 
   void add(const Vector3& point, int number) { members_[key(cube_of(point))].push_back(number); }

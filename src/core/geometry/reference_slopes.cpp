@@ -1,7 +1,5 @@
 #include "core/geometry/reference_slopes.h"
 
-#include <cmath>
-
 namespace elastin {
 namespace {
 

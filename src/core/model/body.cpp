@@ -2,7 +2,6 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <cmath>
 #include <numeric>
 #include <utility>
 
@@ -45,7 +44,7 @@ Connections with_present_lengths(const Positions& positions, std::vector<std::ar
   return connections;
 }
 
-/// More connections than this is a slip of the pen: each molecule would have a thousand neighbours.
+/// More connections than this is a mistake: each molecule would have a thousand neighbours.
 std::size_t most_connections(Eigen::Index molecules) {
   constexpr std::size_t few = 1000000, all = 500000000;
   return std::clamp(500 * static_cast<std::size_t>(molecules), few, all);

@@ -1,7 +1,6 @@
 #include "core/model/carried_points.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <utility>
 

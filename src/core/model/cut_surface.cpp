@@ -1,4 +1,3 @@
-#include <cmath>
 
 #include "elastin/core/base/error.h"
 #include "elastin/core/model/topology.h"

@@ -8,7 +8,6 @@
 #include "core/model/carried_points.h"
 #include "core/parallel/parallel.h"
 #include "elastin/core/base/error.h"
-#include "elastin/core/base/text.h"
 
 namespace elastin {
 namespace {

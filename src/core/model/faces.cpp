@@ -1,7 +1,6 @@
 #include "core/model/faces.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numeric>
 #include <utility>

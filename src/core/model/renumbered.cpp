@@ -145,7 +145,7 @@ RenumberedBody parts_of_labels(const Body& body, const std::vector<int>& labels)
   const bool solid = !body.tetrahedra.empty(), cubes = !body.cubes.empty();
   if (body.cell_stiffness.size() || (cubes && (solid || !body.triangles.empty())))
     throw InputError(
-        "labels: a body with cubes beside other cells, or with a stiffness of each cell, keeps it: give materials to "
+        "labels: a body with cubes next to other cells, or with a stiffness of each cell, keeps it: give materials to "
         "labels");
   const std::vector<LabelledCell> cells = labelled_cells(body, labels);
   const auto nodes = [&](const LabelledCell& cell) {

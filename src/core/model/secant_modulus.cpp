@@ -1,6 +1,5 @@
 // Stress-strain curves written as a secant modulus E(ε) = σ/ε.
 
-#include <algorithm>
 #include <cmath>
 #include <cstdio>
 

@@ -1,7 +1,6 @@
 #include "elastin/core/model/subdomain.h"
 
 #include <algorithm>
-#include <cmath>
 #include <numeric>
 #include <span>
 #include <utility>

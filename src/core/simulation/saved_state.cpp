@@ -1,6 +1,5 @@
 #include "elastin/core/simulation/saved_state.h"
 
-#include <array>
 #include <cstdint>
 #include <cstring>
 #include <string>

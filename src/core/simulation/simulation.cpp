@@ -458,13 +458,13 @@ std::pair<double, double> Simulation::iteration_error(double dt) {
     in.model.begin_step(in.work, in.work.time);
     return result.outcome == Outcome::converged ? positions : Positions();
   };
-  const Positions short_way = reached(1);
+  const Positions cut_short = reached(1);
   auto own = std::exchange(in.integrator, make_integrator(converged));
   const Positions balance = reached(own_parts == values.end() ? 1 : static_cast<int>(own_parts->second));
   in.integrator = std::move(own);
   constexpr double none = std::numeric_limits<double>::quiet_NaN();
-  if (short_way.size() == 0 || balance.size() == 0) return {none, none};
-  return {(short_way - balance).colwise().norm().maxCoeff(),
+  if (cut_short.size() == 0 || balance.size() == 0) return {none, none};
+  return {(cut_short - balance).colwise().norm().maxCoeff(),
           (balance - in.shown.positions).colwise().norm().maxCoeff()};
 }
 

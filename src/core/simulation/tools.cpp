@@ -1,7 +1,6 @@
 #include "core/simulation/tools.h"
 
 #include <algorithm>
-#include <utility>
 
 #include "core/simulation/simulation_impl.h"
 #include "elastin/core/base/error.h"
@@ -33,14 +32,14 @@ Pose Tools::pose(ToolId number, double time) const {
   const double span = end - start;
   double part = std::clamp((time - start) / span, 0., 1.);
   if (part > 1 - 1e-9) part = 1;  // the sum of a step's parts is off by its rounding
-  const Eigen::AngleAxisd way(Matrix3(tool.next->turn * tool.pose.turn.transpose()));
+  const Eigen::AngleAxisd turned(Matrix3(tool.next->turn * tool.pose.turn.transpose()));
   Pose pose;
   pose.position = tool.pose.position + part * (tool.next->position - tool.pose.position);
-  pose.turn = part == 1
-                  ? tool.next->turn
-                  : Matrix3(Eigen::AngleAxisd(part * way.angle(), way.axis()).toRotationMatrix() * tool.pose.turn);
+  pose.turn =
+      part == 1 ? tool.next->turn
+                : Matrix3(Eigen::AngleAxisd(part * turned.angle(), turned.axis()).toRotationMatrix() * tool.pose.turn);
   pose.velocity = (tool.next->position - tool.pose.position) / span;
-  pose.spin = way.angle() / span * way.axis();
+  pose.spin = turned.angle() / span * turned.axis();
   return pose;
 }
 

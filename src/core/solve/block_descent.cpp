@@ -80,16 +80,7 @@ class BlockDescent final : public Implicit {
     choose_start(model, next, kinematics);
     for (int round = 0; round == 0 || (round < 50 && model.update_multipliers(next)); ++round)
       descend(model, next, kinematics, result);
-    set_velocities(model, kinematics, next);
-    next.accelerations =
-        kinematics.accelerations + kinematics.weights.acceleration * (next.positions - kinematics.start);
-    if (!next.positions.allFinite()) {
-      result.outcome = Outcome::diverged;
-      result.cause = "the sweeps have no finite end";
-    } else if (!model.admissible(next.positions)) {
-      result.outcome = Outcome::inverted;
-      result.cause = inverted_text(model.body(), next.positions);
-    }
+    end_sweeps(model, kinematics, next, result);
     return result;
   }
 
@@ -163,7 +154,7 @@ class BlockDescent final : public Implicit {
     if (potential(model, trial_, weight) <= potential(model, next.positions, weight)) std::swap(trial_, next.positions);
   }
 
-  /// x ← ω (x − x₋₂) + x₋₂, where that turns no cell over.
+  /// x ← ω (x − x₋₂) + x₋₂, where that inverts no cell.
   void extrapolate(const Model& model, double omega, Positions& positions) {
     trial_ = positions;
     trial_ += (omega - 1) * (positions - older_);
@@ -293,11 +284,6 @@ class BlockDescent final : public Implicit {
 bool has_local_terms(const Model& model) {
   return std::all_of(model.elasticity().begin(), model.elasticity().end(),
                      [](const auto& law) { return law->local() != nullptr; });
-}
-
-void set_velocities(const Model& model, const Kinematics& kinematics, State& state) {
-  state.velocities = kinematics.velocities + kinematics.weights.velocity * (state.positions - kinematics.start);
-  move_with_supports(model.supports, state.velocities);
 }
 
 Stepper block_descent() {

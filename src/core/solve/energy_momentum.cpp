@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <vector>
 
 #include "core/parallel/parallel.h"
 #include "core/solve/implicit.h"

@@ -33,7 +33,7 @@ class Explicit final : public Integrator, public FrequencyWatch, public Transpos
   void watch(const SeenFrequency& before) override { watches_ = true, seen_ = before; }
   const SeenFrequency& seen() const override { return seen_; }
 
-  /// In parts where a stiffness sets in that the step is too long for, or something would be passed through.
+  /// In substeps where a stiffness sets in that the step is too long for, or something would be passed through.
   StepResult advance(Model& model, State& state, double dt) override {
     model.declare_history(state);
     const double substeps = std::max(1., std::ceil(dt * std::sqrt(model.square_frequency(state, dt))));
@@ -169,8 +169,8 @@ class Explicit final : public Integrator, public FrequencyWatch, public Transpos
         static_cast<int>(positions.cols()),
         [&](int i) {
           const Vector3 force = elastic.col(i) - seen_.elastic_forces.col(i),
-                        way = positions.col(i) - seen_.positions.col(i);
-          return Vector3(force.squaredNorm() / mass[i], -force.dot(way), mass[i] * positions.col(i).squaredNorm());
+                        motion = positions.col(i) - seen_.positions.col(i);
+          return Vector3(force.squaredNorm() / mass[i], -force.dot(motion), mass[i] * positions.col(i).squaredNorm());
         },
         Vector3::Zero(), kMoleculeThreshold);
     const double square = sums[0] / sums[1];
@@ -197,7 +197,7 @@ class Explicit final : public Integrator, public FrequencyWatch, public Transpos
     }
   }
 
-  /// So many molecules that what one loop leaves for the next stays near.
+  /// Molecules of one block: what one loop leaves for the next stays in the cache.
   static constexpr int kBlock = 64;
 
   static void set_inverse(const double* mass, int count, double* inverse) {

@@ -93,7 +93,18 @@ void Implicit::set_kinematics(const State& state, const Positions& a, double dt)
   kinematics_.accelerations = v * (-of_inertia / (beta * dt)) + a * (1 - of_inertia / (2 * beta));
 }
 
-/// Where the search starts: as if nothing changed, if that turns no cell over; else from where the body is.
+void Implicit::end_sweeps(const Model& model, const Kinematics& kinematics, State& next, StaticResult& result) {
+  follow(model, kinematics, next);
+  if (!next.positions.allFinite()) {
+    result.outcome = Outcome::diverged;
+    result.cause = "the sweeps have no finite end";
+  } else if (!model.admissible(next.positions)) {
+    result.outcome = Outcome::inverted;
+    result.cause = inverted_text(model.body(), next.positions);
+  }
+}
+
+/// Where the search starts: as if nothing changed, if that inverts no cell; else from where the body is.
 void Implicit::set_first_guess(const Model& model, const State& state, double dt) {
   const double share = shares_.forces;
   next_.positions = state.positions + share * dt * state.velocities;

@@ -40,6 +40,9 @@ class Implicit : public Integrator, public HasEffort {
   /// One step; the state stays if it fails, and the result then says why.
   virtual void try_step(Model& model, State& state, double dt, StepResult& result);
 
+  /// Of a balance by sweeps: all that follows from the positions that they reached, and whether these can be an end.
+  static void end_sweeps(const Model& model, const Kinematics& kinematics, State& next, StaticResult& result);
+
   void set_kinematics(const State& state, const Positions& accelerations, double dt);
   bool newmark() const { return beta_ > 0; }
   bool within() const { return shares_.forces != 1 || shares_.inertia != 1; }

@@ -31,6 +31,8 @@ void move_with_supports(const std::vector<Support>& supports, Positions& velocit
 
 /// Velocities that go with the positions; those of supports are their own.
 void set_velocities(const Model& model, const Kinematics& kinematics, State& state);
+/// And accelerations.
+void follow(const Model& model, const Kinematics& kinematics, State& state);
 
 /// Whether all elastic laws of a model are sums over elements, see Elasticity::local.
 bool has_local_terms(const Model& model);

@@ -1,6 +1,5 @@
 #include "core/solve/transposed_step.h"
 
-#include <algorithm>
 #include <string>
 
 namespace elastin {

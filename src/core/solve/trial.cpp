@@ -45,14 +45,6 @@ void set_balance(const Problem& problem, const State& state, Balance& result, Tr
   result.norm = problem.norm(result.unbalanced);
 }
 
-/// Velocities and accelerations that go with the positions; supports move as they say.
-void follow(const Model& model, const Kinematics& kinematics, State& state) {
-  const Weights& weights = kinematics.weights;
-  state.velocities = kinematics.velocities + weights.velocity * (state.positions - kinematics.start);
-  state.accelerations = kinematics.accelerations + weights.acceleration * (state.positions - kinematics.start);
-  move_with_supports(model.supports, state.velocities);
-}
-
 /// What rounding of the positions does to the energy [J].
 double noise_of(const Problem& problem, const Trial& trial, TrialWorkspace& workspace) {
   const Model& model = problem.model;
@@ -81,6 +73,17 @@ void set_state(const State& from, double factor, const Positions& motion, State&
 }
 
 }  // namespace
+
+void set_velocities(const Model& model, const Kinematics& kinematics, State& state) {
+  state.velocities = kinematics.velocities + kinematics.weights.velocity * (state.positions - kinematics.start);
+  move_with_supports(model.supports, state.velocities);
+}
+
+void follow(const Model& model, const Kinematics& kinematics, State& state) {
+  set_velocities(model, kinematics, state);
+  state.accelerations =
+      kinematics.accelerations + kinematics.weights.acceleration * (state.positions - kinematics.start);
+}
 
 double step_energy(const Model& model, const Kinematics& kinematics, const Positions& positions) {
   const VectorX& mass = model.body().mass;

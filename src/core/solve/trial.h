@@ -34,7 +34,7 @@ class SharedProblem {
     virtual ~Linearised() = default;
     virtual double rounding_floor() const = 0;
     virtual LinearResult solve(const Positions& rhs, double tolerance, Positions& motion, UsedSolver& used) = 0;
-    /// A direction of negative stiffness; no columns where there is none.
+    /// A direction of negative stiffness; no columns without one.
     virtual Positions way_down(int& iterations) = 0;
   };
 

@@ -123,15 +123,7 @@ class Xpbd final : public Implicit {
       project_cells(next.positions, weight);
       ++result.newton_iterations;
     }
-    set_velocities(model, kinematics, next);
-    next.accelerations = kinematics.accelerations + weight * (next.positions - kinematics.start);
-    if (!next.positions.allFinite()) {
-      result.outcome = Outcome::diverged;
-      result.cause = "the iterations have no finite end";
-    } else if (!model.admissible(next.positions)) {
-      result.outcome = Outcome::inverted;
-      result.cause = inverted_text(model.body(), next.positions);
-    }
+    end_sweeps(model, kinematics, next, result);
     return result;
   }
 

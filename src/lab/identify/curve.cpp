@@ -186,9 +186,9 @@ std::optional<ZeroPoint> find_toe(const VectorX& x, const VectorX& y) {
     const auto fit = fit_locally(x, y, centre, from, to, true);
     if (!fit || fit->rows < 5 || !(std::abs(fit->slope) > steepest)) continue;
     steepest = std::abs(fit->slope);
-    const double way = fit->value / fit->slope;
-    const double half = std::hypot(fit->value_half, way * fit->slope_half) / steepest;
-    zero = ZeroPoint{centre - way, centre - way - half, centre - way + half};
+    const double back = fit->value / fit->slope;
+    const double half = std::hypot(fit->value_half, back * fit->slope_half) / steepest;
+    zero = ZeroPoint{centre - back, centre - back - half, centre - back + half};
   }
   return zero;
 }

@@ -6,7 +6,6 @@
 #include <charconv>
 #include <cmath>
 #include <filesystem>
-#include <optional>
 
 #include "elastin/core/base/text.h"
 #include "lab/identify/columns.h"

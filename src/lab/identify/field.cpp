@@ -10,7 +10,6 @@
 #include <set>
 #include <utility>
 
-#include "core/base/named.h"
 #include "core/base/stopwatch.h"
 #include "core/linear/sparse_factor.h"
 #include "core/linear/sparse_stiffness.h"

@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-
 #include "lab/report/table.h"
 
 namespace elastin::lab {

@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "elastin/core/base/error.h"
-#include "elastin/core/base/text.h"
 #include "lab/live/live.h"
 
 namespace elastin::lab {

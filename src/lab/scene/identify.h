@@ -134,7 +134,7 @@ struct IdentifyTask {
   std::vector<UnknownChoice> unknowns;  ///< empty = all numbers of the law but those in `fixed`
   std::vector<std::string> fixed;
   std::optional<FieldChoice> field;
-  std::vector<PublishedNumber> published;  ///< of the material's own law, shown beside those found
+  std::vector<PublishedNumber> published;  ///< of the material's own law, shown next to those found
   std::string published_source;
   int starts = 0;                 ///< 0 = 8 of homogeneous tests, 1 of specimens
   std::vector<std::string> laws;  ///< that are compared; empty = the material's own

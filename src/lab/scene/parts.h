@@ -68,7 +68,7 @@ std::vector<StepperChoice> read_steppers(const std::string& names, const Table<S
 /// One axis as a command line gives it: "KEY.PATH=[value, …]" or "{KEY.PATH: [value, …], KEY.PATH: …}".
 StudyAxis read_axis(const std::string& text);
 
-/// Each combination of the axes' values, the last axis fastest: what becomes of which key. One empty combination
+/// Each combination of the axes' values, the last axis fastest: the value of each key. One empty combination
 /// without axes. Throws InputError where there are more than 100 000.
 std::vector<std::vector<std::pair<std::string, std::string>>> combinations(const std::vector<StudyAxis>& axes);
 

@@ -2,7 +2,6 @@
 #include <cmath>
 
 #include "config/scene_text.h"
-#include "core/base/named.h"
 #include "elastin/core/base/dense.h"
 #include "lab/scene/parts.h"
 #include "lab/scene/scene.h"

@@ -13,7 +13,6 @@
 #include "elastin/core/base/error.h"
 #include "elastin/core/base/text.h"
 #include "lab/report/comparison.h"
-#include "lab/report/files.h"
 #include "lab/report/records.h"
 #include "lab/report/screen.h"
 #include "lab/study/journal.h"
@@ -64,7 +63,6 @@ class Merge {
   std::vector<StudyFile> studies_;
   std::vector<PlannedRow> rows_;
   std::vector<int> shards_;  ///< of the rows, in the first folder's study
-  std::unordered_map<std::string, std::size_t> row_of_key_;
   std::unordered_map<std::string, Found> runs_;
   std::map<int, std::vector<std::string>> missing_;                      ///< names of rows by shard
   std::map<std::string, std::pair<Reference, std::size_t>> references_;  ///< with their folder; by scene and measure

@@ -12,7 +12,6 @@
 #include "core/base/named.h"
 #include "core/simulation/warnings.h"
 #include "elastin/core/base/error.h"
-#include "elastin/core/base/text.h"
 #include "elastin/core/base/units.h"
 #include "elastin/mesh/mesh_file.h"
 #include "lab/run/ends.h"

@@ -287,7 +287,7 @@ class Sequence {
 
  private:
   std::unique_ptr<Scene> scene_on_body();
-  /// Tells of the solution on this body, with what is known of it before; says at once that it begins.
+  /// Reports the solution on this body, with what is known of it before; says at once that it begins.
   std::function<void(const std::string&)> of_level(const std::function<void(const std::string&)>& progress,
                                                    const std::string& before = {}) const;
   /// Where one body alone is affordable: how far its cells' order moves the measures says how well they are known.

@@ -722,8 +722,8 @@ def lattice(molecules: Sequence[int], spacing: float | Sequence[float],
     default that of the material with which the body is used."""
 def read_mesh(path: Path, length_unit: Literal["m", "cm", "mm", "um", "nm"], *, radius: float | None = None,
               density: float = 1000.0, thickness: float = 0.0) -> Body:
-    """The body of a mesh file, .msh, .vtk or .vtu of tetrahedra or triangles, or .obj, .stl, .ply, whose numbers are in
-    length_unit "m", "cm", "mm", "um" or "nm"; triangles have a thickness [m]. radius and density as for lattice."""
+    """The body of a mesh file, of any kind that body.mesh of a scene reads, whose numbers are in length_unit "m", "cm",
+    "mm", "um" or "nm"; triangles have a thickness [m]. radius and density as for lattice."""
 def law(name: str, energy: Callable[..., Any], *, summary: str = "", source: str = "",
         membrane: bool = False) -> Strategy:
     """A cell law of one's own for compare, run and Simulation, from its energy density W [J/m^3]:

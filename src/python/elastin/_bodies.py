@@ -54,8 +54,8 @@ def lattice(molecules, spacing, connections=("axis", "face"), *, radius=None, de
 
 
 def read_mesh(path, length_unit, *, radius=None, density=None, thickness=0.0):
-    """The body of a mesh file, .msh, .vtk or .vtu of tetrahedra or triangles, or .obj, .stl, .ply, whose numbers are in
-    length_unit "m", "cm", "mm", "um" or "nm"; triangles have a thickness [m]. radius and density as for lattice."""
+    """The body of a mesh file, of any kind that body.mesh of a scene reads, whose numbers are in length_unit "m", "cm",
+    "mm", "um" or "nm"; triangles have a thickness [m]. radius and density as for lattice."""
     described = {"mesh": {"file": os.fspath(path), "length_unit": length_unit}}
     if radius is not None:
         described["radius"] = radius

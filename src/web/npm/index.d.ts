@@ -70,7 +70,7 @@ export interface Parameter {
   default?: number;
 }
 
-/** @param wasm the bytes of elastin.wasm or its address; in node it is found beside this file. */
+/** @param wasm the bytes of elastin.wasm or its address; in node it is found next to this file. */
 export function load(options?: {wasm?: Uint8Array | string | URL}): Promise<Elastin>;
 
 export class Elastin {

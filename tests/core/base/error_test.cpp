@@ -6,7 +6,7 @@
 
 using namespace elastin;
 
-TEST_CASE("the nearest name is the one with the fewest slips", "[error]") {
+TEST_CASE("the nearest name is the one with the fewest mistakes", "[error]") {
   const std::vector<std::string> names{"radius", "lattice", "packing", "tetrahedra", "mesh", "x"};
   struct Row {
     const char* word;

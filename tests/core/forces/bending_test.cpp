@@ -35,8 +35,8 @@ struct Cantilever {
   int squares;
 };
 
-/// Way down of the tip's middle [m] under a force on the tip's side, spread by length; two rows of molecules are held,
-/// and the length counts from the middle between them.
+/// Downward displacement of the tip's middle [m] under a force on the tip's side, spread by length; two rows of
+/// molecules are held, and the length counts from the middle between them.
 double tip_displacement(const Cantilever& c, double force, bool linear, double* shortening = nullptr) {
   const double h = c.width / c.squares;
   const int along = static_cast<int>(std::lround(c.length / h));

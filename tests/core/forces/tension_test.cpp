@@ -16,7 +16,7 @@ using namespace elastin::lab;
 
 namespace {
 
-/// A sheet of 0.2 × 0.1 m whose rim is sheared by γ along x: way = γ y.
+/// A sheet of 0.2 × 0.1 m whose rim is sheared by γ along x: displacement = γ y.
 struct Sheared {
   Body body = rectangular_sheet({0.2, 0.1}, {8, 4}, SheetPattern::alternating);
   Material material{.youngs_modulus = 1e6, .poissons_ratio = 0.3, .thickness = 1e-4};

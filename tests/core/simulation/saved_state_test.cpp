@@ -47,7 +47,7 @@ TEST_CASE("the history of a load is committed with each step, and goes through a
     const std::vector<char> bytes = bytes_of(whole.save());
     const SimulationState read = simulation_state_of(bytes.data(), bytes.size());
     REQUIRE(read.state.find_history("ratchet"));
-    CHECK(read.state.find_history("ratchet")->values[0] >= 5);  // explicit steps go in parts
+    CHECK(read.state.find_history("ratchet")->values[0] >= 5);  // explicit steps go in substeps
     CHECK(bytes_of(read) == bytes);
     step(whole, 5);
     other.restore(read);

@@ -310,7 +310,7 @@ TEST_CASE("simulation: a step that cannot be leaves the state as it was and says
     tissue.move_coupling(coupling, Vector3(kNaN, 0, 0));
     refused(kStep, "coupling 1 was moved to a position or at a velocity that is not finite");
     tissue.decouple(coupling);
-    // Through the body's other side: some cell must turn over.
+    // Through the body's other side: some cell must be inverted.
     tissue.move_to(0, tissue.body().rest.rightCols(1) * 3);
     const StepResult result = tissue.step(kStep);
     CHECK(result.outcome == Outcome::inverted);

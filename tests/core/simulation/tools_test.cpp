@@ -71,7 +71,7 @@ TEST_CASE("a tool goes from pose to pose at constant speed and spin", "[tools]")
   CHECK(tissue.tool_pose(tool).position == next.position);  // the step was not taken
   tissue.restore(saved);
   REQUIRE(tissue.step(kStep).outcome == Outcome::converged);
-  CHECK(tissue.tool_pose(tool).position == next.position);  // nor is it remembered where it was to go
+  CHECK(tissue.tool_pose(tool).position == next.position);  // nor is it kept where it was to go
   tissue.move_tool(tool, {0, 0, 1e-3});
   REQUIRE(tissue.step(kStep).outcome == Outcome::converged);
   CHECK(tissue.tool_pose(tool).turn == next.turn);  // who says no turn turns nothing back

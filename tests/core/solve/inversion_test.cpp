@@ -39,7 +39,7 @@ std::vector<int> inverted_cells(const Body& body, const Positions& positions) {
 
 }  // namespace
 
-TEST_CASE("a step that would turn a cell over is cut, counted, and the answer is right", "[inversion]") {
+TEST_CASE("a step that would invert a cell is cut, counted, and the answer is right", "[inversion]") {
   // Nominal stress −1.5 E at once: the first Newton step, linear, would press the slab to −50 % of its height. The slab
   // is so wide that it does not tilt.
   constexpr double E = 1e4, nu = 0.3, stress = -1.5 * E, area = 0.06 * 0.06;
@@ -84,7 +84,7 @@ TEST_CASE("cells that are inverted at rest are named", "[inversion]") {
     CHECK_THAT(run.cause, Contains(names + " of " + std::to_string(body.tetrahedra.size())) &&
                               Contains("flat or inverted at rest"));
   }
-  CHECK(pressed(specimen, 1e-6, "standard").outcome == Outcome::converged);  // springs have no cells to turn over
+  CHECK(pressed(specimen, 1e-6, "standard").outcome == Outcome::converged);  // springs have no cells to invert
 }
 
 TEST_CASE("a state that starts with cells inverted is named", "[inversion]") {

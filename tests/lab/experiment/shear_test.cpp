@@ -84,7 +84,7 @@ TEST_CASE("a clamped cube in shear tends to the converged finite elements", "[sh
   }
 }
 
-TEST_CASE("the force of shear is the slope of the energy over the way", "[shear]") {
+TEST_CASE("the force of shear is the slope of the energy over the displacement", "[shear]") {
   const Specimen specimen = jittered_specimen(BlockKind::alternating, 0.3);
   const auto at = [&](double displacement) {
     ShearSetup setup;

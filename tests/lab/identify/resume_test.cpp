@@ -19,7 +19,7 @@ const std::string kTreloar = std::string(ELASTIN_SOURCE_DIR) + "/scenes/identify
 
 }  // namespace
 
-TEST_CASE("an interrupted search is told as such, keeps its best, and goes on from there", "[identify]") {
+TEST_CASE("an interrupted search says so, keeps its best, and goes on from there", "[identify]") {
   const TemporaryFolder folder;
   const Answer whole = identify(kTreloar, kCatalog, {.laws = "yeoh/3"}).front();
   {

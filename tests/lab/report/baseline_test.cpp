@@ -25,7 +25,7 @@ Record run_of(const std::string& strategy, double modulus, double seconds) {
 
 }  // namespace
 
-TEST_CASE("what changed since an earlier run is told run by run", "[baseline]") {
+TEST_CASE("what changed since an earlier run is stated run by run", "[baseline]") {
   const TemporaryFolder folder;
   {
     Journal journal(folder.path(""), false, {});

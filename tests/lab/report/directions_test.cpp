@@ -197,7 +197,7 @@ TEST_CASE("a comparison measures what it recommends in all directions", "[direct
   CHECK_THAT(text_of_file(alone.path("out")), Contains("in shear; nothing was run beyond"));
 }
 
-TEST_CASE("where no modulus is to be had in other directions the reason is told", "[directions][command]") {
+TEST_CASE("where no other direction has a modulus the reason is stated", "[directions][command]") {
   const std::string pull = "kind: tension, axis: z, displacement: 1 um";
   for (const auto& [body, why] :
        {std::pair{

@@ -483,7 +483,7 @@ TEST_CASE("texts have no escape codes unless colours are requested", "[files]") 
   }
 }
 
-TEST_CASE("a comparison says what came of each strategy and which to take", "[files]") {
+TEST_CASE("a comparison states the result of each strategy and which is recommended", "[files]") {
   std::vector<Record> all = all_outcomes();
   for (Record& record : all) compare_with_material(record);
   all.back().errors.clear();  // nothing of it is a number
@@ -505,7 +505,7 @@ TEST_CASE("a comparison says what came of each strategy and which to take", "[fi
              Contains("warning: mechanism: 12 zero-energy modes; the load is solved (somehow)\n"));
   warned.front().run.warnings.clear();
   CHECK_THAT(comparison_text(warned, false), !Contains("with a warning"));
-  // Where nothing is near, what is nearer with a warning is told as well.
+  // Where nothing is near, what is nearer with a warning is stated as well.
   warned.front().run.warnings = {"mechanism"};
   for (Record& record : warned)
     for (auto& [name, error] : record.errors) error *= 50;

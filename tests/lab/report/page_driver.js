@@ -1,4 +1,4 @@
-// Put at the end of a page by page_test.cpp: does what a visitor does and says on the console what came of it: DRIVEN and a line of JSON.
+// Put at the end of a page by page_test.cpp: does what a visitor does and prints the result on the console: DRIVEN and a line of JSON.
 'use strict';
 
 const seconds = time => new Promise(done => setTimeout(done, 1000 * time));

@@ -81,7 +81,7 @@ class Hand(unittest.TestCase):
         strain, stress = re.search(r"strain (\S+ %), nominal stress (\S+ \S+)$", self.tip()).groups()
         with open(self.out + "/block-lattice-curve.csv", encoding="utf8") as file:
             last = list(csv.DictReader(file))[-1]
-        self.assertAlmostEqual(number(strain) / float(last["strain"]), 1, delta=1e-3)  # four digits are told
+        self.assertAlmostEqual(number(strain) / float(last["strain"]), 1, delta=1e-3)  # four digits are shown
         self.assertAlmostEqual(number(stress) / float(last["stress [Pa]"]), 1, delta=1e-3)
         cross = self.page.run("(() => { const c = document.querySelectorAll('figure')[1].querySelector('svg.wide .cross'), "
                               "b = c.getBoundingClientRect(), l = c.ownerSVGElement.dataset.box.split(' ').map(Number); "
@@ -116,7 +116,7 @@ class Hand(unittest.TestCase):
         shown = "[...document.querySelectorAll('svg.wide .series[data-series=standard]')].map(s => getComputedStyle(s).display)"
         key = "document.querySelector('svg.wide .key[data-series=standard]')"
         self.page.click(*self.page.place(key))
-        self.assertEqual(self.page.run(shown), ["none"] * 3)  # error, stress over strain, force over elongation
+        self.assertEqual(self.page.run(shown), ["none"] * 3)  # error, stress–strain, force over elongation
         self.assertEqual(self.page.run(key + ".getAttribute('aria-pressed')"), "false")
         self.page.click(*self.page.place(key))
         self.assertEqual(self.page.run(shown), ["inline"] * 3)
@@ -256,7 +256,7 @@ class Run(unittest.TestCase):
                 stresses = page.run("[...document.querySelector('.scene').stage.runs.values()][0].frames.at(-1).stresses.reduce("
                                     "([low, high], s) => [Math.min(low, s), Math.max(high, s)], [Infinity, 0])")
             for stress in stresses:
-                self.assertAlmostEqual(stress / wanted, 1, delta=1e-3)  # stresses are told in steps of 2^-12
+                self.assertAlmostEqual(stress / wanted, 1, delta=1e-3)  # stresses are stored in steps of 2^-12
 
 
 class Obstacles(unittest.TestCase):

@@ -38,7 +38,7 @@ Plot logarithmic(std::vector<PlotPoint> points) {
 
 }  // namespace
 
-TEST_CASE("equal ratios are equal ways on logarithmic axes", "[plot]") {
+TEST_CASE("equal ratios are equal distances on logarithmic axes", "[plot]") {
   const Plot plot = logarithmic({{1e-3, 1e-1, "p"}, {1e-2, 1e-2, "q"}, {1, 1e-4, "r"}});
   for (const bool alone : {false, true}) {
     const auto marks = marks_of(svg_text(plot, 600, alone));

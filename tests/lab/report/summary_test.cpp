@@ -34,7 +34,7 @@ const StrategySummary& row_of(const Summary& summary, const std::string& strateg
   throw std::runtime_error("no row of " + strategy);
 }
 
-/// Three bodies; every figure below can be told by looking at them.
+/// Three bodies; every figure below can be read off by looking at them.
 std::vector<Record> three_bodies() {
   std::vector<Record> all{record("a", "standard", 1.0, 0.05, 2),
                           record("a", "exact", -0.001, 0.002, 3),

@@ -66,7 +66,7 @@ struct Units {
 
 enum class Kind { springs, cells, second_order, sheet };
 
-/// A scene in parts, and what is known of it.
+/// The parts of a scene, and what is known of it.
 struct Drawn {
   std::string body, material, stiffness, experiment, more, time, rotate, solver = "linear_solver: automatic";
   Kind kind = Kind::cells;

@@ -419,7 +419,7 @@ TEST_CASE("a restart file of another run, or a damaged one, is refused", "[time]
 }
 
 TEST_CASE("implicit steps that make more energy than there is end with that as the cause", "[time]") {
-  // Springs that are stretched by 40 % and let go: the trapezoidal rule gains energy from their turns.
+  // Springs that are stretched by 40 % and released: the trapezoidal rule gains energy from their turns.
   const Run run = run_of(
       "body: {lattice: {kind: cubic, molecules: [4, 4, 6], spacing: 10 mm, connections: [axis, face]}}\n"
       "material: {youngs_modulus: 10 kPa, poissons_ratio: 0.25, density: 1000 kg/m3}\nstiffness: lattice\n"

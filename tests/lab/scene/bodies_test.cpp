@@ -168,7 +168,8 @@ TEST_CASE("wrong bodies and ties are refused with their place", "[bodies]") {
   CHECK_THAT(refusal(kPair, {"bodies.higher.rigid=true"}), Contains("did you mean 'high'?"));
 }
 
-TEST_CASE("a filled organ: its volume is told, its mass is that of the surface, its material exact", "[bodies][fill]") {
+TEST_CASE("a filled organ: its volume is reported, its mass is that of the surface, its material exact",
+          "[bodies][fill]") {
   const auto scene = load(kBall);
   REQUIRE(scene->notes.size() == 1);
   CHECK_THAT(scene->notes[0], StartsWith("organ.stl filled: ") && Contains("% of the surface's 359.32 cm3"));

@@ -1,4 +1,4 @@
-// Contact as a scene writes it: what is read, and slips named with their place.
+// Contact as a scene writes it: what is read, and mistakes named with their place.
 
 #include "elastin/contact/contact.h"
 
@@ -139,7 +139,7 @@ TEST_CASE("obstacles move in time as the scene says", "[scene][contact]") {
   CHECK((sphere.velocity_at(rim) - (rim - before) / 1e-6).norm() < 1e-6);
 }
 
-TEST_CASE("slips in contact are named with their place", "[scene][contact]") {
+TEST_CASE("mistakes in contact are named with their place", "[scene][contact]") {
   const std::vector<std::pair<std::string, std::string>> cases{
       {"{frictoin: 0.3}", "6:11: contact: unknown key 'frictoin'; did you mean 'friction'?"},
       {"{friction: -1}", "6:21: contact.friction: '-1' is out of range"},

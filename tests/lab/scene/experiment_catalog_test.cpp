@@ -1,4 +1,4 @@
-// The table of experiments: its rows tell the truth, and a program adds its own.
+// The table of experiments: its rows are true, and a program adds its own.
 
 #include "elastin/lab/experiment/experiment_catalog.h"
 

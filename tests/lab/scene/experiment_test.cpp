@@ -1,4 +1,4 @@
-// Experiments as a scene writes them: what is read, and slips named with their place.
+// Experiments as a scene writes them: what is read, and mistakes named with their place.
 
 #include <algorithm>
 #include <catch2/catch.hpp>
@@ -58,7 +58,7 @@ void check_refusal(std::string experiment, const std::string& path, const std::s
 
 }  // namespace
 
-TEST_CASE("a shear may be given as a way, a strain or an angle", "[scene][shear]") {
+TEST_CASE("a shear may be given as a displacement, a strain or an angle", "[scene][shear]") {
   std::vector<double> forces;
   for (const char* amount : {"displacement: 2 mm", "strain: 20 %", "strain: 0.2", "angle: 11.309932474 deg"})
     forces.push_back(
@@ -124,7 +124,7 @@ TEST_CASE("a plane angle has its unit where other values have one", "[scene]") {
   CHECK_THROWS_WITH(height(units, "30"), Contains(":4:26: rotate.angle: '30' has no unit"));
 }
 
-TEST_CASE("slips in an experiment are named with their place", "[scene]") {
+TEST_CASE("mistakes in an experiment are named with their place", "[scene]") {
   check_refusal("kind: @shaer, strain: 0.1", "experiment.kind: 'shaer' is not known here",
                 "did you mean 'shear'? (allowed: tension, compression, biaxial, planar, shear, torsion, ");
   check_refusal("kind: shear, axis: x, direction: @x, strain: 0.1",

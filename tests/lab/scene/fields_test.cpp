@@ -191,7 +191,7 @@ TEST_CASE("each of several bodies has its own fields", "[scene][fields]") {
   }
 }
 
-TEST_CASE("slips in fields", "[scene][fields]") {
+TEST_CASE("mistakes in fields", "[scene][fields]") {
   const std::string E = "youngs_modulus: 10 kPa, ";
   const auto said = [&](const std::string& fields) { return refusal(E + "fields: {" + fields + "}"); };
   CHECK_THAT(said("stifness: {expression: 2}"), Contains("did you mean 'stiffness'?"));
@@ -336,7 +336,7 @@ TEST_CASE("directions that differ from place to place", "[scene][fields]") {
         Approx(of_fibre(fibre + "[0, 1, 1]}")).epsilon(1e-9));
 }
 
-TEST_CASE("slips in fields of constants and directions", "[scene][fields]") {
+TEST_CASE("mistakes in fields of constants and directions", "[scene][fields]") {
   const auto rubber = [](const std::string& fields) { return refusal(kRubber + ", fields: {" + fields + "}"); };
   const auto tendon = [](const std::string& field) {
     return refusal(kTendon + "z, fields: {constants: {direction: " + field + "}}");

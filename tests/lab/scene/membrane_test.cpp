@@ -60,7 +60,7 @@ TEST_CASE("surfaces of scenes have the cells of their kind", "[scene]") {
   }
 }
 
-TEST_CASE("what is wrong with a surface or its pressure is told at its key", "[scene]") {
+TEST_CASE("what is wrong with a surface or its pressure is reported at its key", "[scene]") {
   const std::vector<std::pair<std::string, std::string>> slips{
       {scene_of("sphere: {radius: 1 m, mesh: type_3, divisions: 3}"),
        "surface.yaml:2:36: body.sphere.mesh: 'type_3' is not known here; did you mean 'type_1'?"},

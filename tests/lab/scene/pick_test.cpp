@@ -88,7 +88,7 @@ TEST_CASE("the rim of a surface is its free edge", "[scene][pick]") {
   CHECK(rim_of(sphere(1, SphereMesh::icosahedron, 2).triangles).empty());
 }
 
-TEST_CASE("what picks nothing is told with the body's extent", "[scene][pick]") {
+TEST_CASE("what picks nothing is refused with the body's extent", "[scene][pick]") {
   CHECK_THAT(refusal("{sphere: {centre: [9 mm, 9 mm, 9 mm], radius: 1 mm}}"),
              StartsWith("a.yaml:1:4: x: no molecule lies there; the body reaches from [0, 0, 0] mm to [4, 4, 4] mm"));
   CHECK_THAT(refusal("{sphere: {center: [9 mm, 9 mm, 9 mm], radius: 1 mm}}"), Contains("did you mean 'centre'?"));
@@ -229,7 +229,7 @@ TEST_CASE("a set of sets in another program's file is the region that it names, 
   CHECK(modulus_of(scene) == Approx(10e3 * 3 / (2. / 10 + 1)).epsilon(2e-3));  // two of three cubes in series
 }
 
-TEST_CASE("what is wrong with supports is told", "[scene][supports]") {
+TEST_CASE("what is wrong with supports is reported", "[scene][supports]") {
   const TemporaryFolder folder;
   const auto said = [&](const std::string& supports, const std::string& experiment = "{kind: tension, force: 1 mN}",
                         const std::string& more = "") {

@@ -84,8 +84,8 @@ std::size_t occurrences(const std::string& text, const std::string& part) {
   return count;
 }
 
-/// One slip: what stands in kScene, what somebody wrote instead ('@' before the place that the message must name), the
-/// path of keys that the message starts with, and what else it must say.
+/// One mistake: what stands in kScene, what somebody wrote instead ('@' before the place that the message must name),
+/// the path of keys that the message starts with, and what else it must say.
 struct Slip {
   std::string right, wrong, path;
   std::vector<std::string> says;
@@ -415,7 +415,7 @@ TEST_CASE("a value that cannot be is named with what can", "[scene]") {
   });
 }
 
-TEST_CASE("a material's curve and fibres are read, and their slips named", "[scene][material]") {
+TEST_CASE("a material's curve and fibres are read, and their mistakes named", "[scene][material]") {
   const TemporaryFolder folder;
   const std::string plain = "material: {youngs_modulus: 5 kPa, poissons_ratio: 0.25, density: 1000 kg/m3}";
   const auto with = [&](const std::string& material) {

@@ -62,7 +62,7 @@ TEST_CASE("time and the experiments that take it go together", "[scene][time]") 
   check_refusal("kind: shake, amplitude: 1 mm", kTime, 5, "key 'frequency' is missing");
 }
 
-TEST_CASE("slips in the key time", "[scene][time]") {
+TEST_CASE("mistakes in the key time", "[scene][time]") {
   check_refusal(kMotion, "time: {}", 6, "time: key 'duration' is missing");
   check_refusal(kMotion, "time: {duration: 1 s, first_frame: 2 s}", 6, "must be shorter than the duration");
   check_refusal(kMotion, "time: {duration: 1 s, first_frame: 0 s}", 6, "must be above 0 s");
@@ -80,7 +80,7 @@ TEST_CASE("slips in the key time", "[scene][time]") {
   check_refusal(kMotion, "time: {duration: 1 s, frames: 0}", 6, "time.frames: '0' is not a whole number of at least 1");
 }
 
-TEST_CASE("slips in a budget", "[scene][time][budget]") {
+TEST_CASE("mistakes in a budget", "[scene][time][budget]") {
   const auto budget = [](const std::string& rest) { return "time: {duration: 1 s, budget: 1 ms" + rest + "}"; };
   check_refusal(kMotion, budget(""), 6,
                 "one of backward_euler, newmark, generalized_alpha, block_descent, xpbd, projective");
@@ -89,7 +89,7 @@ TEST_CASE("slips in a budget", "[scene][time][budget]") {
   check_refusal(kMotion, budget(", integrator: xpbd, step: 1 ms, checkpoint: 1"), 6, "would take other steps");
 }
 
-TEST_CASE("slips in functions of time, starts and loads", "[scene][time]") {
+TEST_CASE("mistakes in functions of time, starts and loads", "[scene][time]") {
   const auto in_time = [](const std::string& function) {
     return kTime + "\nloads: [{gravity: [0, 0, -1 m/s2], in_time: " + function + "}]";
   };

@@ -76,7 +76,7 @@ TEST_CASE("A laboratory measures what the command does, to the last bit", "[labo
   }
 }
 
-TEST_CASE("A laboratory tells what its scene says", "[laboratory]") {
+TEST_CASE("A laboratory reports what its scene says", "[laboratory]") {
   const Laboratory laboratory(kTable1b);
   CHECK(laboratory.name() == "table1-b");
   CHECK_THAT(laboratory.title(), StartsWith("[M03] Table 1 b"));
@@ -91,7 +91,7 @@ TEST_CASE("A laboratory tells what its scene says", "[laboratory]") {
   CHECK(first.source == "[M03] Table 1 b");
 }
 
-TEST_CASE("A result tells whether all holds that the scene expects", "[laboratory]") {
+TEST_CASE("A result says whether all expectations of the scene hold", "[laboratory]") {
   CHECK(Laboratory(kTable1b).run().good);
   CHECK_FALSE(Laboratory(kTable1b, {"material.youngs_modulus=6000"}).run().good);
   const LaboratoryResult unsuited = Laboratory(kCube).run("neo_hookean");

@@ -42,7 +42,7 @@ TEST_CASE("what new writes runs", "[new][slow]") {
     CHECK(exit_code(folder,
                     "new " + name + (row.from_file ? " --mesh '" + file + "'" : " --size '24 x 12 mm x 12 mm'")) == 0);
     CHECK(exit_code(folder, "compare " + name + ".yaml --reference none --quiet") == 0);  // each of its strategies
-    CHECK(exit_code(folder, "new " + name + " --size '1 x 1 x 1 m' --mesh '" + file + "'") == 2);  // is there already
+    CHECK(exit_code(folder, "new " + name + " --size '1 x 1 x 1 m' --mesh '" + file + "'") == 2);  // already exists
   }
 }
 

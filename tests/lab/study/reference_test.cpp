@@ -132,7 +132,7 @@ TEST_CASE("a membrane is refined by its own law", "[reference]") {
   CHECK_THAT(modulus.source, Contains("neo_hookean_membrane on 16 to"));
 }
 
-TEST_CASE("who waits for a reference is told how long the next body may take", "[reference]") {
+TEST_CASE("progress of a reference says how long the next body may take", "[reference]") {
   const Written bar(block(kBar, kRubber, "displacement: 0.1 mm, " + kClamped, kSmall));
   ReferenceStore store;
   std::vector<std::string> said;  // as each body begins
@@ -151,7 +151,7 @@ TEST_CASE("a prism with sliding grips shows the material and has no computed ref
   CHECK_FALSE(wants_computed_references(*prism.load(), ""));
   CHECK(wants_computed_references(*prism.load({"reference=computed"}), ""));
   CHECK(wants_computed_references(*prism.load(), "computed"));
-  // Asked for, it is the material's own: the patch test, whatever the cells.
+  // Requested, it is the material's own: the patch test, whatever the cells.
   const ComputedReferences found = prism.compute({"solver.displacements=small"});
   CHECK(of(found, "effective_modulus").value == Approx(5e3).epsilon(1e-6));
 
@@ -184,7 +184,7 @@ TEST_CASE("keys of a computed reference are read, and slips named", "[reference]
     CHECK_THROWS_WITH(scene.load({"reference=" + value}), Contains(message));
 }
 
-TEST_CASE("what has no solution to refine is told why in a sentence", "[reference]") {
+TEST_CASE("what has no solution to refine gets a reason, in a sentence", "[reference]") {
   const std::string graph =
       "body: {molecules: [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0.2, 0.2, 1], [0.1, 1, 1.1], [1, 0, 1]], connections: "
       "{within: 2}}\nmaterial: {youngs_modulus: 1000}\nstiffness: standard\nexperiment: {kind: tension, displacement: "

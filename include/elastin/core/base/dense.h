@@ -2,7 +2,7 @@
 #include "elastin/core/base/types.h"
 
 /// Decompositions and products of small dense matrices, each compiled once: Eigen's templates take seconds for every
-/// type and size of theirs that a source file uses.
+/// type and size that a source file uses.
 namespace elastin {
 
 using MatrixX = Eigen::MatrixXd;

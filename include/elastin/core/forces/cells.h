@@ -278,8 +278,8 @@ class SimplexCells : public EdgeDensities,
   };
 };
 
-/// The one driver of every cell law. It owns the loops over the cells of one shape, what is written where and by whom;
-/// the kernel (see CellKernel) is the law on one cell.
+/// The one driver of every cell law. It owns the loops over the cells of one shape, what is written where and by which
+/// thread; the kernel (see CellKernel) is the law on one cell.
 template <LengthKernel Kernel>
 class CellElasticity final : public SimplexCells<typename Kernel::Shape> {
   using Shape = typename Kernel::Shape;

@@ -33,7 +33,7 @@ struct LoadKind : Descriptor {
   bool of_shares = false;
 };
 
-/// gravity, point, pressure, gas, floor, air, stokes_drag, quadratic_drag, damping, cell_damping, rayleigh.
+/// The loads that Elastin has, a row each.
 const Table<LoadKind>& built_in_loads();
 
 /// The values with defaults, directions of length 1. Throws InputError on what is unknown, missing, not finite, out of

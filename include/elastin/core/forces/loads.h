@@ -82,7 +82,6 @@ class PointLoads final : public Load {
   void add_forces(const State& state, Positions& forces) const override;
   double energy(const State& state) const override;
   const std::vector<int>& molecules() const { return molecules_; }
-  const Positions& full_forces() const { return forces_; }
 
  private:
   const Body& body_;

@@ -31,7 +31,7 @@ Body with_cells_of(const Body& whole, const Part& part);
 /// The body without any cells.
 Body without_cells(const Body& body);
 
-/// What came of a tie: how many molecules, and how.
+/// Result of a tie: how many molecules, and how.
 struct TieReport {
   int joined = 0;       ///< were one already and are now one molecule
   int fixed = 0;        ///< fixed to a rigid part

@@ -23,7 +23,7 @@ RenumberedBody numbered_in_space(const Body& body);
 /// ascending labels. Molecules that cells of several labels share belong to the lowest one's part, and cells of one
 /// label come together; connections keep their numbers. A label for each cell, in the order in which they were given.
 /// Throws InputError as above, but on refined bodies only where what lies between others would come before these, on
-/// other counts, and on bodies without cells, with cubes beside other cells, or with a stiffness of each cell.
+/// other counts, and on bodies without cells, with cubes next to other cells, or with a stiffness of each cell.
 RenumberedBody parts_of_labels(const Body& body, const std::vector<int>& labels);
 
 }  // namespace elastin

@@ -14,7 +14,7 @@
 namespace elastin {
 
 /// Processes that have one body among them. All of them call `gather` together, in the same order, and each gets the
-/// same bits.
+/// same result, bitwise.
 class Processes {
  public:
   virtual ~Processes() = default;

@@ -29,7 +29,7 @@ struct Stepper : Descriptor {
 /// Why a scheme cannot step this model, in words, or "".
 std::string unsuited_for(const Stepper& scheme, const Model& model);
 
-/// symplectic_euler, velocity_verlet, backward_euler, newmark, generalized_alpha, energy_momentum, block_descent …
+/// The steppers that Elastin has, a row each.
 const Table<Stepper>& built_in_steppers();
 using Scheme = Choice<Stepper, built_in_steppers>;
 

@@ -29,7 +29,7 @@ const MeasureList& bending_measures() {
 /// Beyond this part of the length the linear beam is off by more than half a hundredth.
 constexpr double kSmallDeflection = 0.1;
 
-/// Least relative difference of the body's section from its hull's that tells a tube from a coarse round bar.
+/// Least relative difference of the body's section from its hull's that distinguishes a tube from a coarse round bar.
 constexpr double kSameSection = 0.05;
 
 class Bending final : public StaticExperiment {

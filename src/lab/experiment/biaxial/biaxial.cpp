@@ -105,7 +105,7 @@ class Biaxial final : public Driven {
     }
     const double first = held.factor * directions_[0].strain, second = held.factor * directions_[1].strain;
     const double third = thickness_strain(motion), across = stress[1] / stress[0];
-    // A sheet shows no strain of its thickness; where the two strains differ the stresses tell ν.
+    // A sheet shows no strain of its thickness; where the two strains differ the stresses determine ν.
     const double ratio =
         sheet_ ? (across * first - second) / (first - across * second) : -third / (first + second - third);
     Measures measures;

@@ -26,7 +26,7 @@ enum class IndenterShape {
 
 /// A rigid indenter is pressed into a body that stands on the far end.
 struct IndentationSetup : GripSetup {
-  Vector3 axis = -Vector3::UnitZ();  ///< the indenter's way, unit
+  Vector3 axis = -Vector3::UnitZ();  ///< of the indenter's motion, unit
   IndenterShape shape = IndenterShape::sphere;
   double radius = 0;            ///< [m]
   std::string obstacle;         ///< its name, of IndenterShape::obstacle; it begins where the scene has it
@@ -121,8 +121,9 @@ class Indentation final : public StaticExperiment {
     if (adhesive_)
       notes.push_back("indentation_modulus is apparent: its formula knows no adhesion, which pulls the indenter in");
     if (contact_share_ > kHalfSpace)
-      notes.push_back("indentation_modulus is apparent: the radius of contact is " + number(100 * contact_share_, 2) +
-                      " % of the body's thickness or of the way to its side, where the formula takes a half-space");
+      notes.push_back(
+          "indentation_modulus is apparent: the radius of contact is " + number(100 * contact_share_, 2) +
+          " % of the body's thickness or of the distance to its side, where the formula takes a half-space");
     return notes;
   }
 

@@ -19,7 +19,7 @@ namespace {
 
 enum class MotionKind {
   motion,      ///< nothing but the rows
-  release,     ///< loaded, then let go: free vibration; or the load put on at once, with `applied`
+  release,     ///< loaded, then released: free vibration; or the load put on at once, with `applied`
   creep,       ///< a load that is held
   relaxation,  ///< a displacement that grows and is held
   cyclic,      ///< a displacement that oscillates

@@ -15,7 +15,7 @@ namespace {
 
 /// A part of the body, or its near end, moved without a turn onto what lies before it; the far one stays.
 struct PressSetup : GripSetup {
-  Vector3 axis = -Vector3::UnitZ();    ///< the way, unit
+  Vector3 axis = -Vector3::UnitZ();    ///< of the motion, unit
   std::string moved_name, fixed_name;  ///< of bodies that have them
   std::optional<double> displacement;  ///< [m], > 0
   std::optional<double> force;         ///< or until this resists [N], > 0

@@ -1,7 +1,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "elastin/core/base/error.h"
 #include "elastin/core/forces/time_function.h"
 #include "elastin/core/model/share.h"
 #include "lab/experiment/keys.h"

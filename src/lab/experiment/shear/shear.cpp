@@ -127,7 +127,7 @@ class Shear final : public Driven {
     return loaded ? Vector3(factor * displacement_ * setup_.direction) : Vector3::Zero();
   }
 
-  /// Way of the loaded end along the shear [m].
+  /// Displacement of the loaded end along the shear [m].
   double mean_displacement(const Positions& positions) const {
     std::array<double, 2> sums{0, 0};
     for (std::size_t i = fixed_.size() - static_cast<std::size_t>(loaded_); i < fixed_.size(); ++i) {

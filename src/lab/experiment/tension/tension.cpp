@@ -79,7 +79,7 @@ class Tension final : public StaticExperiment {
     if (section_->of_hull && setup_.cross_section == 0)
       notes.push_back("cross-section of " + area_text(area_) +
                       ": the convex hull of the molecules seen along the axis; the "
-                      "body has no cells that tell its volume");
+                      "body has no cells that state its volume");
     if (apparent()) {
       char percent[16];
       std::snprintf(percent, sizeof percent, "%.0f %%", 100 * section_->variation);
@@ -341,7 +341,7 @@ class Tension final : public StaticExperiment {
   std::vector<int> pulled_;      // the molecules on which it acts
   VectorX pull_;                 // on each of them, over that force
   double area_ = 0, gauge_length_ = 0;
-  std::optional<Section> section_;  // none where the scene states it and the body has no cells to tell
+  std::optional<Section> section_;  // none where the scene states it and the body has no cells to measure it
   Eigen::Index corner_ = -1;        // index into loaded_; none: another process has it
   std::array<std::vector<std::pair<int, double>>, 2> crossings_;
   std::array<double, 2> crossing_count_{};  // of all processes

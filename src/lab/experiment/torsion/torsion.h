@@ -7,7 +7,7 @@ namespace elastin::lab {
 struct TorsionSetup : GripSetup {
   Vector3 axis = Vector3::UnitZ();
   double angle = 0;       ///< [rad], of the whole load
-  bool straight = false;  ///< small displacements: the end's ways are those of an infinitesimal turn
+  bool straight = false;  ///< small displacements: the end's displacements are those of an infinitesimal turn
   int load_steps = 1;
 };
 

@@ -37,7 +37,7 @@ function make_world(Jolt, jobs) {
 async function answer({ body: data, dt, iterations, most_steps, tolerance }) {
   if (data.supports.some(({ fixed }) => !fixed.every(Boolean)))
     return { error: "Jolt holds molecules in all directions or in none: write fixed_grip: clamped" };
-  if (data.supports.some(({ displacement }) => displacement.some((way) => way !== 0)))
+  if (data.supports.some(({ displacement }) => displacement.some((value) => value !== 0)))
     return { error: "Jolt gives no reactions: load the body by a force, not by a displacement" };
   const found = createRequire(process.cwd() + "/").resolve("jolt-physics");
   const Jolt = await (await import(pathToFileURL(found))).default();

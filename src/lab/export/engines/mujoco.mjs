@@ -4,7 +4,7 @@ import { readFileSync } from "node:fs";
 import { pathToFileURL } from "node:url";
 
 async function answer({ body: data, dt, folder, most_steps, tolerance }) {
-  if (data.supports.some(({ displacement }) => displacement.some((way) => way !== 0)))
+  if (data.supports.some(({ displacement }) => displacement.some((value) => value !== 0)))
     return { error: "this driver of MuJoCo loads bodies by forces, not by displacements" };
   const found = createRequire(process.cwd() + "/").resolve("@mujoco/mujoco");
   const mujoco = await (await import(pathToFileURL(found))).default();

@@ -30,7 +30,7 @@ export function soft_body(RAPIER, data, solver = RAPIER.SoftBodySolver.Constrain
 async function answer({ body: data, dt, iterations, most_steps, tolerance }) {
   if (data.supports.some(({ fixed }) => !fixed.every(Boolean)))
     return { error: "Rapier pins molecules in all directions or in none: write fixed_grip: clamped" };
-  if (data.supports.some(({ displacement }) => displacement.some((way) => way !== 0)))
+  if (data.supports.some(({ displacement }) => displacement.some((value) => value !== 0)))
     return { error: "Rapier gives no reactions: load the body by a force, not by a displacement" };
   const found = createRequire(process.cwd() + "/").resolve("@dimforge/rapier3d-compat");
   const RAPIER = (await import(pathToFileURL(found))).default;

@@ -1,4 +1,4 @@
-// What the page does beyond showing itself: one scene at a time, tables that sort, plots that tell, bodies that turn.
+// What the page does beyond showing itself: one scene at a time, tables that sort, plots with readings, bodies that turn.
 'use strict';
 
 const all = (what, within = document) => [...within.querySelectorAll(what)];

@@ -301,7 +301,7 @@ class Stage {
 
   picture() { return this.viewer.picture(this.legend()); }
 
-  /** Lets go of the graphics memory; the canvas is replaced, for a browser gives one of them one context for its life. */
+  /** Frees the graphics memory; the canvas is replaced, for a browser gives one of them one context for its life. */
   release() {
     this.pause();
     this.silence.abort();
