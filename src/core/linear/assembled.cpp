@@ -16,6 +16,15 @@ constexpr int kMostCorners = 8;
 
 }  // namespace
 
+void BlockRow::add(int molecule, const Matrix3& block) {
+  const auto place =
+      std::find_if(entries_.begin(), entries_.end(), [&](const Entry& entry) { return entry.molecule >= molecule; });
+  if (place == entries_.end() || place->molecule != molecule)
+    entries_.insert(place, {molecule, block});
+  else
+    place->block += block;
+}
+
 bool AssembledStiffness::pays(const Tangent& tangent, double products) {
   const Model& model = tangent.model();
   const auto& blocks = model.body().blocks;
@@ -27,14 +36,7 @@ bool AssembledStiffness::pays(const Tangent& tangent, double products) {
 void AssembledStiffness::assemble(const Tangent& tangent) {
   rows_.resize(tangent.model().body().size());
   for (auto& row : rows_) row.clear();
-  tangent.visit_blocks([&](int a, int b, const Matrix3& block) {
-    auto& row = rows_[a];
-    const auto place = std::find_if(row.begin(), row.end(), [&](const Entry& entry) { return entry.column >= b; });
-    if (place == row.end() || place->column != b)
-      row.insert(place, {b, block});
-    else
-      place->block += block;
-  });
+  tangent.visit_blocks([&](int a, int b, const Matrix3& block) { rows_[a].add(b, block); });
 }
 
 void AssembledStiffness::apply(const Positions& motion, Positions& result) const {
@@ -42,7 +44,7 @@ void AssembledStiffness::apply(const Positions& motion, Positions& result) const
       static_cast<int>(rows_.size()),
       [&](int a) {
         Vector3 sum = Vector3::Zero();
-        for (const auto& [column, block] : rows_[a]) sum += block * motion.col(column);
+        for (const auto& [molecule, block] : rows_[a]) sum += block * motion.col(molecule);
         result.col(a) = sum;
       },
       kMoleculeThreshold);

@@ -1,10 +1,26 @@
 #pragma once
-#include <utility>
 #include <vector>
 
 #include "elastin/core/forces/tangent.h"
 
 namespace elastin {
+
+/// A row, or a column, of 3 × 3 blocks: one for each other molecule, ascending.
+class BlockRow {
+ public:
+  struct Entry {
+    int molecule;
+    Matrix3 block;
+  };
+  void add(int molecule, const Matrix3& block);
+  void clear() { entries_.clear(); }
+  auto begin() const { return entries_.begin(); }
+  auto end() const { return entries_.end(); }
+  std::size_t size() const { return entries_.size(); }
+
+ private:
+  std::vector<Entry> entries_;
+};
 
 /// The stiffness of cells as rows of 3 × 3 blocks, where many products are needed of one: of a small body they fit into
 /// the processor's caches, and a product reads them in a fraction of the time in which the cells compute it again. Each
@@ -20,11 +36,7 @@ class AssembledStiffness {
   void apply(const Positions& motion, Positions& result) const;
 
  private:
-  struct Entry {
-    int column;
-    Matrix3 block;
-  };
-  std::vector<std::vector<Entry>> rows_;  ///< ascending in the column
+  std::vector<BlockRow> rows_;
 };
 
 }  // namespace elastin

@@ -1,5 +1,6 @@
 #include <cmath>
 
+#include "core/linear/assembled.h"
 #include "core/linear/sparse_factor.h"
 #include "core/linear/sparse_stiffness.h"
 #include "elastin/core/base/dense.h"
@@ -238,24 +239,28 @@ Eigen::SparseMatrix<double> sparse_stiffness(const Tangent& tangent, const std::
   const int n = tangent.model().body().size();
   std::vector<const Support*> support_of(n, nullptr);
   for (const Support& support : supports) support_of[support.molecule] = &support;
-  std::vector<Eigen::Triplet<double>> entries;
-  const auto add = [&](int a, int b, const Matrix3& block) {
-    for (int i = 0; i < 3; ++i)
-      for (int j = 0; j < 3; ++j)
-        if (block(i, j) != 0) entries.emplace_back(3 * a + i, 3 * b + j, block(i, j));
-  };
+  std::vector<BlockRow> columns(n);
   tangent.visit_blocks([&](int a, int b, const Matrix3& term) {
+    if (a < b) return;
     Matrix3 block = term;
     if (support_of[a]) block = (support_of[a]->free * block).eval();
     if (support_of[b]) block = (block * support_of[b]->free).eval();
-    add(a, b, block);
+    columns[b].add(a, block);
   });
+  Eigen::VectorXi counts(3 * n);
   for (int molecule = 0; molecule < n; ++molecule) {
     const Matrix3 free = support_of[molecule] ? support_of[molecule]->free : Matrix3::Identity();
-    add(molecule, molecule, shift * free + scale * (Matrix3::Identity() - free));
+    columns[molecule].add(molecule, shift * free + scale * (Matrix3::Identity() - free));
+    counts.segment<3>(3 * molecule).setConstant(3 * static_cast<int>(columns[molecule].size()));
   }
   Eigen::SparseMatrix<double> matrix(3 * n, 3 * n);
-  matrix.setFromTriplets(entries.begin(), entries.end());
+  matrix.reserve(counts);
+  for (int column = 0; column < 3 * n; ++column)
+    for (const auto& [molecule, block] : columns[column / 3])
+      for (int i = 0; i < 3; ++i)
+        if (const int row = 3 * molecule + i; row >= column && block(i, column % 3) != 0)
+          matrix.insert(row, column) = block(i, column % 3);
+  matrix.makeCompressed();
   return matrix;
 }
 

@@ -2,10 +2,33 @@
 
 #include <Eigen/SparseCholesky>
 #include <algorithm>
+#include <utility>
 
 namespace elastin {
 
-struct SparseFactor::Ldlt : Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> {
+/// Minimum degree of 3 × 3 blocks, a ninth of the pattern; of single rows where there are no such blocks.
+struct BlockOrdering {
+  using PermutationType = Eigen::AMDOrdering<int>::PermutationType;
+  template <class Matrix>
+  void operator()(const Matrix& matrix, PermutationType& order) const {
+    const auto blocks = static_cast<int>(matrix.cols() / 3);
+    if (3 * blocks != matrix.cols()) return Eigen::AMDOrdering<int>()(matrix, order);
+    std::vector<Eigen::Triplet<float>> entries;
+    std::vector<int> seen(blocks, -1);
+    for (int column = 0; column < 3 * blocks; ++column)
+      for (typename Matrix::InnerIterator entry(matrix, column); entry; ++entry)
+        if (const auto row = static_cast<int>(entry.row() / 3); std::exchange(seen[row], column / 3) != column / 3)
+          entries.emplace_back(row, column / 3, 1.F);
+    Eigen::SparseMatrix<float> pattern(blocks, blocks);
+    pattern.setFromTriplets(entries.begin(), entries.end());
+    PermutationType of_blocks;
+    Eigen::AMDOrdering<int>()(pattern, of_blocks);
+    order.resize(3 * blocks);
+    for (int row = 0; row < 3 * blocks; ++row) order.indices()[row] = 3 * of_blocks.indices()[row / 3] + row % 3;
+  }
+};
+
+struct SparseFactor::Ldlt : Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>, Eigen::Lower, BlockOrdering> {
   using SimplicialLDLT::SimplicialLDLT;
 };
 

@@ -7,7 +7,7 @@
 namespace elastin {
 
 /// K on the free directions, `scale` [N/m] on the fixed ones (so that it is as regular as the supported body is), plus
-/// `shift` [N/m] on every free direction. Shape 3n × 3n.
+/// `shift` [N/m] on every free direction. Shape 3n × 3n, the lower half.
 Eigen::SparseMatrix<double> sparse_stiffness(const Tangent& tangent, const std::vector<Support>& supports, double shift,
                                              double scale);
 
