@@ -205,10 +205,8 @@ class Pcg final : public LinearSolver, public KeepsCoarsePicture {
       }
       const double left = std::log(now[1] / first) - 2 * std::log(tolerance);
       if (coarse && result.iterations == kPaced &&
-          kPaced * left > kWorthSearching * std::max(1e-3, std::log(first / now[1]))) {
+          kPaced * left > kWorthSearching * std::max(1e-3, std::log(first / now[1])))
         coarse->search();
-        if (!volume_) steps_ = 2;  // what such a body is slow at is between molecules and their boxes, too
-      }
       if (gives_up_ && result.iterations == asked) {
         const double found = std::max(1e-3, std::log(when_asked / now[1]));
         const double to_come = std::min((asked - asked_before) * left / found, kTrusted * asked);
