@@ -282,6 +282,25 @@ TEST_CASE("derivatives of a history are those of its closed forms", "[derivative
     CHECK(own < -1e-5);
     CHECK(own == Approx(-other).epsilon(1e-6));
   }
+  SECTION("what softens: its force is of first degree in E and m, and m counts on the way back alone") {
+    const Settings by{"material.youngs_modulus", "material.softening.m"};
+    for (const bool back : {false, true}) {
+      INFO((back ? "on the way back" : "on the way up"));
+      const LaboratoryResult result =
+          run(block +
+                  "material: {youngs_modulus: 9 kPa, poissons_ratio: 0.3, softening: {r: 1.6, m: 50 Pa, beta: 0.1}}\n"
+                  "stiffness: mullins:neo_hookean\nexperiment: {kind: tension, axis: z, strain: 20 %, load_steps: 2, "
+                  "cycle: " +
+                  (back ? "[1, 0.5]" : "[0.5, 1]") + "}\n",
+              {}, by);
+      const double own = 9e3 * gradient_of(result, "effective_modulus", by[0]),
+                   other = 50 * gradient_of(result, "effective_modulus", by[1]),
+                   modulus = result.get("effective_modulus");
+      CHECK(own + other == Approx(modulus).epsilon(1e-6));
+      CHECK(std::abs(other) < (back ? 1 : 1e-6) * modulus);
+      CHECK(std::abs(other) > (back ? 1e-3 : -1) * modulus);
+    }
+  }
 }
 
 TEST_CASE("the deviation of a measure is that of runs with normally distributed numbers", "[derivatives]") {
