@@ -80,6 +80,14 @@ class Bodies(unittest.TestCase):
         numpy.testing.assert_array_equal(numpy.sort(molecule_from[ordered.connections], axis=1),
                                          numpy.sort(body.connections[connection_from], axis=1))
 
+    def test_a_material_as_scenes_write_it_gives_masses(self):
+        shape = {"tetrahedra": {"kind": "kuhn", "cubes": [2, 2, 2], "size": [0.01, 0.01, 0.01]}}
+        for material in ({"youngs_modulus": 1000, "poissons_ratio": 0.3, "density": 1200},
+                         "{youngs_modulus: 1000, poissons_ratio: 0.3, density: 1200}"):
+            self.assertAlmostEqual(elastin.body(shape, material).masses.sum(), 1200e-6, 12)
+        with self.assertRaisesRegex(elastin.InputError, "did you mean"):
+            elastin.body(shape, {"youngs_modulu": 1000})
+
     def test_cells_give_connections_and_masses(self):
         body = elastin.Body(CORNERS, tetrahedra=[[0, 2, 1, 3]])  # inverted: it is reordered
         self.assertEqual(len(body.connections), 6)

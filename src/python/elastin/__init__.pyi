@@ -680,11 +680,12 @@ class Sweep(list[Result]):
         """A measure, by default the most telling one, over the values of the first key: a line for each strategy and
         each combination of the other keys. Options go to matplotlib's plot."""
 
-def body(description: Mapping[str, Any] | str, material: Material | None = None) -> Body:
+def body(description: Mapping[str, Any] | str, material: Material | Mapping[str, Any] | str | None = None) -> Body:
     """A body as a scene has it under `body:`: elastin.body({"lattice": {"kind": "cubic", "molecules": [5, 5, 5],
     "spacing": 1e-3}}), a dict or its YAML. Every shape of the scenes is there, with the same keys and messages;
-    files are named from the working directory. The material gives it its mass, by default that with which the body
-    is used. What makes results doubtful is a warning; how a file was read goes to the logger "elastin"."""
+    files are named from the working directory. The material, or what `material` takes, gives it its mass, by default
+    that with which the body is used. What makes results doubtful is a warning; how a file was read goes to the
+    logger "elastin"."""
 def step_all(simulations: Iterable[Simulation], dt: float, count: int = 1, *, check: bool = True,
              threads: int | None = None) -> list[StepResult]:
     """Brings many simulations forward by dt [s], `count` times, at the same time: each goes on in one thread at a time,

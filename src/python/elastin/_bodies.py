@@ -13,8 +13,10 @@ _log = logging.getLogger("elastin")
 def body(description, material=None):
     """A body as a scene has it under `body:`: elastin.body({"lattice": {"kind": "cubic", "molecules": [5, 5, 5],
     "spacing": 1e-3}}), a dict or its YAML. Every shape of the scenes is there, with the same keys and messages; files are
-    named from the working directory. The material gives it its mass, by default that with which the body is used. What makes
-    results doubtful is a warning; how a file was read goes to the logger "elastin"."""
+    named from the working directory. The material, or what `material` takes, gives it its mass, by default that with which
+    the body is used. What makes results doubtful is a warning; how a file was read goes to the logger "elastin"."""
+    if material is not None and not isinstance(material, _elastin.Material):
+        material = _read_material(material)
     return _made(description, material or _elastin.Material(1.0), material is None)
 
 
@@ -42,6 +44,9 @@ def material(description):
     held = _scenes.Held(description, "material")
     with held.messages():
         return _elastin._material_of_scene(held.source, _own.catalog_with(None, held.own))
+
+
+_read_material = material
 
 
 def lattice(molecules, spacing, connections=("axis", "face"), *, radius=None, density=None):
