@@ -10,6 +10,7 @@
 #include "core/solve/newton.h"
 #include "core/solve/responses.h"
 #include "elastin/core/base/error.h"
+#include "elastin/core/base/text.h"
 #include "lab/run/common_measures.h"
 #include "lab/run/contact_measures.h"
 #include "lab/run/load_path.h"
@@ -36,6 +37,10 @@ constexpr double kRounding = 1e-13, kCalibratedRounding = 1e-8, kRoundedPosition
 /// Of whole runs: the step over the number; the slope over m/p below which m does not change with p; doubt of a slope
 /// that needs a shorter step, and that leaves none.
 constexpr double kWholeStep = 1e-4, kInsensitive = 1e-6, kDoubtful = 1e-3, kNoSlope = 0.03;
+
+/// Second over first differences of a measure over a number's deviation: a tenth and a half make its own deviation 2 %
+/// larger than first order says. Of a measure, what changes less is not looked at.
+constexpr double kUneven = 0.15, kSeen = 0.01;
 
 /// A state at rest: velocities are there, and zero, where a force depends on them.
 State still(const Model& model, const Positions& positions, const State& like) {
@@ -224,37 +229,66 @@ bool Derivatives::by_whole_runs(const Experiment& experiment, Rig& rig, const St
   return !at_rest || rig.at_rest()->seeks_load() || choice.name.softened;  // what softens knows where it has been
 }
 
-void Derivatives::of_whole_runs(const RunOptions& options, Run& run) const {
-  RunOptions whole = options;
-  whole.derivatives = nullptr, whole.keep_snapshots = false, whole.checkpoint = {};
-  whole.statics.tolerance = std::min(whole.statics.tolerance, 1e-13);
+/// The run with another value of a number; it has to end as the run did.
+Run Derivatives::run_at(const SceneNumber& number, double value, const RunOptions& options, const Run& run) {
+  RunOptions own = options;
+  own.derivatives = nullptr, own.keep_snapshots = false, own.checkpoint = {};
+  own.statics.tolerance = std::min(own.statics.tolerance, 1e-13);
+  const VariedProblem problem = number.at(value);
+  own.time = problem.time;
   const bool even = run.time && std::abs(run.time->shortest_step - run.time->last_step) < 1e-9 * run.time->last_step;
+  if (even && !number.key.starts_with("time."))  // steps that follow the number would make its differences uneven
+    own.time->choice = StepChoice::fixed, own.time->step = run.time->last_step;
+  Run varied = run_strategy(*problem.specimen, *problem.experiment, problem.choice, own);
+  if (varied.outcome != Outcome::converged || varied.curve.size() != run.curve.size())
+    throw InputError("no derivative by " + number.key + ": a little away from its value the run ends differently" +
+                     (varied.cause.empty() ? "" : ": " + varied.cause));
+  return varied;
+}
+
+void Derivatives::check_deviations(const std::vector<std::pair<std::string, double>>& deviations,
+                                   const RunOptions& options, Run& run) const {
+  for (const auto& [key, deviation] : deviations) {
+    const auto own = std::find_if(numbers_.begin(), numbers_.end(),
+                                  [&key = key](const Number& number) { return number.of.key == key; });
+    if (own == numbers_.end()) continue;
+    const std::string first_order = "deviations of measures are of first order, and " + key + " is uncertain by more: ";
+    try {
+      const Run low = run_at(own->of, own->of.value - deviation, options, run),
+                high = run_at(own->of, own->of.value + deviation, options, run);
+      std::string most;
+      double unevenness = kUneven;
+      for (const auto& [name, value] : run.measures.all()) {
+        const double below = low.measures.get(name) - value, above = high.measures.get(name) - value;
+        const double uneven = std::abs(above + below) / std::abs(above - below);
+        if (!is_smooth(name) || !(std::abs(above - below) > kSeen * std::abs(value)) || !(uneven > unevenness))
+          continue;
+        unevenness = uneven;
+        most = name + " changes by " + number(100 * below / std::abs(value), 3) + " and " +
+               number(100 * above / std::abs(value), 3) + " %";
+      }
+      if (!most.empty()) run.warnings.push_back(first_order + "a deviation below and above its value " + most);
+    } catch (const InputError&) {
+      run.warnings.push_back(first_order + "a deviation below or above its value the run ends differently");
+    }
+  }
+}
+
+void Derivatives::of_whole_runs(const RunOptions& options, Run& run) const {
   for (const Number& number : numbers_) {
     const SceneNumber& of = number.of;
-    const auto run_at = [&](double value) {
-      const VariedProblem problem = of.at(value);
-      RunOptions own = whole;
-      own.time = problem.time;
-      if (even && !of.key.starts_with("time."))  // steps that follow the number would make its differences uneven
-        own.time->choice = StepChoice::fixed, own.time->step = run.time->last_step;
-      Run varied = run_strategy(*problem.specimen, *problem.experiment, problem.choice, own);
-      if (varied.outcome != Outcome::converged || varied.curve.size() != run.curve.size())
-        throw InputError("no derivative by " + of.key + ": a little away from its value the run ends differently" +
-                         (varied.cause.empty() ? "" : ": " + varied.cause));
-      return varied;
-    };
     struct Slope {
       double value, doubt;  ///< difference of the slopes over one and two steps, over the larger one of them
     };
     using Row = std::vector<std::pair<std::string, Slope>>;
     const auto slopes_over = [&](double step) {
-      const Run low2 = run_at(of.value - 2 * step), low = run_at(of.value - step), high = run_at(of.value + step),
-                high2 = run_at(of.value + 2 * step);
+      const auto at = [&](double times) { return run_at(of, of.value + times * step, options, run); };
+      const Run low2 = at(-2), low = at(-1), high = at(1), high2 = at(2);
       const auto slopes = [&](const Measures& own, const auto& measures_of) {
         Row row;
         for (const auto& [name, value] : own.all()) {
-          const auto at = [&, &name = name](const Run& one) { return measures_of(one).get(name); };
-          const double near = (at(high) - at(low)) / (2 * step), far = (at(high2) - at(low2)) / (4 * step),
+          const auto in = [&, &name = name](const Run& one) { return measures_of(one).get(name); };
+          const double near = (in(high)-in(low)) / (2 * step), far = (in(high2)-in(low2)) / (4 * step),
                        best = (4 * near - far) / 3,
                        size = std::max(std::abs(best), kInsensitive * std::abs(value / of.value));
           if (is_smooth(name) && std::isfinite(best))

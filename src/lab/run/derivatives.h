@@ -3,6 +3,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "elastin/lab/run/experiment.h"
@@ -48,6 +49,10 @@ class Derivatives {
   static bool by_whole_runs(const Experiment& experiment, Rig& rig, const StrategyChoice& choice);
   /// Adds them to such a run. A measure that jumps, or of which too few digits are known, is a warning instead.
   void of_whole_runs(const RunOptions& options, Run& run) const;
+  /// Adds a warning to the run for each of these numbers by whose deviation, up and down, a measure changes unevenly:
+  /// what derivatives say of deviations then no longer holds. Two whole runs a number.
+  void check_deviations(const std::vector<std::pair<std::string, double>>& deviations, const RunOptions& options,
+                        Run& run) const;
   /// Takes the state at which measuring starts.
   void start(Model& model, const StaticRig& rig, const Start& start, const RunOptions& options);
   /// At the equilibrium under a part of the load; `last`: with what is measured once, at the last of several load
@@ -60,6 +65,7 @@ class Derivatives {
  private:
   struct Side;
   struct Number;
+  static Run run_at(const SceneNumber& number, double value, const RunOptions& options, const Run& run);
   std::vector<Number> numbers_;
 };
 

@@ -171,6 +171,7 @@ Record Comparison::run_one(Scene& scene, const StrategyChoice& choice, const Pla
       derivatives_by(request_.gradient, scene, choice, catalog_, overrides_of(request_.overrides, *row.combination));
   Run run = run_strategy(scene.specimen, *scene.experiment, choice, options);
   run.build_seconds += prepared;  // once a body: the first strategy that needs it pays
+  check_deviations(scene, options, run);
   Record record = make_record(scene, std::move(run));
   record.variant = *row.combination;
   if (!record.variant.empty()) record.verdicts.clear();  // the scene speaks of the body that it describes

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <utility>
 
 #include "config/scene_text.h"
 #include "elastin/core/base/error.h"
@@ -53,6 +54,13 @@ std::shared_ptr<Derivatives> derivatives_by(const std::vector<std::string>& keys
     numbers.push_back({key, stated.value, step, choice.name.calibrated, at});
   }
   return numbers.empty() ? nullptr : std::make_shared<Derivatives>(std::move(numbers));
+}
+
+void check_deviations(const Scene& scene, const RunOptions& options, Run& run) {
+  if (!options.derivatives || run.outcome != Outcome::converged) return;
+  std::vector<std::pair<std::string, double>> deviations;
+  for (const auto& [key, deviation] : scene.uncertain) deviations.emplace_back(key, deviation);
+  options.derivatives->check_deviations(deviations, options, run);
 }
 
 }  // namespace elastin::lab

@@ -238,7 +238,9 @@ LaboratoryResult Laboratory::run(const std::string& strategy, const RunWatch& wa
   options.stop = watch.stop;
   options.derivatives =
       derivatives_by(watch.derivatives_by, scene, choice, impl_->catalog, impl_->overrides, impl_->experiments);
-  LaboratoryResult result = result_of(impl_->scene, run_strategy(scene.specimen, *scene.experiment, choice, options));
+  Run run = run_strategy(scene.specimen, *scene.experiment, choice, options);
+  check_deviations(scene, options, run);
+  LaboratoryResult result = result_of(impl_->scene, std::move(run));
   if (!watch.keep_states) result.states.clear();
   return result;
 }

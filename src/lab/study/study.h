@@ -40,6 +40,8 @@ std::shared_ptr<Derivatives> derivatives_by(const std::vector<std::string>& keys
                                             const StrategyChoice& choice, const Catalog& catalog,
                                             const std::vector<std::string>& overrides,
                                             const ExperimentCatalog& experiments = built_in_experiments());
+/// As Derivatives::check_deviations, by the scene's uncertain numbers.
+void check_deviations(const Scene& scene, const RunOptions& options, Run& run);
 
 /// Runs every chosen strategy on every scene, in every combination of a study. Of `compare` prints one table
 /// a scene and, of several, a summary; of `run` one page a run. With `out` each row is on disk as soon as it is

@@ -212,7 +212,7 @@ TEST_CASE("derivatives of a run in time by one sweep backward are differences of
   for (Case one : cases)
     for (Steps by : schemes) {
       if (one.name.starts_with("mullins")) one.by_number = by.options.scheme->name != "symplectic_euler";
-      if (one.name != cases[0].name) by.steps = std::min(by.steps, 60);  // each is run five times
+      if (one.name != cases[0].name) by.steps = std::min(by.steps, 40);  // each is run five times
       Problem problem(one, nullptr, 0);
       const double stable = find_stable_step(problem.model, problem.start).step;
       const double dt = by.options.scheme->is_explicit ? 0.2 * stable : one.implicit_step * stable;

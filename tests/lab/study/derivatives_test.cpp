@@ -303,6 +303,17 @@ TEST_CASE("derivatives of a history are those of its closed forms", "[derivative
   }
 }
 
+TEST_CASE("a number that is uncertain by more than first order holds for is a warning", "[derivatives]") {
+  const std::string scene =
+      kLattice + kSoft + "stiffness: lattice\nexperiment: {kind: tension, axis: z, force: 0.01 N}\nuncertainty: ";
+  CHECK(run(scene + "{material.youngs_modulus: 5 %}\n", {}).warnings.empty());
+  // Elongation is as 1/E: -20 and +33.3 % where E is a quarter more and less.
+  const auto warned = run(scene + "{material.youngs_modulus: 25 %}\n", {}).warnings;
+  REQUIRE(warned.size() == 1);
+  CHECK_THAT(warned[0], Contains("material.youngs_modulus is uncertain by more") && Contains("changes by 33") &&
+                            Contains("and -20 %"));
+}
+
 TEST_CASE("the deviation of a measure is that of runs with normally distributed numbers", "[derivatives]") {
   // Gauss and Hermite's rule of five points: exact where a measure is a polynomial of the fourth degree. 10 000 random
   // draws in its place gave the same within 2 %.
