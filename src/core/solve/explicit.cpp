@@ -44,6 +44,7 @@ class Explicit final : public Integrator, public FrequencyWatch, public Transpos
     return result;
   }
 
+  bool begins_with_forces() const override { return !verlet_; }
   void transpose(Model& model, const State& from, const State& to, StateSlopes& slopes, const Visit& visit) override {
     const double dt = to.time - from.time;
     for (const auto& load : model.loads())

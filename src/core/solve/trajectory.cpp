@@ -82,7 +82,6 @@ struct Trajectory::Impl {
     set_accelerations(model, start);
     stored.push_back(std::move(start));
     end = stored.front();
-    begins_with_forces = scheme.scheme->name == "symplectic_euler";
     for (int step = 0; step < steps; ++step) {
       if (step > 0 && step % stride() == 0) stored.push_back(end);
       advance(end, step);
@@ -104,7 +103,6 @@ struct Trajectory::Impl {
   int steps;
   std::unique_ptr<Integrator> integrator;
   TransposedStep* backward = nullptr;
-  bool begins_with_forces = false;  ///< those of a step are at the state where it begins
   std::vector<State> stored;
   State end;
 };
@@ -127,7 +125,7 @@ TrajectoryAdjoint Trajectory::adjoint(const AddSlopes& add_slopes, const std::ve
   // There η has a kink of which differences by a number see one side, for W is W_max wherever it has just grown.
   for (const auto& law : model.elasticity())
     if (const auto* softens = dynamic_cast<const Softens*>(law.get());
-        softens && softens->softened() && in.begins_with_forces && !varied.empty())
+        softens && softens->softened() && in.backward->begins_with_forces() && !varied.empty())
       throw InputError(
           "no derivative by a number of what softens by 'symplectic_euler', whose forces are those at a step's "
           "beginning: take velocity_verlet");

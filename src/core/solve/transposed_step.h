@@ -41,6 +41,8 @@ void transpose_commit(const Model& model, const State& from, const State& to, St
 class TransposedStep {
  public:
   virtual ~TransposedStep() = default;
+  /// Whether a step's forces are those at the state where it begins.
+  virtual bool begins_with_forces() const { return false; }
   /// What changes forces and masses by δf and δM at the state `at` of a step changes m by λ·(δf − δM a).
   using Visit = std::function<void(const State& at, const Positions& lambda)>;
   /// Slopes by the state `to` in which a step that was not bisected has ended become those by the state `from`, in the

@@ -287,9 +287,9 @@ void Derivatives::of_whole_runs(const RunOptions& options, Run& run) const {
       const auto slopes = [&](const Measures& own, const auto& measures_of) {
         Row row;
         for (const auto& [name, value] : own.all()) {
-          const auto in = [&, &name = name](const Run& one) { return measures_of(one).get(name); };
-          const double near = (in(high)-in(low)) / (2 * step), far = (in(high2)-in(low2)) / (4 * step),
-                       best = (4 * near - far) / 3,
+          const auto value_of = [&, &name = name](const Run& one) { return measures_of(one).get(name); };
+          const double near = (value_of(high) - value_of(low)) / (2 * step),
+                       far = (value_of(high2) - value_of(low2)) / (4 * step), best = (4 * near - far) / 3,
                        size = std::max(std::abs(best), kInsensitive * std::abs(value / of.value));
           if (is_smooth(name) && std::isfinite(best))
             row.emplace_back(name, Slope{best, size > 0 ? std::abs(near - far) / size : 0});
