@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include "command/row.h"
-#include "elastin/contact/overlaps.h"
+#include "contact/overlaps.h"
 #include "lab/scene/scene.h"
 
 namespace elastin::command {

@@ -1,6 +1,6 @@
 #pragma once
+#include "contact/overlaps.h"
 #include "contact/triangles_cross.h"
-#include "elastin/contact/overlaps.h"
 #include "lab/run/least_squares.h"
 
 namespace elastin::command {

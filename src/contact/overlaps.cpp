@@ -1,4 +1,4 @@
-#include "elastin/contact/overlaps.h"
+#include "contact/overlaps.h"
 
 #include <fcl/broadphase/broadphase_dynamic_AABB_tree.h>
 #include <fcl/geometry/shape/sphere.h>

@@ -4,7 +4,7 @@
 #include "contact/search.h"
 #include "core/geometry/boundary.h"
 #include "core/model/block_geometry.h"
-#include "elastin/core/shapes/surfaces.h"
+#include "core/shapes/surfaces.h"
 
 namespace elastin::contact {
 namespace {

@@ -1,4 +1,4 @@
-#include "elastin/contact/surface_check.h"
+#include "contact/surface_check.h"
 
 #include <algorithm>
 #include <cstdio>
@@ -7,7 +7,7 @@
 
 #include "contact/triangles_cross.h"
 #include "core/geometry/box_tree.h"
-#include "elastin/core/shapes/surfaces.h"
+#include "core/shapes/surfaces.h"
 
 namespace elastin::contact {
 namespace {

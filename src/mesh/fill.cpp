@@ -1,4 +1,4 @@
-#include "elastin/mesh/fill.h"
+#include "mesh/fill.h"
 
 #include <algorithm>
 #include <cmath>
@@ -14,7 +14,7 @@
 #include "core/parallel/parallel.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/base/text.h"
-#include "elastin/hull/delaunay.h"
+#include "hull/delaunay.h"
 #include "mesh/spaced_points.h"
 #include "mesh/surface_repair.h"
 

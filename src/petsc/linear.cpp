@@ -5,8 +5,8 @@
 #include <limits>
 #include <utility>
 
+#include "core/base/dense.h"
 #include "core/linear/block_inverse.h"
-#include "elastin/core/base/dense.h"
 
 namespace elastin::petsc {
 namespace {

@@ -4,9 +4,9 @@
 #include <cmath>
 
 #include "core/base/archive.h"
+#include "core/solve/stable_step.h"
 #include "elastin/core/laws/material_law.h"
 #include "elastin/core/simulation/parts.h"
-#include "elastin/core/solve/stable_step.h"
 #include "web/lab_handle.h"
 
 using elastin::c::given;

@@ -8,10 +8,10 @@
 #include <random>
 
 #include "contact/contact_force.h"
+#include "core/solve/energies.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/parallel/threads.h"
 #include "elastin/core/simulation/catalog.h"
-#include "elastin/core/solve/energies.h"
 #include "elastin/core/solve/integrator.h"
 #include "support/bodies.h"
 #include "support/forces_of.h"

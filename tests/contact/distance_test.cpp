@@ -12,8 +12,8 @@
 #include <memory>
 #include <random>
 
+#include "core/shapes/surfaces.h"
 #include "elastin/core/base/error.h"
-#include "elastin/core/shapes/surfaces.h"
 
 using namespace elastin;
 using namespace elastin::contact;

@@ -1,4 +1,4 @@
-#include "elastin/contact/overlaps.h"
+#include "contact/overlaps.h"
 
 #include <catch2/catch.hpp>
 #include <set>

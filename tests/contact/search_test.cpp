@@ -9,8 +9,8 @@
 #include <set>
 
 #include "core/model/block_geometry.h"
+#include "core/shapes/surfaces.h"
 #include "elastin/core/parallel/threads.h"
-#include "elastin/core/shapes/surfaces.h"
 #include "support/allocations.h"
 #include "support/bodies.h"
 

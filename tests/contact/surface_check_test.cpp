@@ -1,9 +1,9 @@
-#include "elastin/contact/surface_check.h"
+#include "contact/surface_check.h"
 
 #include <catch2/catch.hpp>
 #include <limits>
 
-#include "elastin/core/shapes/surfaces.h"
+#include "core/shapes/surfaces.h"
 
 using namespace elastin;
 using namespace elastin::contact;

@@ -1,4 +1,4 @@
-#include "elastin/hull/delaunay.h"
+#include "hull/delaunay.h"
 
 #include <algorithm>
 #include <catch2/catch.hpp>

@@ -1,4 +1,4 @@
-#include "elastin/mesh/fill.h"
+#include "mesh/fill.h"
 
 #include <algorithm>
 #include <catch2/catch.hpp>
@@ -8,10 +8,10 @@
 
 #include "core/geometry/boundary.h"
 #include "core/geometry/triangle_tree.h"
+#include "core/shapes/surfaces.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/parallel/threads.h"
 #include "elastin/core/shapes/shapes.h"
-#include "elastin/core/shapes/surfaces.h"
 
 using namespace elastin;
 using namespace elastin::mesh;

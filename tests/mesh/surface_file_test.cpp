@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <cstdio>
 
+#include "core/forces/pressure.h"
 #include "elastin/core/base/error.h"
-#include "elastin/core/forces/pressure.h"
 #include "elastin/mesh/mesh_file.h"
 #include "support/temporary_folder.h"
 

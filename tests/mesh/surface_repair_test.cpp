@@ -3,10 +3,10 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "core/shapes/surfaces.h"
 #include "elastin/core/base/text.h"
-#include "elastin/core/shapes/surfaces.h"
-#include "elastin/mesh/fill.h"
 #include "elastin/mesh/mesh_file.h"
+#include "mesh/fill.h"
 
 using namespace elastin;
 using namespace elastin::mesh;

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "core/laws/springs/voronoi.h"
-#include "elastin/hull/delaunay.h"
+#include "hull/delaunay.h"
 #include "support/bodies.h"
 
 using namespace elastin;

@@ -1,10 +1,10 @@
 #pragma once
 #include <random>
 
+#include "core/shapes/orders.h"
 #include "elastin/core/model/material.h"
 #include "elastin/core/model/state.h"
 #include "elastin/core/shapes/arrays.h"
-#include "elastin/core/shapes/orders.h"
 #include "elastin/core/shapes/shapes.h"
 
 namespace elastin::testing {

@@ -4,8 +4,8 @@
 #include <memory>
 #include <stdexcept>
 
+#include "core/shapes/orders.h"
 #include "elastin/core/parallel/threads.h"
-#include "elastin/core/shapes/orders.h"
 #include "elastin/core/shapes/shapes.h"
 #include "elastin/core/simulation/catalog.h"
 #include "elastin/core/solve/sensitivity.h"

@@ -1,9 +1,9 @@
 #include <memory>
 
+#include "core/shapes/orders.h"
 #include "elastin/core/forces/model.h"
 #include "elastin/core/forces/tangent.h"
 #include "elastin/core/parallel/threads.h"
-#include "elastin/core/shapes/orders.h"
 #include "elastin/core/shapes/shapes.h"
 #include "elastin/core/simulation/catalog.h"
 #include "measure.h"

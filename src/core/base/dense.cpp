@@ -1,4 +1,4 @@
-#include "elastin/core/base/dense.h"
+#include "core/base/dense.h"
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/QR>

@@ -1,4 +1,4 @@
-#include "elastin/core/forces/air.h"
+#include "core/forces/air.h"
 
 #include <algorithm>
 #include <cmath>

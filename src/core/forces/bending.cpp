@@ -1,12 +1,12 @@
-#include "elastin/core/forces/bending.h"
+#include "core/forces/bending.h"
 
 #include <algorithm>
 #include <cmath>
 #include <map>
 
+#include "core/base/dense.h"
 #include "core/forces/own_slopes.h"
 #include "core/parallel/parallel.h"
-#include "elastin/core/base/dense.h"
 #include "elastin/core/base/error.h"
 
 namespace elastin {

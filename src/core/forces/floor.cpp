@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "elastin/core/forces/floor.h"
+#include "core/forces/floor.h"
 #include "elastin/core/model/share.h"
 
 namespace elastin {

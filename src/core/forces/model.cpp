@@ -4,10 +4,10 @@
 #include <cmath>
 #include <utility>
 
+#include "core/base/dense.h"
 #include "core/forces/graph.h"
 #include "core/forces/sharing.h"
 #include "core/model/check_indices.h"
-#include "elastin/core/base/dense.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/model/share.h"
 

@@ -1,4 +1,4 @@
-#include "elastin/core/forces/muscle.h"
+#include "core/forces/muscle.h"
 
 #include <cmath>
 #include <utility>

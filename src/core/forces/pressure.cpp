@@ -1,4 +1,4 @@
-#include "elastin/core/forces/pressure.h"
+#include "core/forces/pressure.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,8 +9,8 @@
 #include "core/base/cross_matrix.h"
 #include "core/model/incidence.h"
 #include "core/parallel/parallel.h"
+#include "core/shapes/surfaces.h"
 #include "elastin/core/base/error.h"
-#include "elastin/core/shapes/surfaces.h"
 
 namespace elastin {
 namespace {

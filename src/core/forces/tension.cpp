@@ -1,4 +1,4 @@
-#include "elastin/core/forces/tension.h"
+#include "core/forces/tension.h"
 
 #include <algorithm>
 #include <cmath>

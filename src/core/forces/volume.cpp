@@ -1,4 +1,4 @@
-#include "elastin/core/forces/volume.h"
+#include "core/forces/volume.h"
 
 #include <algorithm>
 #include <array>

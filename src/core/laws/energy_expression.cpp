@@ -6,10 +6,10 @@
 #include <limits>
 #include <utility>
 
+#include "core/base/dense.h"
 #include "core/base/named.h"
 #include "core/laws/jet3.h"
 #include "core/laws/solids/components.h"
-#include "elastin/core/base/dense.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/base/text.h"
 #include "elastin/core/laws/volumetric.h"

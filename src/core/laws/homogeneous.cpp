@@ -1,12 +1,12 @@
-#include "elastin/core/laws/homogeneous.h"
+#include "core/laws/homogeneous.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 #include <vector>
 
+#include "core/base/dense.h"
 #include "core/laws/solids/components.h"
-#include "elastin/core/base/dense.h"
 
 namespace elastin {
 namespace {

@@ -4,10 +4,10 @@
 #include <cmath>
 #include <limits>
 
+#include "core/base/dense.h"
 #include "core/base/named.h"
-#include "elastin/core/base/dense.h"
+#include "core/laws/homogeneous.h"
 #include "elastin/core/base/text.h"
-#include "elastin/core/laws/homogeneous.h"
 
 namespace elastin {
 namespace {

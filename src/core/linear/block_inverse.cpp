@@ -1,8 +1,8 @@
 #include "core/linear/block_inverse.h"
 
+#include "core/base/dense.h"
 #include "core/linear/sparse_stiffness.h"
 #include "core/parallel/parallel.h"
-#include "elastin/core/base/dense.h"
 
 namespace elastin {
 

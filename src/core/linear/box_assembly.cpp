@@ -5,8 +5,8 @@
 #include <span>
 #include <utility>
 
+#include "core/base/dense.h"
 #include "core/parallel/parallel.h"
-#include "elastin/core/base/dense.h"
 #include "elastin/core/model/share.h"
 
 namespace elastin {

@@ -1,9 +1,9 @@
 #include <cmath>
 
+#include "core/base/dense.h"
 #include "core/linear/assembled.h"
 #include "core/linear/sparse_factor.h"
 #include "core/linear/sparse_stiffness.h"
-#include "elastin/core/base/dense.h"
 #include "elastin/core/linear/linear_solver.h"
 
 namespace elastin {

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/dense.h"
 #include "core/linear/sparse_stiffness.h"
 #include "core/parallel/parallel.h"
-#include "elastin/core/base/dense.h"
 #include "elastin/core/linear/linear_solver.h"
 
 namespace elastin {

@@ -1,7 +1,7 @@
 #pragma once
 #include <vector>
 
-#include "elastin/core/base/dense.h"
+#include "core/base/dense.h"
 #include "elastin/core/forces/tangent.h"
 
 namespace elastin {

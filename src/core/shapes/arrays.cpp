@@ -7,12 +7,12 @@
 #include <string>
 
 #include "core/geometry/hull_volume.h"
+#include "core/shapes/surfaces.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/base/text.h"
 #include "elastin/core/model/rest.h"
 #include "elastin/core/model/share.h"
 #include "elastin/core/shapes/shapes.h"
-#include "elastin/core/shapes/surfaces.h"
 
 namespace elastin {
 namespace {

@@ -1,4 +1,4 @@
-#include "elastin/core/shapes/orders.h"
+#include "core/shapes/orders.h"
 
 #include <algorithm>
 #include <map>

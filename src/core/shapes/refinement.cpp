@@ -1,12 +1,12 @@
-#include "elastin/core/shapes/refinement.h"
+#include "core/shapes/refinement.h"
 
 #include <algorithm>
 #include <cmath>
 #include <map>
 
 #include "core/shapes/block_orders.h"
+#include "core/shapes/surfaces.h"
 #include "elastin/core/base/error.h"
-#include "elastin/core/shapes/surfaces.h"
 
 namespace elastin {
 namespace {

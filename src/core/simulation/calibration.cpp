@@ -5,14 +5,14 @@
 #include <numeric>
 #include <utility>
 
+#include "core/base/dense.h"
+#include "core/forces/volume.h"
 #include "core/geometry/boundary.h"
 #include "core/model/faces.h"
 #include "core/simulation/volume_fit.h"
 #include "core/solve/responses.h"
-#include "elastin/core/base/dense.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/base/stop.h"
-#include "elastin/core/forces/volume.h"
 #include "elastin/core/simulation/catalog.h"
 #include "elastin/core/solve/homogenisation.h"
 

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "core/base/named.h"
+#include "core/forces/volume.h"
 #include "core/laws/membranes/hencky_energy_membrane.h"
 #include "core/laws/membranes/hencky_membrane.h"
 #include "core/laws/membranes/two_parameter.h"
@@ -34,7 +35,6 @@
 #include "core/laws/springs/voronoi.h"
 #include "elastin/core/forces/mullins.h"
 #include "elastin/core/forces/prony.h"
-#include "elastin/core/forces/volume.h"
 
 namespace elastin {
 

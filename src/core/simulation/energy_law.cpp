@@ -5,10 +5,10 @@
 #include <limits>
 #include <utility>
 
+#include "core/laws/moduli.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/forces/cells.h"
 #include "elastin/core/laws/any_law.h"
-#include "elastin/core/laws/moduli.h"
 
 namespace elastin {
 namespace {

@@ -1,11 +1,11 @@
-#include "elastin/core/simulation/fibres.h"
+#include "core/simulation/fibres.h"
 
 #include <cmath>
 
+#include "core/forces/muscle.h"
 #include "core/laws/solids/fibre.h"
 #include "core/laws/springs/patch.h"
 #include "elastin/core/forces/cells.h"
-#include "elastin/core/forces/muscle.h"
 
 namespace elastin {
 

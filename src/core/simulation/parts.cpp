@@ -2,12 +2,12 @@
 
 #include <utility>
 
+#include "core/forces/bending.h"
+#include "core/forces/volume.h"
 #include "core/laws/springs/patch.h"
-#include "elastin/core/forces/bending.h"
+#include "core/simulation/fibres.h"
 #include "elastin/core/forces/ties.h"
-#include "elastin/core/forces/volume.h"
 #include "elastin/core/model/parts.h"
-#include "elastin/core/simulation/fibres.h"
 
 namespace elastin {
 namespace {

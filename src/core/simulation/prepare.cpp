@@ -2,11 +2,11 @@
 
 #include <algorithm>
 
+#include "core/forces/bending.h"
 #include "core/model/check_indices.h"
+#include "core/simulation/fibres.h"
 #include "elastin/core/base/error.h"
-#include "elastin/core/forces/bending.h"
 #include "elastin/core/model/parts.h"
-#include "elastin/core/simulation/fibres.h"
 
 namespace elastin {
 namespace {

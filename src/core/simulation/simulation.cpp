@@ -6,15 +6,15 @@
 #include <limits>
 #include <utility>
 
+#include "core/forces/volume.h"
 #include "core/model/check_indices.h"
 #include "core/parallel/parallel.h"
+#include "core/simulation/fibres.h"
 #include "core/simulation/simulation_impl.h"
 #include "core/simulation/tensions.h"
 #include "core/solve/steppers.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/base/text.h"
-#include "elastin/core/forces/volume.h"
-#include "elastin/core/simulation/fibres.h"
 #include "elastin/core/simulation/parts.h"
 #include "elastin/core/solve/sensitivity.h"
 

@@ -8,8 +8,8 @@
 #include "core/simulation/budget.h"
 #include "core/simulation/host_supports.h"
 #include "core/simulation/tools.h"
+#include "core/solve/stable_step.h"
 #include "elastin/core/simulation/simulation.h"
-#include "elastin/core/solve/stable_step.h"
 
 namespace elastin {
 

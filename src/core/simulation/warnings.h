@@ -2,10 +2,10 @@
 #include <string>
 #include <vector>
 
+#include "core/solve/modes.h"
 #include "elastin/core/model/body.h"
 #include "elastin/core/model/material.h"
 #include "elastin/core/simulation/catalog.h"
-#include "elastin/core/solve/modes.h"
 
 namespace elastin {
 

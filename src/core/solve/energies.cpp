@@ -1,4 +1,4 @@
-#include "elastin/core/solve/energies.h"
+#include "core/solve/energies.h"
 
 #include <algorithm>
 

@@ -3,11 +3,11 @@
 #include <cmath>
 #include <limits>
 
+#include "core/base/dense.h"
 #include "core/parallel/parallel.h"
 #include "core/solve/implicit.h"
 #include "core/solve/mixing.h"
 #include "core/solve/steppers.h"
-#include "elastin/core/base/dense.h"
 
 namespace elastin {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "elastin/core/base/dense.h"
+#include "core/base/dense.h"
 
 namespace elastin {
 namespace {

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <utility>
 
-#include "elastin/core/base/dense.h"
+#include "core/base/dense.h"
 
 namespace elastin {
 namespace {

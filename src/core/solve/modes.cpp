@@ -1,4 +1,4 @@
-#include "elastin/core/solve/modes.h"
+#include "core/solve/modes.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,9 +6,9 @@
 #include <map>
 #include <numeric>
 
+#include "core/base/dense.h"
 #include "core/linear/sparse_factor.h"
 #include "core/model/incidence.h"
-#include "elastin/core/base/dense.h"
 
 namespace elastin {
 namespace {

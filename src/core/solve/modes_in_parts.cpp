@@ -1,7 +1,7 @@
 #include <utility>
 
+#include "core/solve/modes.h"
 #include "elastin/core/model/parts.h"
-#include "elastin/core/solve/modes.h"
 
 namespace elastin {
 

@@ -1,4 +1,4 @@
-#include "elastin/core/solve/stable_step.h"
+#include "core/solve/stable_step.h"
 
 #include <algorithm>
 #include <array>
@@ -7,8 +7,8 @@
 #include <limits>
 #include <utility>
 
+#include "core/base/dense.h"
 #include "core/parallel/parallel.h"
-#include "elastin/core/base/dense.h"
 #include "elastin/core/forces/tangent.h"
 #include "elastin/core/linear/linear_solver.h"
 #include "elastin/core/model/share.h"

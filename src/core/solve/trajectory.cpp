@@ -5,12 +5,12 @@
 #include <string>
 #include <utility>
 
+#include "core/solve/stable_step.h"
 #include "core/solve/stiffness_slopes.h"
 #include "core/solve/transposed_step.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/base/text.h"
 #include "elastin/core/laws/local.h"
-#include "elastin/core/solve/stable_step.h"
 
 namespace elastin {
 namespace {

@@ -1,4 +1,4 @@
-#include "elastin/core/solve/unloaded.h"
+#include "core/solve/unloaded.h"
 
 #include <algorithm>
 #include <cmath>

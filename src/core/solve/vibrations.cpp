@@ -4,7 +4,7 @@
 #include <numbers>
 #include <numeric>
 
-#include "elastin/core/base/dense.h"
+#include "core/base/dense.h"
 #include "elastin/core/base/stop.h"
 #include "elastin/core/linear/linear_solver.h"
 

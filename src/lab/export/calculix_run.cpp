@@ -15,11 +15,11 @@
 #include "core/laws/solids/ogden.h"
 #include "core/laws/solids/st_venant_kirchhoff.h"
 #include "core/laws/solids/yeoh.h"
+#include "core/shapes/orders.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/base/text.h"
 #include "elastin/core/laws/material_law.h"
 #include "elastin/core/parallel/threads.h"
-#include "elastin/core/shapes/orders.h"
 #include "lab/export/engine_run.h"
 #include "lab/export/process.h"
 

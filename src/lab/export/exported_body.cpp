@@ -3,8 +3,8 @@
 #include <fmt/format.h>
 
 #include "core/forces/unstressed_lengths.h"
+#include "core/shapes/orders.h"
 #include "elastin/core/base/text.h"
-#include "elastin/core/shapes/orders.h"
 #include "lab/export/problem.h"
 
 namespace elastin::lab {

@@ -10,7 +10,7 @@
 #include <stdexcept>
 #include <system_error>
 
-#include "elastin/core/shapes/surfaces.h"
+#include "core/shapes/surfaces.h"
 #include "hull/convex_hull.h"
 
 namespace elastin::lab {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "elastin/core/base/dense.h"
+#include "core/base/dense.h"
 #include "lab/identify/fit.h"
 #include "lab/report/records.h"
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "elastin/core/base/dense.h"
+#include "core/base/dense.h"
 #include "lab/identify/measured_test.h"
 #include "lab/identify/window_moduli.h"
 #include "lab/run/material_numbers.h"

@@ -11,7 +11,7 @@
 #include <numbers>
 #include <utility>
 
-#include "elastin/core/base/dense.h"
+#include "core/base/dense.h"
 #include "lab/identify/measured_test.h"
 
 namespace elastin::lab {

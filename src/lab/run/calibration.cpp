@@ -5,9 +5,9 @@
 #include <cstdio>
 #include <optional>
 
+#include "core/forces/volume.h"
 #include "core/simulation/volume_fit.h"
 #include "elastin/core/base/error.h"
-#include "elastin/core/forces/volume.h"
 #include "elastin/core/model/share.h"
 #include "lab/run/common_measures.h"
 #include "lab/run/load_path.h"

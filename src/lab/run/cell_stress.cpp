@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <unordered_map>
 
-#include "elastin/core/base/dense.h"
+#include "core/base/dense.h"
 
 namespace elastin::lab {
 namespace {

@@ -5,7 +5,7 @@
 #include <limits>
 #include <numbers>
 
-#include "elastin/core/base/dense.h"
+#include "core/base/dense.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/base/text.h"
 #include "elastin/core/model/share.h"

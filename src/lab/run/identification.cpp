@@ -5,7 +5,7 @@
 #include <limits>
 #include <optional>
 
-#include "elastin/core/base/dense.h"
+#include "core/base/dense.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/simulation/parts.h"
 #include "lab/run/least_squares.h"

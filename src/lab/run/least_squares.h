@@ -2,7 +2,7 @@
 #include <functional>
 #include <string>
 
-#include "elastin/core/base/dense.h"
+#include "core/base/dense.h"
 
 namespace elastin::lab {
 

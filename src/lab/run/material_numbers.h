@@ -4,8 +4,8 @@
 #include <utility>
 #include <vector>
 
+#include "core/laws/homogeneous.h"
 #include "elastin/core/base/units.h"
-#include "elastin/core/laws/homogeneous.h"
 #include "elastin/core/laws/material_law.h"
 #include "elastin/core/model/stress_strain.h"
 

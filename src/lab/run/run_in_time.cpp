@@ -7,11 +7,11 @@
 
 #include "core/base/stopwatch.h"
 #include "core/model/visit_state.h"
+#include "core/solve/energies.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/base/text.h"
 #include "elastin/core/model/rest.h"
 #include "elastin/core/model/share.h"
-#include "elastin/core/solve/energies.h"
 #include "elastin/lab/run/experiment.h"
 #include "lab/run/contact_measures.h"
 #include "lab/run/specimen.h"

@@ -11,10 +11,10 @@
 #include "core/base/archive.h"
 #include "core/base/stopwatch.h"
 #include "core/model/visit_state.h"
+#include "core/solve/stable_step.h"
 #include "core/solve/steppers.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/model/share.h"
-#include "elastin/core/solve/stable_step.h"
 
 namespace elastin::lab {
 

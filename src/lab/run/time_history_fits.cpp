@@ -5,7 +5,7 @@
 #include <numbers>
 #include <vector>
 
-#include "elastin/core/base/dense.h"
+#include "core/base/dense.h"
 
 namespace elastin::lab {
 namespace {

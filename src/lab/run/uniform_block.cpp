@@ -2,9 +2,9 @@
 
 #include <cmath>
 
+#include "core/shapes/surfaces.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/shapes/arrays.h"
-#include "elastin/core/shapes/surfaces.h"
 #include "elastin/core/simulation/simulation.h"
 
 namespace elastin::lab {

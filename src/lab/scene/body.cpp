@@ -5,13 +5,13 @@
 #include <utility>
 
 #include "core/base/named.h"
+#include "core/shapes/orders.h"
+#include "core/shapes/surfaces.h"
 #include "elastin/core/base/text.h"
 #include "elastin/core/shapes/arrays.h"
-#include "elastin/core/shapes/orders.h"
 #include "elastin/core/shapes/shapes.h"
-#include "elastin/core/shapes/surfaces.h"
-#include "elastin/hull/delaunay.h"
 #include "elastin/mesh/mesh_file.h"
+#include "hull/delaunay.h"
 #include "lab/scene/parts.h"
 
 namespace elastin::lab {

@@ -3,9 +3,9 @@
 #include <cctype>
 #include <optional>
 
+#include "contact/surface_check.h"
+#include "core/base/dense.h"
 #include "core/base/named.h"
-#include "elastin/contact/surface_check.h"
-#include "elastin/core/base/dense.h"
 #include "elastin/mesh/mesh_file.h"
 #include "lab/scene/parts.h"
 

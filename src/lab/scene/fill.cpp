@@ -1,10 +1,10 @@
-#include "elastin/mesh/fill.h"
+#include "mesh/fill.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 
-#include "elastin/contact/surface_check.h"
+#include "contact/surface_check.h"
 #include "elastin/core/base/text.h"
 #include "lab/scene/parts.h"
 #include "mesh/surface_repair.h"

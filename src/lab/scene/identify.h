@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "elastin/core/laws/homogeneous.h"
+#include "core/laws/homogeneous.h"
 #include "elastin/core/simulation/catalog.h"
 #include "lab/run/config_names.h"
 #include "lab/run/material_numbers.h"

@@ -12,10 +12,10 @@
 #include <utility>
 
 #include "core/base/disjoint_sets.h"
+#include "core/shapes/orders.h"
 #include "core/simulation/warnings.h"
 #include "elastin/core/base/text.h"
 #include "elastin/core/model/renumbered.h"
-#include "elastin/core/shapes/orders.h"
 #include "elastin/core/shapes/shapes.h"
 #include "lab/run/body_image.h"
 #include "lab/scene/parts.h"

@@ -1,4 +1,4 @@
-#include "elastin/core/shapes/surfaces.h"
+#include "core/shapes/surfaces.h"
 
 #include "lab/scene/parts.h"
 

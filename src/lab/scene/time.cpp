@@ -2,9 +2,9 @@
 #include <algorithm>
 #include <random>
 
+#include "core/forces/floor.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/base/text.h"
-#include "elastin/core/forces/floor.h"
 #include "lab/scene/parts.h"
 
 namespace elastin::lab {

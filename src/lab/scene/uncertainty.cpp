@@ -2,7 +2,7 @@
 #include <cmath>
 
 #include "config/scene_text.h"
-#include "elastin/core/base/dense.h"
+#include "core/base/dense.h"
 #include "lab/scene/parts.h"
 #include "lab/scene/scene.h"
 

@@ -7,12 +7,12 @@
 #include <map>
 
 #include "core/base/named.h"
+#include "core/shapes/surfaces.h"
+#include "core/simulation/fibres.h"
+#include "core/solve/modes.h"
+#include "core/solve/stable_step.h"
 #include "elastin/core/model/parts.h"
-#include "elastin/core/shapes/surfaces.h"
-#include "elastin/core/simulation/fibres.h"
 #include "elastin/core/simulation/parts.h"
-#include "elastin/core/solve/modes.h"
-#include "elastin/core/solve/stable_step.h"
 #include "lab/report/table.h"
 #include "lab/run/common_measures.h"
 #include "lab/run/load_path.h"

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "core/base/named.h"
+#include "core/laws/homogeneous.h"
 #include "elastin/core/base/error.h"
-#include "elastin/core/laws/homogeneous.h"
 #include "lab/format/csv.h"
 #include "lab/report/comparison.h"
 #include "lab/run/material_numbers.h"

@@ -11,11 +11,11 @@
 #include <optional>
 
 #include "core/base/stopwatch.h"
+#include "core/solve/energies.h"
 #include "core/solve/newton.h"
+#include "core/solve/stable_step.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/parallel/threads.h"
-#include "elastin/core/solve/energies.h"
-#include "elastin/core/solve/stable_step.h"
 #include "lab/report/files.h"
 #include "lab/report/machine.h"
 #include "lab/report/screen.h"

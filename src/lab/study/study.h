@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "elastin/contact/overlaps.h"
+#include "contact/overlaps.h"
 #include "elastin/core/laws/material_law.h"
 #include "lab/report/directions.h"
 #include "lab/report/plot.h"

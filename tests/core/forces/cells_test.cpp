@@ -5,9 +5,9 @@
 #include <catch2/catch.hpp>
 #include <random>
 
+#include "core/shapes/surfaces.h"
 #include "elastin/core/forces/tangent.h"
 #include "elastin/core/parallel/threads.h"
-#include "elastin/core/shapes/surfaces.h"
 #include "elastin/core/simulation/catalog.h"
 #include "support/bodies.h"
 

@@ -4,8 +4,8 @@
 #include <memory>
 
 #include "core/forces/grid_springs.h"
+#include "core/forces/volume.h"
 #include "elastin/core/forces/model.h"
-#include "elastin/core/forces/volume.h"
 #include "elastin/core/parallel/threads.h"
 #include "elastin/core/simulation/catalog.h"
 #include "support/allocations.h"

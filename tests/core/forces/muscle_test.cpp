@@ -1,13 +1,13 @@
 // Active fibres: their force by length and time, and a muscle that contracts against a spring.
 
-#include "elastin/core/forces/muscle.h"
+#include "core/forces/muscle.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "core/simulation/fibres.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/forces/tangent.h"
-#include "elastin/core/simulation/fibres.h"
 #include "elastin/core/simulation/parts.h"
 #include "elastin/core/solve/statics.h"
 #include "support/bodies.h"

@@ -1,12 +1,12 @@
-#include "elastin/core/forces/pressure.h"
+#include "core/forces/pressure.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <numbers>
 
+#include "core/shapes/surfaces.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/parallel/threads.h"
-#include "elastin/core/shapes/surfaces.h"
 #include "support/bodies.h"
 #include "support/forces_of.h"
 

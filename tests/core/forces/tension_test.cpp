@@ -1,12 +1,12 @@
-#include "elastin/core/forces/tension.h"
+#include "core/forces/tension.h"
 
 #include <Eigen/Dense>
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "core/shapes/surfaces.h"
 #include "elastin/core/model/parts.h"
 #include "elastin/core/shapes/shapes.h"
-#include "elastin/core/shapes/surfaces.h"
 #include "elastin/core/simulation/parts.h"
 #include "elastin/core/solve/statics.h"
 #include "lab/run/specimen.h"

@@ -3,8 +3,8 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "core/forces/floor.h"
 #include "elastin/core/base/error.h"
-#include "elastin/core/forces/floor.h"
 #include "elastin/core/forces/loads.h"
 #include "support/bodies.h"
 

@@ -6,8 +6,8 @@
 
 #include "core/base/random.h"
 #include "core/geometry/boundary.h"
+#include "core/shapes/surfaces.h"
 #include "elastin/core/shapes/shapes.h"
-#include "elastin/core/shapes/surfaces.h"
 #include "support/allocations.h"
 
 using namespace elastin;

@@ -1,6 +1,6 @@
 // Homogeneous tests of laws against closed forms, and where laws are stable.
 
-#include "elastin/core/laws/homogeneous.h"
+#include "core/laws/homogeneous.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>

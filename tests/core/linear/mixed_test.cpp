@@ -3,9 +3,9 @@
 #include <catch2/catch.hpp>
 
 #include "core/linear/linear_choice.h"
+#include "core/shapes/orders.h"
 #include "elastin/core/forces/load_table.h"
 #include "elastin/core/parallel/threads.h"
-#include "elastin/core/shapes/orders.h"
 #include "elastin/core/simulation/catalog.h"
 #include "elastin/core/solve/statics.h"
 #include "support/bodies.h"

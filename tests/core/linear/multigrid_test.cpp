@@ -6,9 +6,9 @@
 #include <string>
 
 #include "core/base/disjoint_sets.h"
+#include "core/forces/volume.h"
 #include "core/linear/linear_choice.h"
 #include "core/linear/volume_smoother.h"
-#include "elastin/core/forces/volume.h"
 #include "elastin/core/linear/linear_solver.h"
 #include "elastin/core/parallel/threads.h"
 #include "elastin/core/simulation/catalog.h"

@@ -7,11 +7,11 @@
 #include <random>
 
 #include "core/model/faces.h"
+#include "core/shapes/orders.h"
+#include "core/shapes/refinement.h"
+#include "core/shapes/surfaces.h"
 #include "elastin/core/model/share.h"
-#include "elastin/core/shapes/orders.h"
-#include "elastin/core/shapes/refinement.h"
 #include "elastin/core/shapes/shapes.h"
-#include "elastin/core/shapes/surfaces.h"
 #include "support/processes.h"
 
 using namespace elastin;

@@ -8,13 +8,13 @@
 
 #include "core/linear/box_assembly.h"
 #include "core/model/faces.h"
+#include "core/solve/energies.h"
+#include "core/solve/stable_step.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/forces/model.h"
 #include "elastin/core/shapes/arrays.h"
 #include "elastin/core/simulation/catalog.h"
-#include "elastin/core/solve/energies.h"
 #include "elastin/core/solve/integrator.h"
-#include "elastin/core/solve/stable_step.h"
 #include "support/bodies.h"
 #include "support/processes.h"
 

@@ -1,4 +1,4 @@
-#include "elastin/core/shapes/refinement.h"
+#include "core/shapes/refinement.h"
 
 #include <algorithm>
 #include <catch2/catch.hpp>
@@ -7,12 +7,12 @@
 #include "core/geometry/boundary.h"
 #include "core/model/block_geometry.h"
 #include "core/model/faces.h"
+#include "core/shapes/orders.h"
+#include "core/shapes/surfaces.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/model/parts.h"
 #include "elastin/core/shapes/arrays.h"
-#include "elastin/core/shapes/orders.h"
 #include "elastin/core/shapes/shapes.h"
-#include "elastin/core/shapes/surfaces.h"
 #include "support/bodies.h"
 
 using namespace elastin;

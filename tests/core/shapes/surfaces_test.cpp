@@ -1,4 +1,4 @@
-#include "elastin/core/shapes/surfaces.h"
+#include "core/shapes/surfaces.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>

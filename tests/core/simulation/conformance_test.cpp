@@ -4,14 +4,14 @@
 #include <map>
 #include <set>
 
+#include "core/simulation/fibres.h"
+#include "core/solve/stable_step.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/forces/model.h"
 #include "elastin/core/forces/tangent.h"
 #include "elastin/core/model/rest.h"
 #include "elastin/core/simulation/catalog.h"
-#include "elastin/core/simulation/fibres.h"
 #include "elastin/core/solve/integrator.h"
-#include "elastin/core/solve/stable_step.h"
 #include "elastin/mesh/voronoi.h"
 #include "support/allocations.h"
 #include "support/bodies.h"

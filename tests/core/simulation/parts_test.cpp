@@ -2,10 +2,10 @@
 
 #include <catch2/catch.hpp>
 
+#include "core/simulation/fibres.h"
 #include "elastin/core/forces/model.h"
 #include "elastin/core/forces/tangent.h"
 #include "elastin/core/model/parts.h"
-#include "elastin/core/simulation/fibres.h"
 #include "elastin/mesh/voronoi.h"
 #include "support/bodies.h"
 

@@ -4,10 +4,10 @@
 #include <cmath>
 #include <cstring>
 
+#include "core/forces/bending.h"
+#include "core/shapes/surfaces.h"
 #include "elastin/core/base/error.h"
-#include "elastin/core/forces/bending.h"
 #include "elastin/core/shapes/shapes.h"
-#include "elastin/core/shapes/surfaces.h"
 #include "elastin/core/simulation/simulation.h"
 #include "elastin/mesh/voronoi.h"
 

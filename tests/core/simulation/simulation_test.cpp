@@ -5,10 +5,10 @@
 #include <limits>
 
 #include "core/simulation/tissues.h"
+#include "core/solve/stable_step.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/forces/load_table.h"
 #include "elastin/core/forces/loads.h"
-#include "elastin/core/solve/stable_step.h"
 #include "support/refusal.h"
 
 using namespace elastin;

@@ -3,9 +3,9 @@
 #include <catch2/catch.hpp>
 
 #include "core/simulation/tissues.h"
+#include "core/solve/stable_step.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/simulation/saved_state.h"
-#include "elastin/core/solve/stable_step.h"
 
 using namespace elastin;
 using namespace elastin::testing;

@@ -4,9 +4,10 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/shapes/surfaces.h"
+#include "core/solve/energies.h"
 #include "elastin/core/simulation/catalog.h"
 #include "elastin/core/simulation/simulation.h"
-#include "elastin/core/solve/energies.h"
 #include "support/bodies.h"
 
 using namespace elastin;

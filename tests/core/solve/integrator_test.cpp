@@ -4,11 +4,11 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/solve/energies.h"
+#include "core/solve/stable_step.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/parallel/threads.h"
 #include "elastin/core/simulation/catalog.h"
-#include "elastin/core/solve/energies.h"
-#include "elastin/core/solve/stable_step.h"
 #include "support/bodies.h"
 
 using namespace elastin;

@@ -1,4 +1,4 @@
-#include "elastin/core/solve/modes.h"
+#include "core/solve/modes.h"
 
 #include <Eigen/QR>
 #include <catch2/catch.hpp>

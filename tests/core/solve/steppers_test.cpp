@@ -3,10 +3,10 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "core/solve/energies.h"
 #include "elastin/core/parallel/threads.h"
 #include "elastin/core/simulation/catalog.h"
 #include "elastin/core/simulation/simulation.h"
-#include "elastin/core/solve/energies.h"
 #include "elastin/core/solve/integrator.h"
 #include "support/allocations.h"
 #include "support/bodies.h"

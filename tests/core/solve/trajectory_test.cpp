@@ -4,10 +4,10 @@
 #include <cmath>
 #include <functional>
 
+#include "core/solve/stable_step.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/parallel/threads.h"
 #include "elastin/core/simulation/catalog.h"
-#include "elastin/core/solve/stable_step.h"
 #include "support/bodies.h"
 
 using namespace elastin;

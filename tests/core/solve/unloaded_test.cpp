@@ -1,15 +1,15 @@
 // The rest of bodies that are described under stress: unloaded shapes and prestrain in place, of every strategy.
 
-#include "elastin/core/solve/unloaded.h"
+#include "core/solve/unloaded.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <memory>
 
+#include "core/simulation/fibres.h"
 #include "elastin/core/forces/loads.h"
 #include "elastin/core/model/rest.h"
 #include "elastin/core/simulation/catalog.h"
-#include "elastin/core/simulation/fibres.h"
 #include "elastin/mesh/voronoi.h"
 #include "support/bodies.h"
 #include "support/law_constants.h"

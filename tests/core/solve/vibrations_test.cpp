@@ -3,7 +3,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "elastin/core/base/dense.h"
+#include "core/base/dense.h"
 #include "elastin/core/forces/tangent.h"
 #include "elastin/core/model/parts.h"
 #include "elastin/core/simulation/catalog.h"

@@ -3,7 +3,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "elastin/core/laws/homogeneous.h"
+#include "core/laws/homogeneous.h"
 #include "lab/scene/scene.h"
 #include "support/temporary_folder.h"
 

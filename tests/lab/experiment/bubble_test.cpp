@@ -3,8 +3,8 @@
 #include <catch2/catch.hpp>
 #include <random>
 
+#include "core/shapes/surfaces.h"
 #include "elastin/core/base/error.h"
-#include "elastin/core/shapes/surfaces.h"
 #include "lab/report/records.h"
 #include "support/experiments.h"
 #include "support/membrane_ode.h"

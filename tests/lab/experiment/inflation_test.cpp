@@ -2,9 +2,9 @@
 
 #include <cmath>
 
+#include "core/forces/pressure.h"
+#include "core/shapes/surfaces.h"
 #include "elastin/core/base/error.h"
-#include "elastin/core/forces/pressure.h"
-#include "elastin/core/shapes/surfaces.h"
 #include "support/experiments.h"
 
 using namespace elastin;

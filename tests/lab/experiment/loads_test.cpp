@@ -3,7 +3,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "elastin/core/shapes/orders.h"
+#include "core/shapes/orders.h"
 #include "lab/scene/scene.h"
 #include "support/experiments.h"
 #include "support/refusal.h"

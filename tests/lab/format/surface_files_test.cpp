@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
-#include "elastin/contact/surface_check.h"
+#include "contact/surface_check.h"
 #include "elastin/mesh/mesh_file.h"
 #include "lab/report/files.h"
 #include "lab/report/records.h"

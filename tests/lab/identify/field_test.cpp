@@ -11,8 +11,8 @@
 
 #include "core/base/random.h"
 #include "core/model/solid_cells.h"
+#include "core/shapes/orders.h"
 #include "elastin/core/base/error.h"
-#include "elastin/core/shapes/orders.h"
 #include "elastin/core/shapes/shapes.h"
 #include "lab/identify/identify.h"
 #include "support/temporary_folder.h"

@@ -3,6 +3,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "core/laws/homogeneous.h"
 #include "elastin/core/simulation/catalog.h"
 #include "lab/identify/identify.h"
 #include "lab/identify/measured_test.h"

@@ -11,6 +11,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "core/laws/homogeneous.h"
 #include "lab/run/config_names.h"
 #include "support/law_constants.h"
 #include "support/temporary_folder.h"

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "elastin/core/base/dense.h"
+#include "core/base/dense.h"
 #include "lab/report/comparison.h"
 #include "lab/report/files.h"
 #include "lab/report/records.h"

@@ -5,7 +5,7 @@
 #include <catch2/catch.hpp>
 #include <random>
 
-#include "elastin/core/shapes/orders.h"
+#include "core/shapes/orders.h"
 #include "lab/experiment/bending/bending.h"
 #include "lab/experiment/shear/shear.h"
 #include "lab/experiment/tension/tension.h"

@@ -6,8 +6,8 @@
 #include <set>
 
 #include "core/geometry/rim.h"
+#include "core/shapes/surfaces.h"
 #include "elastin/core/shapes/shapes.h"
-#include "elastin/core/shapes/surfaces.h"
 #include "lab/scene/scene.h"
 #include "support/temporary_folder.h"
 

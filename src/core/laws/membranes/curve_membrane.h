@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "core/laws/membranes/membrane.h"
+#include "core/laws/moduli.h"
 #include "core/laws/solids/curve_size.h"
-#include "elastin/core/laws/moduli.h"
 
 namespace elastin {
 

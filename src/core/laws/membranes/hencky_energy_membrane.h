@@ -3,7 +3,7 @@
 
 #include "core/laws/membranes/membrane.h"
 #include "core/laws/membranes/tension_field.h"
-#include "elastin/core/laws/moduli.h"
+#include "core/laws/moduli.h"
 
 namespace elastin {
 

@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "core/laws/membranes/membrane.h"
-#include "elastin/core/laws/moduli.h"
+#include "core/laws/moduli.h"
 
 namespace elastin {
 

@@ -4,7 +4,7 @@
 
 #include "core/laws/membranes/curve_membrane.h"
 #include "core/laws/membranes/membrane.h"
-#include "elastin/core/laws/moduli.h"
+#include "core/laws/moduli.h"
 #include "elastin/core/shapes/simplices.h"
 
 namespace elastin {

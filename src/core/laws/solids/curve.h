@@ -2,13 +2,13 @@
 #include <algorithm>
 #include <array>
 
+#include "core/base/dense.h"
 #include "core/laws/membranes/curve_membrane.h"
 #include "core/laws/membranes/tension_field.h"
+#include "core/laws/moduli.h"
 #include "core/laws/solids/curve_size.h"
 #include "core/laws/solids/principal.h"
-#include "elastin/core/base/dense.h"
 #include "elastin/core/laws/cell_kernel.h"
-#include "elastin/core/laws/moduli.h"
 
 namespace elastin {
 

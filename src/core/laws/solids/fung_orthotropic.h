@@ -2,9 +2,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/dense.h"
 #include "core/laws/exponential.h"
 #include "core/laws/solids/isochoric.h"
-#include "elastin/core/base/dense.h"
 #include "elastin/core/laws/material_law.h"
 
 namespace elastin {

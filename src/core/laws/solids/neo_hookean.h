@@ -5,9 +5,9 @@
 
 #include "core/laws/membranes/neo_hookean_membrane.h"
 #include "core/laws/membranes/tension_field.h"
+#include "core/laws/moduli.h"
 #include "elastin/core/laws/cell_kernel.h"
 #include "elastin/core/laws/local.h"
-#include "elastin/core/laws/moduli.h"
 #include "elastin/core/laws/volumetric.h"
 #include "elastin/core/shapes/simplices.h"
 

@@ -3,8 +3,8 @@
 #include <array>
 #include <cmath>
 
+#include "core/base/dense.h"
 #include "core/laws/solids/components.h"
-#include "elastin/core/base/dense.h"
 
 namespace elastin {
 

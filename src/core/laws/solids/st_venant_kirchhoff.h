@@ -1,8 +1,8 @@
 #pragma once
 #include "core/laws/membranes/membrane.h"
 #include "core/laws/membranes/tension_field.h"
+#include "core/laws/moduli.h"
 #include "elastin/core/laws/cell_kernel.h"
-#include "elastin/core/laws/moduli.h"
 #include "elastin/core/shapes/simplices.h"
 
 namespace elastin {

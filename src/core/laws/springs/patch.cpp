@@ -5,10 +5,10 @@
 #include <cmath>
 #include <limits>
 
+#include "core/base/dense.h"
 #include "core/geometry/boundary.h"
 #include "core/model/incidence.h"
 #include "core/parallel/parallel.h"
-#include "elastin/core/base/dense.h"
 
 namespace elastin {
 namespace {

@@ -8,12 +8,12 @@
 #include <numbers>
 #include <string>
 
+#include "core/base/dense.h"
+#include "core/forces/pressure.h"
+#include "core/forces/tension.h"
 #include "core/geometry/rim.h"
-#include "elastin/core/base/dense.h"
+#include "core/shapes/surfaces.h"
 #include "elastin/core/base/error.h"
-#include "elastin/core/forces/pressure.h"
-#include "elastin/core/forces/tension.h"
-#include "elastin/core/shapes/surfaces.h"
 #include "lab/experiment/keys.h"
 #include "lab/run/common_measures.h"
 

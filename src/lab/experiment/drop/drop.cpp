@@ -2,8 +2,8 @@
 #include <array>
 #include <cmath>
 
+#include "core/forces/floor.h"
 #include "elastin/contact/contact.h"
-#include "elastin/core/forces/floor.h"
 #include "elastin/core/model/share.h"
 #include "lab/experiment/keys.h"
 #include "lab/run/contact_measures.h"

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "contact/search.h"
+#include "core/base/dense.h"
 #include "elastin/contact/contact.h"
-#include "elastin/core/base/dense.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/base/text.h"
 #include "lab/experiment/keys.h"

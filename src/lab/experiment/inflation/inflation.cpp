@@ -3,10 +3,10 @@
 #include <cmath>
 #include <string>
 
+#include "core/forces/pressure.h"
 #include "core/geometry/rim.h"
+#include "core/shapes/surfaces.h"
 #include "elastin/core/base/error.h"
-#include "elastin/core/forces/pressure.h"
-#include "elastin/core/shapes/surfaces.h"
 #include "lab/experiment/keys.h"
 #include "lab/run/common_measures.h"
 

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/shapes/surfaces.h"
 #include "elastin/core/base/error.h"
-#include "elastin/core/shapes/surfaces.h"
 #include "lab/experiment/keys.h"
 
 namespace elastin::lab {

@@ -2,8 +2,8 @@
 #include <cmath>
 #include <string>
 
+#include "core/base/dense.h"
 #include "elastin/contact/contact.h"
-#include "elastin/core/base/dense.h"
 #include "elastin/core/base/error.h"
 #include "lab/experiment/keys.h"
 #include "lab/run/contact_measures.h"

@@ -7,7 +7,7 @@
 #include <limits>
 #include <numeric>
 
-#include "elastin/core/base/dense.h"
+#include "core/base/dense.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/model/parts.h"
 #include "elastin/core/model/share.h"

@@ -5,11 +5,11 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "core/base/dense.h"
 #include "core/laws/membranes/hencky_energy_membrane.h"
 #include "core/laws/solids/curve.h"
 #include "core/laws/solids/neo_hookean.h"
 #include "core/laws/solids/st_venant_kirchhoff.h"
-#include "elastin/core/base/dense.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/simulation/catalog.h"
 #include "lab/run/specimen.h"

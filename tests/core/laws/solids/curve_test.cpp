@@ -3,8 +3,8 @@
 #include <catch2/catch.hpp>
 #include <random>
 
+#include "core/base/dense.h"
 #include "core/laws/solids/fibre.h"
-#include "elastin/core/base/dense.h"
 #include "elastin/core/shapes/simplices.h"
 
 using namespace elastin;

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <random>
 
+#include "core/base/dense.h"
 #include "core/laws/exponential.h"
 #include "elastin/core/laws/cell_kernel.h"
 #include "elastin/core/shapes/simplices.h"

@@ -3,7 +3,7 @@
 #include <optional>
 #include <vector>
 
-#include "elastin/core/base/dense.h"
+#include "core/base/dense.h"
 #include "elastin/core/laws/material_law.h"
 
 namespace elastin {
