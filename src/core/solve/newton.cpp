@@ -18,13 +18,11 @@
 namespace elastin {
 namespace {
 
-/// Above this many molecules a factorisation is never tried where iterations
-/// got stuck.
+/// Above this many molecules a factorisation is never tried where iterations got stuck.
 constexpr int kDirectLimit = 2500;
 
-/// Newton iterations in which a body that was stable at the start is followed
-/// down past negative modes before saddles are tried: nearly incompressible
-/// ones pass through pressures that are not there at the end.
+/// Newton iterations in which a body that was stable at the start is followed down past negative modes before saddles
+/// are tried: nearly incompressible ones pass through pressures that are not there at the end.
 constexpr int kDownhillSteps = 25;
 
 /// Steps of one solve without an energy that may let the unbalanced force grow.
@@ -33,63 +31,48 @@ constexpr int kGrowingSteps = 30;
 /// Saddles that one solve goes down from.
 constexpr int kSaddles = 3;
 
-const std::string kAdrift =
-    "the loads work on a zero-energy mode that does not stiffen";
+/// Iterations with predicted stresses, at most.
+constexpr int kPredictions = 12;
+
+const std::string kAdrift = "the loads work on a zero-energy mode that does not stiffen";
 
 /// The solver of the last time, if it was of this kind.
-LinearSolver &solver_of(const LinearMethod &method, bool chosen, bool symmetric,
-                        CachedSolver &cached) {
+LinearSolver& solver_of(const LinearMethod& method, bool chosen, bool symmetric, CachedSolver& cached) {
   static const LinearMethod unsymmetric = "bicgstab";
-  const LinearMethod &used =
-      symmetric || !method->needs_symmetry ? method : unsymmetric;
-  if (cached.solver && cached.method == used)
-    return *cached.solver;
-  cached.solver = chosen && used->name == "multigrid"
-                      ? make_multigrid_or_direct()
-                      : used->make();
+  const LinearMethod& used = symmetric || !method->needs_symmetry ? method : unsymmetric;
+  if (cached.solver && cached.method == used) return *cached.solver;
+  cached.solver = chosen && used->name == "multigrid" ? make_multigrid_or_direct() : used->make();
   cached.method = used;
   return *cached.solver;
 }
 
 /// Leaves of a load what does no work on the motions that nothing resists.
-void take_out_rigid(const Tangent &tangent,
-                    const std::vector<Support> &supports, Positions &ignored,
-                    Positions &load) {
+void take_out_rigid(const Tangent& tangent, const std::vector<Support>& supports, Positions& ignored, Positions& load) {
   Positions forces;
-  RigidMotions(tangent, supports, ignored, forces)
-      .remove_from(tangent.positions(), load);
+  RigidMotions(tangent, supports, ignored, forces).remove_from(tangent.positions(), load);
 }
 
-/// A way out of an equilibrium that is no minimum, which no force leads out of:
-/// a direction of negative stiffness, met on the way to the answer for a load
-/// that has a part in all of them. Null columns where there is no such motion.
-/// By conjugate gradients, which meet it with any preconditioner; a
-/// factorisation would only count. The solver of the last time is taken where
-/// it is of that kind, for two would need twice the memory; its grid hierarchy
-/// is made again. One that may factorise is not one.
-Positions way_down(const Tangent &tangent, const std::vector<Support> &supports,
-                   const StaticOptions &options, int &iterations,
-                   Positions &ignored, CachedSolver &cached) {
+/// A way out of an equilibrium that is no minimum, which no force leads out of: a direction of negative stiffness, met
+/// on the way to the answer for a load that has a part in all of them. Null columns where there is no such motion. By
+/// conjugate gradients, which meet it with any preconditioner; a factorisation would only count. The solver of the last
+/// time is taken where it is of that kind, for two would need twice the memory; its grid hierarchy is made again. One
+/// that may factorise is not one.
+Positions way_down(const Tangent& tangent, const std::vector<Support>& supports, const StaticOptions& options,
+                   int& iterations, Positions& ignored, CachedSolver& cached) {
   constexpr double tolerance = 1e-5;
   Positions load = scattered_directions(tangent.model().body().size());
   keep_free(supports, load);
   take_out_rigid(tangent, supports, ignored, load);
-  const LinearMethod method =
-      choose_linear_solver(tangent, options.method, tolerance).method;
+  const LinearMethod method = choose_linear_solver(tangent, options.method, tolerance).method;
   cached.forget();
-  if (!options.method->make)
-    cached.solver.reset();
+  if (!options.method->make) cached.solver.reset();
   const bool mixed = method->name == "mixed";
   if (mixed && SoftVolume::ratio(tangent) > 2 * kSoftRatio) {
-    // Less stiffness than the body's: where that leads nowhere down, the body's
-    // does not.
+    // Less stiffness than the body's: where that leads nowhere down, the body's does not.
     const SoftVolume soft(tangent);
-    const LinearResult found = make_multigrid()->solve(
-        soft.tangent(), supports, load, tolerance, ignored);
+    const LinearResult found = make_multigrid()->solve(soft.tangent(), supports, load, tolerance, ignored);
     iterations += found.iterations;
-    if (found.negative_direction.size() == 0 &&
-        found.status == LinearStatus::solved)
-      return {};
+    if (found.negative_direction.size() == 0 && found.status == LinearStatus::solved) return {};
   }
   std::unique_ptr<LinearSolver> other;
   if (method->factorises || !method->needs_symmetry)
@@ -98,144 +81,109 @@ Positions way_down(const Tangent &tangent, const std::vector<Support> &supports,
     other = make_multigrid();
   else if (!cached.solver || cached.method != method)
     other = method->make();
-  LinearSolver &solver = other ? *other : *cached.solver;
-  LinearResult found =
-      solver.solve(tangent, supports, load, tolerance, ignored);
-  if (found.negative_direction.size() > 0)
-    cached.forget();
+  LinearSolver& solver = other ? *other : *cached.solver;
+  LinearResult found = solver.solve(tangent, supports, load, tolerance, ignored);
+  if (found.negative_direction.size() > 0) cached.forget();
   iterations += found.iterations;
   return std::move(found.negative_direction);
 }
 
-/// What the next trials need, and what the linear solve before them needs, is
-/// as large as the body: an equilibrium of many molecules has room for one of
-/// them at a time. Steps in time keep both, so that they allocate no memory.
-void forget_trials(const Kinematics *kinematics, NewtonWorkspace &workspace) {
-  if (!kinematics)
-    workspace.trials = {};
+/// What the next trials need, and what the linear solve before them needs, is as large as the body: an equilibrium of
+/// many molecules has room for one of them at a time. Steps in time keep both, so that they allocate no memory.
+void forget_trials(const Kinematics* kinematics, NewtonWorkspace& workspace) {
+  if (!kinematics) workspace.trials = {};
 }
-void forget_tangent(const Kinematics *kinematics, NewtonWorkspace &workspace) {
-  if (!kinematics)
-    workspace.tangent.reset();
+void forget_tangent(const Kinematics* kinematics, NewtonWorkspace& workspace) {
+  if (!kinematics) workspace.tangent.reset();
 }
 
-/// A direction without stiffness has no length of its own: no molecule goes
-/// further than half its connections' mean.
-void limit_motion(const Problem &problem, Positions &motion) {
-  const double most = 0.5 * mean_length(problem.whole()),
-               own = furthest(problem, motion);
-  if (own > most)
-    motion *= most / own;
+/// A direction without stiffness has no length of its own: no molecule goes further than half its connections' mean.
+void limit_motion(const Problem& problem, Positions& motion) {
+  const double most = 0.5 * mean_length(problem.whole()), own = furthest(problem, motion);
+  if (own > most) motion *= most / own;
 }
 
-/// Whether a body may be strained enough to buckle, which is worth another
-/// linear solve to find out. A column with one end free buckles at a strain of
-/// π²/48 (h/L)², any other later; and where the body is thinner than its
-/// outline, struts up to 45 times as long as they are thick do at 1e-4.
-bool may_buckle(const Problem &problem, const Positions &positions) {
-  if (problem.whole().unstressed)
-    return true;
+/// Whether a body may be strained enough to buckle, which is worth another linear solve to find out. A column with one
+/// end free buckles at a strain of π²/48 (h/L)², any other later; and where the body is thinner than its outline,
+/// struts up to 45 times as long as they are thick do at 1e-4.
+bool may_buckle(const Problem& problem, const Positions& positions) {
+  if (problem.whole().unstressed) return true;
   const auto [low, high] = outline_of_whole(problem.whole());
   const Vector3 size = high - low;
-  const double thin = size.minCoeff() / size.maxCoeff(),
-               limit = std::min(1e-4, 0.1 * thin * thin);
-  const Connections &connections = problem.model.body().connections;
+  const double thin = size.minCoeff() / size.maxCoeff(), limit = std::min(1e-4, 0.1 * thin * thin);
+  const Connections& connections = problem.model.body().connections;
   bool strained = false;
   for (int c = 0; c < connections.size() && !strained; ++c) {
-    const auto &[a, b] = connections.ends[c];
+    const auto& [a, b] = connections.ends[c];
     const double rest = connections.rest_length[c];
-    strained = !(std::abs((positions.col(b) - positions.col(a)).norm() - rest) <
-                 limit * rest);
+    strained = !(std::abs((positions.col(b) - positions.col(a)).norm() - rest) < limit * rest);
   }
   return problem.any(strained);
 }
 
-} // namespace
+}  // namespace
 
 void CachedSolver::forget() {
-  if (auto *keeps = dynamic_cast<KeepsCoarsePicture *>(solver.get()))
-    keeps->forget();
+  if (auto* keeps = dynamic_cast<KeepsCoarsePicture*>(solver.get())) keeps->forget();
 }
 
-bool is_interrupted(const StaticOptions &options, StaticResult &result) {
-  if (!stop_requested() && !(options.stop && options.stop()))
-    return false;
+bool is_interrupted(const StaticOptions& options, StaticResult& result) {
+  if (!stop_requested() && !(options.stop && options.stop())) return false;
   result.outcome = Outcome::interrupted;
   result.cause = "stopped";
   if (result.newton_iterations > 0)
-    result.cause += " after " + std::to_string(result.newton_iterations) +
-                    " Newton iteration" +
+    result.cause += " after " + std::to_string(result.newton_iterations) + " Newton iteration" +
                     (result.newton_iterations == 1 ? "" : "s");
   return true;
 }
 
-double rounding_floor(const Tangent &tangent, const Positions &positions) {
+double rounding_floor(const Tangent& tangent, const Positions& positions) {
   const double reach = positions.cwiseAbs().maxCoeff();
   double sum = 0;
-  for (int i = 0; i < tangent.model().body().size(); ++i)
-    sum += tangent.diagonal(i).squaredNorm();
+  for (int i = 0; i < tangent.model().body().size(); ++i) sum += tangent.diagonal(i).squaredNorm();
   return std::numeric_limits<double>::epsilon() * reach * std::sqrt(sum);
 }
 
-LinearResult solve_linear(const Tangent &tangent,
-                          const std::vector<Support> &supports,
-                          const Positions &rhs, double tolerance,
-                          const StaticOptions &options, bool through_saddles,
-                          Positions &solution, UsedSolver &used,
-                          CachedSolver &cached) {
+LinearResult solve_linear(const Tangent& tangent, const std::vector<Support>& supports, const Positions& rhs,
+                          double tolerance, const StaticOptions& options, bool through_saddles, Positions& solution,
+                          UsedSolver& used, CachedSolver& cached) {
   const int molecules = tangent.model().body().size();
-  const LinearChoice choice =
-      choose_linear_solver(tangent, options.method, tolerance);
+  const LinearChoice choice = choose_linear_solver(tangent, options.method, tolerance);
   used.reason = choice.reason;
   const bool symmetric = tangent.model().symmetric();
-  LinearSolver *solver =
-      &solver_of(choice.method, !options.method->make, symmetric, cached);
-  LinearResult result =
-      solver->solve(tangent, supports, rhs, tolerance, solution);
+  LinearSolver* solver = &solver_of(choice.method, !options.method->make, symmetric, cached);
+  LinearResult result = solver->solve(tangent, supports, rhs, tolerance, solution);
   std::unique_ptr<LinearSolver> other_solver;
-  if (result.negative_modes > 0 &&
-      !through_saddles) { // a factorisation leads to the saddle, iterations
-                          // downhill
+  if (result.negative_modes > 0 && !through_saddles) {  // a factorisation leads to the saddle, iterations downhill
     other_solver = make_pcg();
     solver = other_solver.get();
     const int before = result.iterations;
     result = solver->solve(tangent, supports, rhs, tolerance, solution);
     result.iterations += before;
   }
-  // A factor of half of an unsymmetric stiffness is refined by the whole: of
-  // use where iterations got nowhere.
-  const bool iterated = std::string(solver->name()) != "direct" &&
-                        (symmetric || result.residual > 0.1);
-  const bool downhill =
-      result.status == LinearStatus::negative_mode && !through_saddles;
-  if (result.status != LinearStatus::solved && !downhill && iterated &&
-      !options.method->make && molecules <= kDirectLimit) {
+  // A factor of half of an unsymmetric stiffness is refined by the whole: of use where iterations got nowhere.
+  const bool iterated = std::string(solver->name()) != "direct" && (symmetric || result.residual > 0.1);
+  const bool downhill = result.status == LinearStatus::negative_mode && !through_saddles;
+  if (result.status != LinearStatus::solved && !downhill && iterated && !options.method->make &&
+      molecules <= kDirectLimit) {
     Positions other;
     auto direct = make_direct();
-    const LinearResult second =
-        direct->solve(tangent, supports, rhs, tolerance, other);
+    const LinearResult second = direct->solve(tangent, supports, rhs, tolerance, other);
     if (second.residual <= std::max(result.residual, tolerance)) {
       solution = other;
       other_solver = std::move(direct);
       solver = other_solver.get();
-      used.reason = "iterations got stuck, and with " +
-                    std::to_string(molecules) + " molecules it is affordable";
-      result = {second.status,
-                result.iterations + second.iterations,
-                second.residual,
-                second.negative_modes,
-                {}};
+      used.reason = "iterations got stuck, and with " + std::to_string(molecules) + " molecules it is affordable";
+      result = {second.status, result.iterations + second.iterations, second.residual, second.negative_modes, {}};
     }
   }
   used.name = solver->name();
-  if (!other_solver && used.name == "direct" &&
-      choice.method->name == "multigrid")
+  if (!other_solver && used.name == "direct" && choice.method->name == "multigrid")
     used.reason = "iterations would take longer than a factorisation";
   return result;
 }
 
-void set_fixed_components(const std::vector<Support> &supports,
-                          const Positions &vectors, Positions &parts) {
+void set_fixed_components(const std::vector<Support>& supports, const Positions& vectors, Positions& parts) {
   parts.resize(3, static_cast<Eigen::Index>(supports.size()));
   for (std::size_t i = 0; i < supports.size(); ++i) {
     const Vector3 v = vectors.col(supports[i].molecule);
@@ -243,17 +191,15 @@ void set_fixed_components(const std::vector<Support> &supports,
   }
 }
 
-Positions fixed_components(const std::vector<Support> &supports,
-                           const Positions &vectors) {
+Positions fixed_components(const std::vector<Support>& supports, const Positions& vectors) {
   Positions parts;
   set_fixed_components(supports, vectors, parts);
   return parts;
 }
 
-void apply_supports(const Model &model, Positions &positions) {
-  for (const Support &support : model.supports) {
-    const Vector3 wanted =
-        model.body().rest.col(support.molecule) + support.displacement;
+void apply_supports(const Model& model, Positions& positions) {
+  for (const Support& support : model.supports) {
+    const Vector3 wanted = model.body().rest.col(support.molecule) + support.displacement;
     const Vector3 off = wanted - positions.col(support.molecule);
     positions.col(support.molecule) += off - support.free * off;
   }
@@ -264,36 +210,84 @@ namespace {
 /// Updates of the loads' multipliers, each followed by an equilibrium, at most.
 constexpr int kMultiplierUpdates = 50;
 
+double goal_of(const StaticOptions& options, const Trial& trial, double floor) {
+  return std::max(options.tolerance * trial.forces.scale, 2 * floor);
+}
+
+/// Equilibrium of a body that bends far, by iterations with predicted strains (see Tangent::linearise_onward): `now` is
+/// then there. On the way energy and force may rise, and cells be inverted, so that only the end is judged: a stiffness
+/// without negative modes all along, and less energy than at the start. False, and `now` stays, where it leads
+/// elsewhere; or where the first step makes the force smaller, for then other iterations are as good.
+/// @param motion of the first iteration: from `now`, where the tangent of the workspace is
+bool bend(const Problem& problem, const StaticOptions& options, Positions motion, Trial& now,
+          NewtonWorkspace& workspace, UsedSolver& used, StaticResult& result) {
+  const Model& model = problem.model;
+  Tangent& tangent = *workspace.tangent;
+  if (!tangent.predicts()) return false;
+  Trial trials[2];
+  const auto move = [&](const Trial& from, Trial& to) {
+    set_state(from.state, 1, motion, to.state);
+    if (model.max_step_fraction(from.state, to.state) < 1) return false;
+    evaluate(problem, true, to, workspace.trials);
+    return true;
+  };
+  Trial* at = &trials[1];
+  if (!move(now, *at) || (std::isfinite(at->energy) && at->forces.norm <= now.forces.norm)) return false;
+  if (workspace.before) {
+    tangent.linearise_at(*workspace.before, {});
+    at = &now;
+  }
+  double last = now.forces.norm, forcing = 1e-3;
+  for (int iteration = 0; iteration < kPredictions; ++iteration) {
+    Positions unbalanced;
+    tangent.linearise_onward(at->state, unbalanced);
+    unbalanced += model.load_forces(at->state);
+    keep_free(model.supports, unbalanced);
+    const double goal =
+        goal_of(options, std::isfinite(at->energy) ? *at : now, rounding_floor(tangent, at->state.positions));
+    if (std::isfinite(at->energy) && at->forces.norm <= goal) {
+      if (at->energy > now.energy) return false;
+      std::swap(now, *at);
+      return true;
+    }
+    if (result.newton_iterations >= options.newton_limit || is_interrupted(options, result)) return false;
+    const double norm = problem.norm(unbalanced);
+    if (!std::isfinite(norm)) return false;
+    if (iteration > 0) forcing = std::min(1e-2, 0.5 * std::pow(norm / last, 2));
+    forcing = std::max(forcing, std::min(0.1, 0.1 * goal / norm));
+    last = norm;
+    const LinearResult linear =
+        solve_linear(tangent, model.supports, unbalanced, forcing, options, false, motion, used, workspace.solver);
+    ++result.newton_iterations;
+    result.linear_iterations += linear.iterations;
+    if (linear.status != LinearStatus::solved || linear.negative_modes > 0 || !motion.allFinite()) return false;
+    Trial& next = trials[iteration % 2];
+    if (!move(*at, next)) return false;
+    at = &next;
+  }
+  return false;
+}
+
 /// An equilibrium with the memory that the state has.
-StaticResult balance_once(Model &model, State &state,
-                          const StaticOptions &options,
-                          const Kinematics *kinematics,
-                          NewtonWorkspace &workspace, LastSolve *last_solve,
-                          SharedProblem *shared) {
+StaticResult balance_once(Model& model, State& state, const StaticOptions& options, const Kinematics* kinematics,
+                          NewtonWorkspace& workspace, LastSolve* last_solve, SharedProblem* shared) {
   StaticResult result;
   const Problem problem(model, kinematics, shared);
-  Trial &now = workspace.now;
+  Trial& now = workspace.now;
   now.state = state;
   evaluate(problem, problem.with_energy, now, workspace.trials);
   if (!std::isfinite(now.energy)) {
     result.outcome = Outcome::inverted;
-    result.cause = inverted_anywhere(model, now.state.positions) +
-                   " at the start of the step";
+    result.cause = inverted_anywhere(model, now.state.positions) + " at the start of the step";
     return result;
   }
-  UsedSolver used{options.method->factorises ? options.method->name : "pcg",
-                  ""};
-  // What grows or shrinks is at a saddle as soon as its rest says so, before it
-  // has moved.
-  bool stable_start =
-           problem.with_energy && options.probe && model.body().unstressed,
-       adrift = false;
-  const int growing_limit =
-      problem.with_energy || kinematics ? 0 : kGrowingSteps;
+  UsedSolver used{options.method->factorises ? options.method->name : "pcg", ""};
+  // What grows or shrinks is at a saddle as soon as its rest says so, before it has moved.
+  bool stable_start = problem.with_energy && options.probe && model.body().unstressed, adrift = false;
+  const int growing_limit = problem.with_energy || kinematics ? 0 : kGrowingSteps;
   int growing = growing_limit;
-  std::optional<Trial> calm; // where the first of these steps began
-  int saddles = 0,
-      last_saddle = 0; // how many were left, and after how many iterations
+  std::optional<Trial> calm;         // where the first of these steps began
+  int saddles = 0, last_saddle = 0;  // how many were left, and after how many iterations
   double forcing = 1e-3, last = now.forces.norm;
   while (true) {
     if (!std::isfinite(now.forces.norm + now.forces.scale)) {
@@ -307,104 +301,76 @@ StaticResult balance_once(Model &model, State &state,
       workspace.tangent->linearise_at(now.state, weights);
     else
       workspace.tangent = std::make_unique<Tangent>(model, now.state, weights);
-    const Tangent &tangent = *workspace.tangent;
+    const Tangent& tangent = *workspace.tangent;
     auto linearised = shared ? shared->linearise(tangent) : nullptr;
-    const double floor = linearised
-                             ? linearised->rounding_floor()
-                             : rounding_floor(tangent, now.state.positions);
+    const double floor = linearised ? linearised->rounding_floor() : rounding_floor(tangent, now.state.positions);
     result.scale = now.forces.scale;
-    result.residual =
-        now.forces.scale > 0 ? now.forces.norm / now.forces.scale : 0;
-    const double goal =
-        std::max(options.tolerance * now.forces.scale, 2 * floor);
+    result.residual = now.forces.scale > 0 ? now.forces.norm / now.forces.scale : 0;
+    const double goal = goal_of(options, now, floor);
     if (now.forces.norm <= goal) {
-      const bool probe = options.probe && !kinematics && problem.with_energy &&
-                         saddles < kSaddles;
-      if (!probe || !may_buckle(problem, now.state.positions))
-        break;
-      const Positions down =
-          linearised ? linearised->way_down(result.linear_iterations)
-                     : way_down(tangent, model.supports, options,
-                                result.linear_iterations, workspace.motion,
-                                workspace.solver);
+      const bool probe = options.probe && !kinematics && problem.with_energy && saddles < kSaddles;
+      if (!probe || !may_buckle(problem, now.state.positions)) break;
+      const Positions down = linearised ? linearised->way_down(result.linear_iterations)
+                                        : way_down(tangent, model.supports, options, result.linear_iterations,
+                                                   workspace.motion, workspace.solver);
       result.unstable = down.size() > 0;
       linearised.reset();
       forget_tangent(kinematics, workspace);
-      if (!result.unstable || !stable_start ||
-          !leave_saddle(problem, down, now, workspace.trials))
-        break;
+      if (!result.unstable || !stable_start || !leave_saddle(problem, down, now, workspace.trials)) break;
       ++saddles;
       last_saddle = result.newton_iterations;
       result.left_saddle = true;
       continue;
     }
-    if (!shared && is_interrupted(options, result))
-      break;
+    if (!shared && is_interrupted(options, result)) break;
     if (result.newton_iterations == options.newton_limit) {
       result.outcome = adrift ? Outcome::mechanism : Outcome::limit_reached;
       if (!kinematics || !kinematics->cut_short || adrift)
         result.cause = adrift ? kAdrift
-                              : "no equilibrium within " +
-                                    std::to_string(options.newton_limit) +
-                                    " Newton iteration" +
+                              : "no equilibrium within " + std::to_string(options.newton_limit) + " Newton iteration" +
                                     (options.newton_limit == 1 ? "" : "s");
       break;
     }
-    // Solve each step no further than the next unbalanced force can use.
-    // [Eisenstat & Walker 1996, choice 2]
-    if (result.newton_iterations > 0)
-      forcing = std::min(1e-2, 0.5 * std::pow(now.forces.norm / last, 2));
+    // Solve each step no further than the next unbalanced force can use. [Eisenstat & Walker 1996, choice 2]
+    if (result.newton_iterations > 0) forcing = std::min(1e-2, 0.5 * std::pow(now.forces.norm / last, 2));
     forcing = std::max(forcing, 0.1 * goal / now.forces.norm);
-    // Conjugate gradients get stuck on a stiffness that is not symmetric:
-    // require little, and come again.
-    if (!model.has_energy())
-      forcing = std::max(forcing, 0.03);
+    // Conjugate gradients get stuck on a stiffness that is not symmetric: require little, and come again.
+    if (!model.has_energy()) forcing = std::max(forcing, 0.03);
     last = now.forces.norm;
-    Positions &motion = workspace.motion;
+    Positions& motion = workspace.motion;
     const LinearResult linear =
-        linearised
-            ? linearised->solve(now.forces.unbalanced, forcing, motion, used)
-            : solve_linear(tangent, model.supports, now.forces.unbalanced,
-                           forcing, options,
-                           !stable_start || result.newton_iterations >=
-                                                last_saddle + kDownhillSteps,
-                           motion, used, workspace.solver);
-    const bool negative = linear.status == LinearStatus::negative_mode ||
-                          linear.negative_modes > 0;
-    if (result.newton_iterations == 0)
-      stable_start = stable_start || (problem.with_energy && !negative);
+        linearised ? linearised->solve(now.forces.unbalanced, forcing, motion, used)
+                   : solve_linear(tangent, model.supports, now.forces.unbalanced, forcing, options,
+                                  !stable_start || result.newton_iterations >= last_saddle + kDownhillSteps, motion,
+                                  used, workspace.solver);
+    const bool negative = linear.status == LinearStatus::negative_mode || linear.negative_modes > 0;
+    if (result.newton_iterations == 0) stable_start = stable_start || (problem.with_energy && !negative);
     result.linear_iterations += linear.iterations;
     ++result.newton_iterations;
     result.unstable = negative;
     adrift = linear.status == LinearStatus::zero_mode && linear.residual > 0.9;
-    if (linear.status != LinearStatus::solved && linear.residual > 0.9)
-      limit_motion(problem, motion);
-    // A full answer of an indefinite stiffness leads to a saddle of the energy:
-    // there only the force can be a guide.
+    if (linear.status != LinearStatus::solved && linear.residual > 0.9) limit_motion(problem, motion);
+    // A full answer of an indefinite stiffness leads to a saddle of the energy: there only the force can be a guide.
     const bool to_saddle = linear.negative_modes > 0;
+    if (result.newton_iterations == 1 && problem.with_energy && !kinematics && !shared && !negative &&
+        linear.status == LinearStatus::solved && bend(problem, options, motion, now, workspace, used, result))
+      continue;
     bool inverted = false;
     linearised.reset();
     forget_tangent(kinematics, workspace);
-    if (growing_limit > 0 && growing == growing_limit)
-      calm = now;
+    if (growing_limit > 0 && growing == growing_limit) calm = now;
     const bool found =
         !problem.any(!motion.allFinite()) &&
-        line_search(problem, motion, problem.with_energy && !to_saddle, now,
-                    inverted, workspace.trials, &growing);
+        line_search(problem, motion, problem.with_energy && !to_saddle, now, inverted, workspace.trials, &growing);
     result.cut_steps += inverted;
-    if (found && last_solve)
-      last_solve->note(motion, model.supports);
-    if (!found && growing < growing_limit &&
-        calm) { // back, and by the force alone
+    if (found && last_solve) last_solve->note(motion, model.supports);
+    if (!found && growing < growing_limit && calm) {  // back, and by the force alone
       now = *std::exchange(calm, std::nullopt), growing = 0;
       continue;
     }
     if (!found) {
-      const bool mechanism = adrift; // else it is a soft direction, which a
-                                     // shorter load step may lead through
-      result.outcome = mechanism  ? Outcome::mechanism
-                       : inverted ? Outcome::inverted
-                                  : Outcome::diverged;
+      const bool mechanism = adrift;  // else it is a soft direction, which a shorter load step may lead through
+      result.outcome = mechanism ? Outcome::mechanism : inverted ? Outcome::inverted : Outcome::diverged;
       result.cause = mechanism  ? kAdrift
                      : inverted ? "any further step would invert a cell"
                                 : "no step lowers the unbalanced force";
@@ -414,35 +380,27 @@ StaticResult balance_once(Model &model, State &state,
   state = now.state;
   result.solver = "newton " + used.name;
   result.reason = used.reason;
-  if (kinematics || shared)
-    return result; // a step needs no reactions; processes find them together
+  if (kinematics || shared) return result;  // a step needs no reactions; processes find them together
   Positions forces;
   model.set_forces(state, forces);
   result.reactions = -fixed_components(model.supports, forces);
   return result;
 }
 
-} // namespace
+}  // namespace
 
-StaticResult solve_newton(Model &model, State &state,
-                          const StaticOptions &options,
-                          const Kinematics *kinematics,
-                          NewtonWorkspace &workspace, LastSolve *last,
-                          SharedProblem *shared) {
+StaticResult solve_newton(Model& model, State& state, const StaticOptions& options, const Kinematics* kinematics,
+                          NewtonWorkspace& workspace, LastSolve* last, SharedProblem* shared) {
   workspace.solver.forget();
-  StaticResult result =
-      balance_once(model, state, options, kinematics, workspace, last, shared);
-  for (int round = 0;
-       result.outcome == Outcome::converged && model.update_multipliers(state);
-       ++round) {
+  StaticResult result = balance_once(model, state, options, kinematics, workspace, last, shared);
+  for (int round = 0; result.outcome == Outcome::converged && model.update_multipliers(state); ++round) {
     if (round == kMultiplierUpdates) {
       result.outcome = Outcome::limit_reached;
-      result.cause = "contact penetration still exceeds the limit after " +
-                     std::to_string(kMultiplierUpdates) + " multiplier updates";
+      result.cause = "contact penetration still exceeds the limit after " + std::to_string(kMultiplierUpdates) +
+                     " multiplier updates";
       break;
     }
-    StaticResult again = balance_once(model, state, options, kinematics,
-                                      workspace, last, shared);
+    StaticResult again = balance_once(model, state, options, kinematics, workspace, last, shared);
     again.newton_iterations += result.newton_iterations;
     again.linear_iterations += result.linear_iterations;
     again.cut_steps += result.cut_steps;
@@ -451,4 +409,4 @@ StaticResult solve_newton(Model &model, State &state,
   return result;
 }
 
-} // namespace elastin
+}  // namespace elastin

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -17,167 +18,133 @@
 namespace elastin {
 namespace {
 
-/// The body stretched with the mean motion that moved supports impose is a far
-/// better start than a torn first layer: one linear solve about the present
-/// state, with the supports' displacement as its only load.
-void follow_supports(Model &model, State &state, const StaticOptions &options,
-                     StaticResult &result, LastSolve *last) {
+/// The body stretched with the mean motion that moved supports impose is a far better start than a torn first layer:
+/// one linear solve about the present state, with the supports' displacement as its only load. Returns that state, if
+/// there is such a displacement.
+std::optional<State> follow_supports(Model& model, State& state, const StaticOptions& options, StaticResult& result,
+                                     LastSolve* last) {
   Positions moved = state.positions;
   apply_supports(model, moved);
   const Positions displacement = moved - state.positions;
-  if (!any_over(model.body(), displacement.cwiseAbs().maxCoeff() != 0))
-    return;
+  if (!any_over(model.body(), displacement.cwiseAbs().maxCoeff() != 0)) return {};
   StaticOptions rough = options;
   rough.tolerance = 1e-3;
-  const StaticResponse response = static_response(
-      model, state.positions, Positions::Zero(3, displacement.cols()),
-      displacement, rough);
+  const StaticResponse response =
+      static_response(model, state.positions, Positions::Zero(3, displacement.cols()), displacement, rough);
   result.linear_iterations += response.result.linear_iterations;
-  if (last)
-    last->note(response.motion, model.supports);
+  if (last) last->note(response.motion, model.supports);
   const Positions stretched = state.positions + response.motion;
-  const bool usable = !any_over(
-      model.body(), !response.motion.allFinite() ||
-                        !std::isfinite(model.elastic_energy(stretched)));
+  const bool usable =
+      !any_over(model.body(), !response.motion.allFinite() || !std::isfinite(model.elastic_energy(stretched)));
+  std::optional<State> before = state;
   state.positions = usable ? stretched : moved;
+  if (!usable) before.reset();
+  return before;
 }
 
 constexpr int kExplicitSteps = 50000, kImplicitSteps = 400;
-constexpr int kBetweenChecks = 50; ///< explicit steps
+constexpr int kBetweenChecks = 50;  ///< explicit steps
 constexpr double kStrictest = 1e-8;
-constexpr double kLeastSolved =
-    0.5; ///< of what a first answer leaves, to find out whether it can be
+constexpr double kLeastSolved = 0.5;  ///< of what a first answer leaves, to find out whether it can be
 
-double kinetic_energy(const Body &body, const Positions &velocities) {
-  return ordered_sum(body.size(), [&](int i) {
-    return 0.5 * body.mass[i] * velocities.col(i).squaredNorm();
-  });
+double kinetic_energy(const Body& body, const Positions& velocities) {
+  return ordered_sum(body.size(), [&](int i) { return 0.5 * body.mass[i] * velocities.col(i).squaredNorm(); });
 }
 
 /// Sets residual and reactions; returns whether the body rests.
-bool note_balance(Model &model, const State &state, double tolerance,
-                  StaticResult &result) {
+bool note_balance(Model& model, const State& state, double tolerance, StaticResult& result) {
   Positions forces = model.elastic_forces(state.positions);
   const Positions loads = model.load_forces(state);
   forces += loads;
   result.reactions = -fixed_components(model.supports, forces);
-  const double scale =
-      ordered_norm(loads) + result.reactions.norm() + model.rest_force();
+  const double scale = ordered_norm(loads) + result.reactions.norm() + model.rest_force();
   keep_free(model.supports, forces);
   const double left = ordered_norm(forces);
   result.residual = scale > 0 ? left / scale : 0;
-  return left <=
-         std::max(tolerance * scale,
-                  2 * rounding_floor(Tangent(model, state), state.positions));
+  return left <= std::max(tolerance * scale, 2 * rounding_floor(Tangent(model, state), state.positions));
 }
 
-void stop(const StepResult &step, StaticResult &result) {
+void stop(const StepResult& step, StaticResult& result) {
   result.outcome = step.outcome;
   result.cause = step.cause;
 }
 
-void relax_explicitly(Model &model, State &state, const StaticOptions &options,
-                      double tolerance, StaticResult &result) {
+void relax_explicitly(Model& model, State& state, const StaticOptions& options, double tolerance,
+                      StaticResult& result) {
   const auto integrator = make_integrator({.scheme = "velocity_verlet"});
   double dt = 0, before = 0;
   for (int step = 0; step < kExplicitSteps; ++step) {
     if (step % kBetweenChecks == 0) {
-      if (note_balance(model, state, tolerance, result) ||
-          is_interrupted(options, result))
-        return;
-      dt = 1.8 / frequency_bound(model, state); // 0.9 of 2/ω
-      if (!std::isfinite(dt))
-        break;
+      if (note_balance(model, state, tolerance, result) || is_interrupted(options, result)) return;
+      dt = 1.8 / frequency_bound(model, state);  // 0.9 of 2/ω
+      if (!std::isfinite(dt)) break;
     }
     const StepResult taken = integrator->advance(model, state, dt);
     ++result.newton_iterations;
-    if (taken.outcome != Outcome::converged)
-      return stop(taken, result);
+    if (taken.outcome != Outcome::converged) return stop(taken, result);
     const double energy = kinetic_energy(model.body(), state.velocities);
-    if (energy < before)
-      state.velocities.setZero();
+    if (energy < before) state.velocities.setZero();
     before = energy < before ? 0 : energy;
   }
   result.outcome = Outcome::limit_reached;
-  result.cause =
-      "not at rest after " + std::to_string(kExplicitSteps) + " explicit steps";
+  result.cause = "not at rest after " + std::to_string(kExplicitSteps) + " explicit steps";
 }
 
-void relax_implicitly(Model &model, State &state, const StaticOptions &options,
-                      double tolerance, StaticResult &result) {
+void relax_implicitly(Model& model, State& state, const StaticOptions& options, double tolerance,
+                      StaticResult& result) {
   IntegratorOptions steps{.scheme = "backward_euler"};
   steps.newton.newton_limit = 20;
   const auto integrator = make_integrator(steps);
   double dt = 100 / frequency_bound(model, state);
   StepResult taken;
   for (int step = 0; step < kImplicitSteps; ++step) {
-    if (note_balance(model, state, tolerance, result) ||
-        is_interrupted(options, result))
-      return;
-    if (!(std::isfinite(dt) && dt > 0))
-      break;
+    if (note_balance(model, state, tolerance, result) || is_interrupted(options, result)) return;
+    if (!(std::isfinite(dt) && dt > 0)) break;
     taken = integrator->advance(model, state, dt);
     result.newton_iterations += taken.newton_iterations;
     result.linear_iterations += taken.linear_iterations;
     dt *= taken.outcome == Outcome::converged ? 2 : 0.25;
     state.velocities.setZero();
   }
-  result.outcome = taken.outcome == Outcome::converged ? Outcome::limit_reached
-                                                       : taken.outcome;
-  result.cause =
-      "not at rest after " + std::to_string(kImplicitSteps) + " implicit steps";
-  if (!taken.cause.empty())
-    result.cause += ": " + taken.cause;
+  result.outcome = taken.outcome == Outcome::converged ? Outcome::limit_reached : taken.outcome;
+  result.cause = "not at rest after " + std::to_string(kImplicitSteps) + " implicit steps";
+  if (!taken.cause.empty()) result.cause += ": " + taken.cause;
 }
 
-/// The equilibrium found by stepping through time until the body rests; it
-/// never needs a stiffness matrix to be regular, nor a start near the answer.
-///   * explicit: velocity Verlet at 0.9 of the step that the row sums of M⁻¹ K
-///   allow; all velocities are set to zero
+/// The equilibrium found by stepping through time until the body rests; it never needs a stiffness matrix to be
+/// regular, nor a start near the answer.
+///   * explicit: velocity Verlet at 0.9 of the step that the row sums of M⁻¹ K allow; all velocities are set to zero
 ///     where the kinetic energy peaks. [Day 1965, Cundall 1976]
-///   * implicit: backward Euler from rest every time, the step doubled where it
-///   succeeds and quartered where it fails:
+///   * implicit: backward Euler from rest every time, the step doubled where it succeeds and quartered where it fails:
 ///     Newton's way, held back by inertia. [Kelley & Keyes 1998]
-/// Ends at the unbalanced force of the options, or at 1e-8 of the loads if that
-/// is less strict; `limit_reached` if that takes too many steps. The state
-/// stays where it got to. Never throws on numerical trouble.
-StaticResult relax(Model &model, State &state, const StaticOptions &options) {
+/// Ends at the unbalanced force of the options, or at 1e-8 of the loads if that is less strict; `limit_reached` if
+/// that takes too many steps. The state stays where it got to. Never throws on numerical trouble.
+StaticResult relax(Model& model, State& state, const StaticOptions& options) {
   StaticResult result;
-  const bool by_explicit =
-      options.static_method == StaticMethod::explicit_steps;
+  const bool by_explicit = options.static_method == StaticMethod::explicit_steps;
   result.solver = by_explicit ? "explicit relaxation" : "implicit relaxation";
   state.velocities.setZero(3, state.positions.cols());
   apply_supports(model, state.positions);
   const double tolerance = std::max(options.tolerance, kStrictest);
   if (!model.admissible(state.positions)) {
     result.outcome = Outcome::inverted;
-    result.cause =
-        inverted_text(model.body(), state.positions) + " at the start";
+    result.cause = inverted_text(model.body(), state.positions) + " at the start";
     note_balance(model, state, tolerance, result);
     return result;
   }
-  (by_explicit ? relax_explicitly : relax_implicitly)(model, state, options,
-                                                      tolerance, result);
+  (by_explicit ? relax_explicitly : relax_implicitly)(model, state, options, tolerance, result);
   state.velocities.setZero();
   state.accelerations.resize(3, 0);
   return result;
 }
 
-/// static_response, which leaves its solver and its motion to `last`, unless
-/// null.
-StaticResponse respond(Model &model, const Positions &at,
-                       const Positions &load_change,
-                       const Positions &displacement,
-                       const StaticOptions &options, LastSolve *last) {
-  if (options.engine)
-    return options.engine->respond(model, at, load_change, displacement,
-                                   options);
-  const State state{at, model.feels_velocity()
-                            ? Positions(Positions::Zero(3, at.cols()))
-                            : Positions()};
+/// static_response, which leaves its solver and its motion to `last`, unless null.
+StaticResponse respond(Model& model, const Positions& at, const Positions& load_change, const Positions& displacement,
+                       const StaticOptions& options, LastSolve* last) {
+  if (options.engine) return options.engine->respond(model, at, load_change, displacement, options);
+  const State state{at, model.feels_velocity() ? Positions(Positions::Zero(3, at.cols())) : Positions()};
   Responses responses(model, state, options);
-  StaticResponse response =
-      responses.to(load_change, displacement, options.tolerance);
+  StaticResponse response = responses.to(load_change, displacement, options.tolerance);
   if (last) {
     last->solver = responses.take_solver();
     last->note(response.motion, model.supports);
@@ -185,128 +152,108 @@ StaticResponse respond(Model &model, const Positions &at,
   return response;
 }
 
-StaticResult solve_linear_statics(Model &model, State &state,
-                                  const StaticOptions &options,
-                                  LastSolve *last) {
+StaticResult solve_linear_statics(Model& model, State& state, const StaticOptions& options, LastSolve* last) {
   const State rest = state_at_rest(model.body());
   Positions displacement = rest.positions;
   apply_supports(model, displacement);
   displacement -= rest.positions;
   Positions elastic = model.elastic_forces(rest.positions);
-  if (model.body().share)
-    options.engine->complete(model, elastic);
+  if (model.body().share) options.engine->complete(model, elastic);
   StaticResponse response =
-      respond(model, rest.positions, model.load_forces(rest) + elastic,
-              displacement, options, last);
-  if (response.result.outcome == Outcome::converged)
-    state.positions = rest.positions + response.motion;
+      respond(model, rest.positions, model.load_forces(rest) + elastic, displacement, options, last);
+  if (response.result.outcome == Outcome::converged) state.positions = rest.positions + response.motion;
   return response.result;
 }
 
-} // namespace
+}  // namespace
 
-const char *name_of(Outcome outcome) {
+const char* name_of(Outcome outcome) {
   switch (outcome) {
-  case Outcome::converged:
-    return "converged";
-  case Outcome::limit_reached:
-    return "limit_reached";
-  case Outcome::inverted:
-    return "inverted";
-  case Outcome::diverged:
-    return "diverged";
-  case Outcome::mechanism:
-    return "mechanism";
-  case Outcome::interrupted:
-    return "interrupted";
+    case Outcome::converged:
+      return "converged";
+    case Outcome::limit_reached:
+      return "limit_reached";
+    case Outcome::inverted:
+      return "inverted";
+    case Outcome::diverged:
+      return "diverged";
+    case Outcome::mechanism:
+      return "mechanism";
+    case Outcome::interrupted:
+      return "interrupted";
   }
   return "";
 }
 
 namespace {
 
-StaticResult find_equilibrium(Model &model, State &state,
-                              const StaticOptions &options, LastSolve *last) {
+StaticResult find_equilibrium(Model& model, State& state, const StaticOptions& options, LastSolve* last) {
   model.declare_history(state);
   model.begin_step(state, std::numeric_limits<double>::infinity());
-  if (last)
-    last->begin(model);
-  if (options.linear)
-    return solve_linear_statics(model, state, options, last);
-  if (options.static_method != StaticMethod::newton)
-    return relax(model, state, options);
+  if (last) last->begin(model);
+  if (options.linear) return solve_linear_statics(model, state, options, last);
+  if (options.static_method != StaticMethod::newton) return relax(model, state, options);
   StaticResult moved;
-  follow_supports(model, state, options, moved, last);
   NewtonWorkspace workspace;
-  StaticResult result =
-      options.engine
-          ? options.engine->balance(model, state, options)
-          : solve_newton(model, state, options, nullptr, workspace, last);
+  workspace.before = follow_supports(model, state, options, moved, last);
+  StaticResult result = options.engine ? options.engine->balance(model, state, options)
+                                       : solve_newton(model, state, options, nullptr, workspace, last);
   result.linear_iterations += moved.linear_iterations;
-  if (last)
-    last->solver = std::move(workspace.solver);
+  if (last) last->solver = std::move(workspace.solver);
   return result;
 }
 
-} // namespace
+}  // namespace
 
-StaticResult solve_static(Model &model, State &state,
-                          const StaticOptions &options) {
+StaticResult solve_static(Model& model, State& state, const StaticOptions& options) {
   return find_equilibrium(model, state, options, nullptr);
 }
 
-StaticResult solve_static(Model &model, State &state,
-                          const StaticOptions &options, LastSolve &last) {
+StaticResult solve_static(Model& model, State& state, const StaticOptions& options, LastSolve& last) {
   return find_equilibrium(model, state, options, &last);
 }
 
-StaticResponse static_response(Model &model, const Positions &at,
-                               const Positions &load_change,
-                               const Positions &displacement,
-                               const StaticOptions &options) {
+StaticResponse static_response(Model& model, const Positions& at, const Positions& load_change,
+                               const Positions& displacement, const StaticOptions& options) {
   return respond(model, at, load_change, displacement, options, nullptr);
 }
 
 namespace {
 
 /// The model as equilibria see it: what relaxes has relaxed.
-Model &at_rest(Model &model, const State &state) {
+Model& at_rest(Model& model, const State& state) {
   model.begin_step(state, std::numeric_limits<double>::infinity());
   return model;
 }
 
-} // namespace
+}  // namespace
 
-Responses::Responses(Model &model, const State &state,
-                     const StaticOptions &options, LastSolve *last)
-    : model_(model), options_(options),
+Responses::Responses(Model& model, const State& state, const StaticOptions& options, LastSolve* last)
+    : model_(model),
+      options_(options),
       last_(last ? last->taken_for(model) : LastSolve()),
       tangent_(at_rest(model, state), state) {}
 
-StaticResponse Responses::to(const Positions &load_change,
-                             const Positions &displacement, double tolerance) {
+StaticResponse Responses::to(const Positions& load_change, const Positions& displacement, double tolerance) {
   if (options_.engine) {
     StaticOptions options = options_;
     options.tolerance = tolerance;
-    return options.engine->respond(model_, tangent_.positions(), load_change,
-                                   displacement, options);
+    return options.engine->respond(model_, tangent_.positions(), load_change, displacement, options);
   }
   StaticResponse response;
-  StaticResult &result = response.result;
+  StaticResult& result = response.result;
   if (is_interrupted(options_, result)) {
     response.motion = Positions::Zero(3, displacement.cols());
-    result.reactions =
-        Positions::Zero(3, static_cast<Eigen::Index>(model_.supports.size()));
+    result.reactions = Positions::Zero(3, static_cast<Eigen::Index>(model_.supports.size()));
     return response;
   }
-  const auto add_prescribed_displacement = [&](Positions &motion) {
-    for (const Support &support : model_.supports) {
+  const auto add_prescribed_displacement = [&](Positions& motion) {
+    for (const Support& support : model_.supports) {
       const Vector3 w = displacement.col(support.molecule);
       motion.col(support.molecule) += w - support.free * w;
     }
   };
-  Positions rhs(3, displacement.cols()),
-      motion = Positions::Zero(3, displacement.cols());
+  Positions rhs(3, displacement.cols()), motion = Positions::Zero(3, displacement.cols());
   add_prescribed_displacement(motion);
   tangent_.apply(motion, rhs);
   rhs = load_change - rhs;
@@ -314,17 +261,11 @@ StaticResponse Responses::to(const Positions &load_change,
   keep_free(model_.supports, rhs);
   const double size = ordered_norm(rhs);
   const Positions start = last_.nearest(tangent_, model_.supports, rhs);
-  const double left = ordered_norm(rhs),
-               rough = left > 0
-                           ? std::min(kLeastSolved, tolerance * size / left)
-                           : tolerance;
+  const double left = ordered_norm(rhs), rough = left > 0 ? std::min(kLeastSolved, tolerance * size / left) : tolerance;
   UsedSolver used;
-  LinearResult linear =
-      solve_linear(tangent_, model_.supports, rhs, rough, options_, true,
-                   motion, used, last_.solver);
+  LinearResult linear = solve_linear(tangent_, model_.supports, rhs, rough, options_, true, motion, used, last_.solver);
   motion += start;
-  if (size > 0)
-    linear.residual *= left / size;
+  if (size > 0) linear.residual *= left / size;
   result.solver = "linear " + used.name;
   result.reason = used.reason;
   result.linear = true;
@@ -332,26 +273,17 @@ StaticResponse Responses::to(const Positions &load_change,
   result.linear_iterations = linear.iterations;
   result.scale = size + supported;
   result.residual = size > 0 ? linear.residual * size / (size + supported) : 0;
-  result.unstable =
-      linear.negative_modes > 0 || linear.status == LinearStatus::negative_mode;
-  // An indefinite stiffness still has its one answer, which a factorisation
-  // finds and iterations do not; and of stiff parts that move with soft ones
-  // rounding leaves a residual, which the result says.
-  const double floor = linear.status == LinearStatus::limit_reached
-                           ? 2 * rounding_floor(tangent_, motion)
-                           : 0;
-  if (linear.status != LinearStatus::solved &&
-      linear.residual > std::max(tolerance, 1e-8) &&
+  result.unstable = linear.negative_modes > 0 || linear.status == LinearStatus::negative_mode;
+  // An indefinite stiffness still has its one answer, which a factorisation finds and iterations do not; and of stiff
+  // parts that move with soft ones rounding leaves a residual, which the result says.
+  const double floor = linear.status == LinearStatus::limit_reached ? 2 * rounding_floor(tangent_, motion) : 0;
+  if (linear.status != LinearStatus::solved && linear.residual > std::max(tolerance, 1e-8) &&
       !(linear.residual * size <= floor)) {
-    const bool mode = linear.status == LinearStatus::zero_mode,
-               negative = linear.status == LinearStatus::negative_mode;
-    result.outcome = mode       ? Outcome::mechanism
-                     : negative ? Outcome::diverged
-                                : Outcome::limit_reached;
-    result.cause = mode ? "the loads work on a zero-energy mode"
-                   : negative
-                       ? "the stiffness has directions of negative stiffness"
-                       : "the linear solver ran out of iterations";
+    const bool mode = linear.status == LinearStatus::zero_mode, negative = linear.status == LinearStatus::negative_mode;
+    result.outcome = mode ? Outcome::mechanism : negative ? Outcome::diverged : Outcome::limit_reached;
+    result.cause = mode       ? "the loads work on a zero-energy mode"
+                   : negative ? "the stiffness has directions of negative stiffness"
+                              : "the linear solver ran out of iterations";
   }
   if (!motion.allFinite()) {
     result.outcome = Outcome::diverged;
@@ -365,4 +297,4 @@ StaticResponse Responses::to(const Positions &load_change,
   return response;
 }
 
-} // namespace elastin
+}  // namespace elastin

@@ -12,16 +12,14 @@
 namespace elastin {
 namespace {
 
-void set_balance(const Problem &problem, const State &state, Balance &result,
-                 TrialWorkspace &workspace) {
-  const Model &model = problem.model;
+void set_balance(const Problem& problem, const State& state, Balance& result, TrialWorkspace& workspace) {
+  const Model& model = problem.model;
   const int n = model.body().size();
   result.scale = model.rest_force();
-  // Each load by itself: together they may cancel, as a weight and the floor
-  // that it rests on.
+  // Each load by itself: together they may cancel, as a weight and the floor that it rests on.
   workspace.loads.setZero(3, n);
-  Positions &one = result.unbalanced; // until all loads are known
-  for (const auto &load : model.loads()) {
+  Positions& one = result.unbalanced;  // until all loads are known
+  for (const auto& load : model.loads()) {
     one.setZero(3, n);
     load->add_forces(state, one);
     result.scale += problem.norm(one);
@@ -34,15 +32,12 @@ void set_balance(const Problem &problem, const State &state, Balance &result,
     result.scale += problem.norm(workspace.inertia);
   } else {
     result.unbalanced.setZero(3, n);
-    model.add_elastic_forces(state.positions, result.unbalanced,
-                             workspace.force_pass);
-    if (problem.shared)
-      problem.shared->add_up(result.unbalanced);
+    model.add_elastic_forces(state.positions, result.unbalanced, workspace.force_pass);
+    if (problem.shared) problem.shared->add_up(result.unbalanced);
     result.unbalanced += workspace.loads;
   }
   set_fixed_components(model.supports, result.unbalanced, workspace.supported);
-  for (std::size_t i = 0; problem.shared && i < model.supports.size();
-       ++i) // those of ghosts count elsewhere
+  for (std::size_t i = 0; problem.shared && i < model.supports.size(); ++i)  // those of ghosts count elsewhere
     if (model.supports[i].molecule >= problem.shared->owned())
       workspace.supported.col(static_cast<Eigen::Index>(i)).setZero();
   result.scale += std::sqrt(problem.sum(workspace.supported.squaredNorm()));
@@ -51,148 +46,112 @@ void set_balance(const Problem &problem, const State &state, Balance &result,
 }
 
 /// What rounding of the positions does to the energy [J].
-double noise_of(const Problem &problem, const Trial &trial,
-                TrialWorkspace &workspace) {
-  const Model &model = problem.model;
-  const Positions &positions = trial.state.positions;
+double noise_of(const Problem& problem, const Trial& trial, TrialWorkspace& workspace) {
+  const Model& model = problem.model;
+  const Positions& positions = trial.state.positions;
   const int connections = model.body().connections.size();
   workspace.force_densities.setZero(connections);
-  for (const auto *law : model.edge_laws())
-    law->add_force_densities(positions, workspace.force_densities,
-                             workspace.force_pass);
-  const auto &ends = model.body().connections.ends;
+  for (const auto* law : model.edge_laws())
+    law->add_force_densities(positions, workspace.force_densities, workspace.force_pass);
+  const auto& ends = model.body().connections.ends;
   const double pull = ordered_sum(connections, [&](int c) {
-    return std::abs(workspace.force_densities[c]) *
-           (positions.col(ends[c][1]) - positions.col(ends[c][0])).norm();
+    return std::abs(workspace.force_densities[c]) * (positions.col(ends[c][1]) - positions.col(ends[c][0])).norm();
   });
   double within = pull;
-  for (const auto *law : model.nodal_laws())
-    within += law->internal_force(positions);
-  const auto molecules =
-      static_cast<double>(molecules_of_whole(problem.whole()));
-  const double all =
-      problem.sum(within) + std::sqrt(molecules) * trial.forces.scale;
-  return 4 * std::numeric_limits<double>::epsilon() *
-         problem.largest(positions.cwiseAbs().maxCoeff()) * all;
+  for (const auto* law : model.nodal_laws()) within += law->internal_force(positions);
+  const auto molecules = static_cast<double>(molecules_of_whole(problem.whole()));
+  const double all = problem.sum(within) + std::sqrt(molecules) * trial.forces.scale;
+  return 4 * std::numeric_limits<double>::epsilon() * problem.largest(positions.cwiseAbs().maxCoeff()) * all;
 }
 
-/// The trial state `way` · motion further on.
-void set_state(const State &from, double factor, const Positions &motion,
-               State &state) {
+}  // namespace
+
+void set_state(const State& from, double factor, const Positions& motion, State& state) {
   state.positions = from.positions + factor * motion;
   state.velocities = from.velocities;
   state.accelerations = from.accelerations;
   state.carry_over(from);
 }
 
-} // namespace
-
-void set_velocities(const Model &model, const Kinematics &kinematics,
-                    State &state) {
-  state.velocities =
-      kinematics.velocities +
-      kinematics.weights.velocity * (state.positions - kinematics.start);
+void set_velocities(const Model& model, const Kinematics& kinematics, State& state) {
+  state.velocities = kinematics.velocities + kinematics.weights.velocity * (state.positions - kinematics.start);
   move_with_supports(model.supports, state.velocities);
 }
 
-void follow(const Model &model, const Kinematics &kinematics, State &state) {
+void follow(const Model& model, const Kinematics& kinematics, State& state) {
   set_velocities(model, kinematics, state);
   state.accelerations =
-      kinematics.accelerations +
-      kinematics.weights.acceleration * (state.positions - kinematics.start);
+      kinematics.accelerations + kinematics.weights.acceleration * (state.positions - kinematics.start);
 }
 
-double step_energy(const Model &model, const Kinematics &kinematics,
-                   const Positions &positions) {
-  const VectorX &mass = model.body().mass;
+double step_energy(const Model& model, const Kinematics& kinematics, const Positions& positions) {
+  const VectorX& mass = model.body().mass;
   return ordered_sum(owned_molecules(model.body()), [&](int i) {
     const Vector3 displacement = positions.col(i) - kinematics.start.col(i);
-    return mass[i] *
-           (kinematics.weights.acceleration / 2 * displacement.squaredNorm() +
-            kinematics.accelerations.col(i).dot(displacement));
+    return mass[i] * (kinematics.weights.acceleration / 2 * displacement.squaredNorm() +
+                      kinematics.accelerations.col(i).dot(displacement));
   });
 }
 
-Problem::Problem(Model &a_model, const Kinematics *some_kinematics,
-                 SharedProblem *some_shared)
+Problem::Problem(Model& a_model, const Kinematics* some_kinematics, SharedProblem* some_shared)
     : model(a_model), kinematics(some_kinematics), shared(some_shared) {
   with_energy = model.conservative();
-  if (!kinematics)
-    return;
+  if (!kinematics) return;
   with_energy &= model.viscosity().empty();
-  for (const auto &load : model.loads())
-    with_energy &= !load->resists();
+  for (const auto& load : model.loads()) with_energy &= !load->resists();
 }
 
-double Problem::dot(const Positions &a, const Positions &b) const {
+double Problem::dot(const Positions& a, const Positions& b) const {
   return sum(ordered_sum(shared ? shared->owned() : static_cast<int>(a.cols()),
                          [&](int i) { return a.col(i).dot(b.col(i)); }));
 }
 
-double Problem::norm(const Positions &vectors) const {
-  if (!shared)
-    return ordered_norm(vectors);
+double Problem::norm(const Positions& vectors) const {
+  if (!shared) return ordered_norm(vectors);
   return std::sqrt(dot(vectors, vectors));
 }
 
-double furthest(const Problem &problem, const Positions &motion) {
+double furthest(const Problem& problem, const Positions& motion) {
   return std::sqrt(problem.largest(motion.colwise().squaredNorm().maxCoeff()));
 }
 
-void evaluate(const Problem &problem, bool with_energy, Trial &trial,
-              TrialWorkspace &workspace) {
-  const Model &model = problem.model;
-  const Positions &positions = trial.state.positions;
+void evaluate(const Problem& problem, bool with_energy, Trial& trial, TrialWorkspace& workspace) {
+  const Model& model = problem.model;
+  const Positions& positions = trial.state.positions;
   trial.noise = 0;
   trial.forces.norm = trial.forces.scale = 0;
-  if (problem.kinematics)
-    follow(model, *problem.kinematics, trial.state);
-  trial.energy =
-      model.elastic_energy(positions) + model.load_energy(trial.state);
-  if (!model.admissible(positions))
-    trial.energy = std::numeric_limits<double>::infinity();
-  if (problem.kinematics)
-    trial.energy += step_energy(model, *problem.kinematics, positions);
+  if (problem.kinematics) follow(model, *problem.kinematics, trial.state);
+  trial.energy = model.elastic_energy(positions) + model.load_energy(trial.state);
+  if (!model.admissible(positions)) trial.energy = std::numeric_limits<double>::infinity();
+  if (problem.kinematics) trial.energy += step_energy(model, *problem.kinematics, positions);
   trial.energy = problem.sum(trial.energy);
-  if (!std::isfinite(trial.energy))
-    return;
+  if (!std::isfinite(trial.energy)) return;
   set_balance(problem, trial.state, trial.forces, workspace);
-  if (with_energy)
-    trial.noise = noise_of(problem, trial, workspace);
+  if (with_energy) trial.noise = noise_of(problem, trial, workspace);
 }
 
-bool line_search(const Problem &problem, const Positions &motion,
-                 bool with_energy, Trial &now, bool &inverted,
-                 TrialWorkspace &workspace, int *growing) {
+bool line_search(const Problem& problem, const Positions& motion, bool with_energy, Trial& now, bool& inverted,
+                 TrialWorkspace& workspace, int* growing) {
   const double slope = -problem.dot(now.forces.unbalanced, motion);
   inverted = false;
-  Trial &trial = workspace.next;
+  Trial& trial = workspace.next;
   set_state(now.state, 1, motion, trial.state);
-  for (double step = problem.model.max_step_fraction(now.state, trial.state);
-       step > 1e-9; step /= 2) {
+  for (double step = problem.model.max_step_fraction(now.state, trial.state); step > 1e-9; step /= 2) {
     set_state(now.state, step, motion, trial.state);
     evaluate(problem, with_energy, trial, workspace);
     inverted |= std::isinf(trial.energy);
-    if (!std::isfinite(trial.energy) || !std::isfinite(trial.forces.norm))
-      continue;
-    bool falls = with_energy && slope < 0 &&
-                 trial.energy <= now.energy + 1e-4 * step * slope;
+    if (!std::isfinite(trial.energy) || !std::isfinite(trial.forces.norm)) continue;
+    bool falls = with_energy && slope < 0 && trial.energy <= now.energy + 1e-4 * step * slope;
     if (!problem.with_energy && problem.kinematics)
-      falls = slope < 0 &&
-              (problem.dot(trial.forces.unbalanced, motion) - slope) / 2 >=
-                  -1e-4 * slope;
+      falls = slope < 0 && (problem.dot(trial.forces.unbalanced, motion) - slope) / 2 >= -1e-4 * slope;
     const bool calmer = trial.forces.norm < (1 - 1e-4 * step) * now.forces.norm;
-    // A step along a nearly incompressible body's stiff valley leaves it by its
-    // square: the force grows at first, and works little along the step.
-    // [Matthies & Strang 1979]
+    // A step along a nearly incompressible body's stiff valley leaves it by its square: the force grows at first, and
+    // works little along the step.                                                          [Matthies & Strang 1979]
     if (!calmer && growing && *growing > 0 &&
-        std::abs(problem.dot(trial.forces.unbalanced, motion)) <
-            0.5 * std::abs(slope))
+        std::abs(problem.dot(trial.forces.unbalanced, motion)) < 0.5 * std::abs(slope))
       falls = true, --*growing;
-    // Near the answer the energy differs by less than its rounding; far from
-    // it, a calmer force alone may be a saddle.
-    const bool same_energy =
-        !with_energy || trial.energy - now.energy <= trial.noise;
+    // Near the answer the energy differs by less than its rounding; far from it, a calmer force alone may be a saddle.
+    const bool same_energy = !with_energy || trial.energy - now.energy <= trial.noise;
     if (falls || (calmer && same_energy)) {
       std::swap(now, trial);
       return true;
@@ -201,24 +160,21 @@ bool line_search(const Problem &problem, const Positions &motion,
   return false;
 }
 
-bool leave_saddle(const Problem &problem, const Positions &direction,
-                  Trial &now, TrialWorkspace &workspace) {
-  const double length =
-      0.1 * mean_length(problem.whole()) / furthest(problem, direction);
-  Trial &trial = workspace.next;
+bool leave_saddle(const Problem& problem, const Positions& direction, Trial& now, TrialWorkspace& workspace) {
+  const double length = 0.1 * mean_length(problem.whole()) / furthest(problem, direction);
+  Trial& trial = workspace.next;
   for (double step = length; step > 1e-6 * length; step /= 4)
     for (const double factor : {step, -step}) {
       set_state(now.state, factor, direction, trial.state);
       evaluate(problem, true, trial, workspace);
-      if (!(now.energy - trial.energy > 10 * std::max(now.noise, trial.noise)))
-        continue;
+      if (!(now.energy - trial.energy > 10 * std::max(now.noise, trial.noise))) continue;
       std::swap(now, trial);
       return true;
     }
   return false;
 }
 
-double mean_length(const Body &body) {
+double mean_length(const Body& body) {
   double mean = 0;
   if (body.share) {
     const auto [sum, count] = lengths_of_whole(body);
@@ -229,4 +185,4 @@ double mean_length(const Body &body) {
   return mean;
 }
 
-} // namespace elastin
+}  // namespace elastin
