@@ -16,6 +16,8 @@ class HalfSpace {
   }
   /// Depth over which the resistance sets in.
   double onset(int molecule) const { return 0.1 * body_.radius[molecule]; }
+
+ protected:
   const Body& body_;
   Floor floor_;
 };

@@ -14,6 +14,7 @@
 #include "core/solve/last_solve.h"
 #include "core/solve/steppers.h"
 #include "elastin/core/base/stop.h"
+#include "elastin/core/model/share.h"
 
 namespace elastin {
 namespace {
