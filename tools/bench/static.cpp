@@ -94,7 +94,7 @@ TensionCube::TensionCube(Cube cube) : body(std::move(cube.body)), model(body), r
 Sparse assembled(TensionCube& cube) {
   const State rest = state_at_rest(cube.body);
   const Tangent tangent(cube.model, rest);
-  return sparse_stiffness(tangent, cube.model.supports, 0, stiffness_scale(tangent));
+  return sparse_stiffness(tangent, cube.model.supports, 0, stiffness_scale(tangent)).selfadjointView<Eigen::Lower>();
 }
 
 /// The right-hand side that every linear contender gets.
@@ -236,7 +236,8 @@ std::vector<Figures> race(int side, const std::vector<Entry>& entries, int repea
     const VectorX& motion = solved[i].motion;
     found[i].residual = motion.size() ? (loads - matrix * motion).norm() / loads.norm() : solved[i].residual;
     if (!(found[i].residual <= 2 * kTolerance))
-      throw std::runtime_error(std::string(entries[i].contender->name) + ": not solved");
+      throw std::runtime_error(std::string(entries[i].contender->name) + ": not solved, the residual is " +
+                               std::to_string(found[i].residual));
   }
   return found;
 }
