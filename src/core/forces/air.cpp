@@ -1,4 +1,4 @@
-#include "core/forces/air.h"
+#include "elastin/core/forces/air.h"
 
 #include <algorithm>
 #include <cmath>

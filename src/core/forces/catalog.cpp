@@ -1,11 +1,11 @@
 #include <limits>
 
-#include "core/forces/air.h"
 #include "core/forces/floor.h"
 #include "core/forces/pressure.h"
 #include "core/forces/surface_load.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/base/text.h"
+#include "elastin/core/forces/air.h"
 #include "elastin/core/forces/load_table.h"
 #include "elastin/core/model/share.h"
 

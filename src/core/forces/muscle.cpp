@@ -1,4 +1,4 @@
-#include "core/forces/muscle.h"
+#include "elastin/core/forces/muscle.h"
 
 #include <cmath>
 #include <utility>

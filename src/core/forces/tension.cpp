@@ -1,4 +1,4 @@
-#include "core/forces/tension.h"
+#include "elastin/core/forces/tension.h"
 
 #include <algorithm>
 #include <cmath>

@@ -2,10 +2,10 @@
 
 #include <cmath>
 
-#include "core/forces/muscle.h"
 #include "core/laws/solids/fibre.h"
 #include "core/laws/springs/patch.h"
 #include "elastin/core/forces/cells.h"
+#include "elastin/core/forces/muscle.h"
 
 namespace elastin {
 

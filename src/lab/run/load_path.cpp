@@ -6,8 +6,8 @@
 #include <utility>
 
 #include "contact/distance.h"
-#include "core/forces/tension.h"
 #include "elastin/core/base/text.h"
+#include "elastin/core/forces/tension.h"
 #include "elastin/core/model/rest.h"
 #include "elastin/core/model/share.h"
 #include "lab/run/common_measures.h"

@@ -3,9 +3,9 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "core/forces/tension.h"
 #include "core/shapes/surfaces.h"
 #include "elastin/core/forces/tangent.h"
+#include "elastin/core/forces/tension.h"
 #include "elastin/core/simulation/catalog.h"
 #include "elastin/core/solve/statics.h"
 #include "support/bodies.h"

@@ -1,6 +1,6 @@
 // Active fibres: their force by length and time, and a muscle that contracts against a spring.
 
-#include "core/forces/muscle.h"
+#include "elastin/core/forces/muscle.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>

@@ -1,9 +1,9 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "core/forces/air.h"
 #include "core/shapes/surfaces.h"
 #include "elastin/core/base/error.h"
+#include "elastin/core/forces/air.h"
 #include "elastin/core/simulation/catalog.h"
 #include "elastin/core/solve/integrator.h"
 #include "lab/experiment/parachute/parachute.h"

@@ -10,10 +10,10 @@
 
 #include "core/base/dense.h"
 #include "core/forces/pressure.h"
-#include "core/forces/tension.h"
 #include "core/geometry/rim.h"
 #include "core/shapes/surfaces.h"
 #include "elastin/core/base/error.h"
+#include "elastin/core/forces/tension.h"
 #include "lab/experiment/keys.h"
 #include "lab/run/common_measures.h"
 
