@@ -401,6 +401,7 @@ StaticResult solve_newton(Model& model, State& state, const StaticOptions& optio
                      " multiplier updates";
       break;
     }
+    workspace.before.reset();
     StaticResult again = balance_once(model, state, options, kinematics, workspace, last, shared);
     again.newton_iterations += result.newton_iterations;
     again.linear_iterations += result.linear_iterations;
