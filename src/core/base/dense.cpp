@@ -3,6 +3,7 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/QR>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -73,6 +74,48 @@ Vector3 symmetric_eigenvalues3(const Matrix3& matrix) {
 
 MatrixX product(const MatrixX& left, const MatrixX& right) { return left * right; }
 MatrixX transposed_product(const MatrixX& left, const MatrixX& right) { return left.transpose() * right; }
+
+namespace {
+
+/// The sums of all rows stay in registers; a row's terms are added in the order of the columns.
+[[gnu::always_inline]] inline void by_columns(const double* A, const double* x, double factor, double* y) {
+  using Four [[gnu::vector_size(32), gnu::aligned(8), gnu::may_alias]] = double;
+  const auto* column = reinterpret_cast<const Four*>(A);
+  Four sums[6];
+  for (int k = 0; k < 6; ++k) sums[k] = column[k] * x[0];
+  for (int j = 1; j < 24; ++j) {
+    column += 6;
+    for (int k = 0; k < 6; ++k) sums[k] += column[k] * x[j];
+  }
+  for (int k = 0; k < 6; ++k) reinterpret_cast<Four*>(y)[k] = factor * sums[k];
+}
+
+void multiply24_plain(const double* A, const double* x, double factor, double* y) { by_columns(A, x, factor, y); }
+#if defined(__x86_64__) && defined(__GNUC__)
+[[gnu::target("avx2")]] void multiply24_avx2(const double* A, const double* x, double factor, double* y) {
+  by_columns(A, x, factor, y);
+}
+#endif
+
+}  // namespace
+
+std::span<const Multiply24> ways_to_multiply24() {
+  static constexpr std::array all {
+    multiply24_plain,
+#if defined(__x86_64__) && defined(__GNUC__)
+        multiply24_avx2
+#endif
+  };
+#if defined(__x86_64__) && defined(__GNUC__)
+  if (!__builtin_cpu_supports("avx2")) return {all.data(), 1};
+#endif
+  return all;
+}
+
+void multiply24(const double* A, const double* x, double factor, double* y) {
+  static const Multiply24 best = ways_to_multiply24().back();
+  best(A, x, factor, y);
+}
 
 MatrixX inverse(const MatrixX& matrix) { return matrix.inverse(); }
 VectorX least_squares(const MatrixX& A, const VectorX& b) { return A.colPivHouseholderQr().solve(b); }

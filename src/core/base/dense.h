@@ -1,4 +1,6 @@
 #pragma once
+#include <span>
+
 #include "elastin/core/base/types.h"
 
 /// Decompositions and products of small dense matrices, each compiled once: Eigen's templates take seconds for every
@@ -24,6 +26,12 @@ Vector3 symmetric_eigenvalues3(const Matrix3& matrix);
 
 MatrixX product(const MatrixX& left, const MatrixX& right);
 MatrixX transposed_product(const MatrixX& left, const MatrixX& right);  ///< leftᵀ right
+
+/// Sets y = factor · A x, of 24 rows and columns, A by columns: what the 8 nodes of a hexahedron feel by their motion.
+void multiply24(const double* A, const double* x, double factor, double* y);
+/// The ways to do it that this machine has, the plain one first, multiply24's last: the same bits by any.
+using Multiply24 = void (*)(const double* A, const double* x, double factor, double* y);
+std::span<const Multiply24> ways_to_multiply24();
 
 /// Of a regular square matrix.
 MatrixX inverse(const MatrixX& matrix);

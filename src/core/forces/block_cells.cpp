@@ -77,7 +77,11 @@ class BlockCells final : public NodalForces,
         slopes_(kind_),
         laws_(std::move(laws)),
         volume_(std::move(volume)),
-        slots_(rows_by_target(body.size(), block.nodes)) {
+        slots_(rows_by_target(body.size(), block.nodes)),
+        cells_of_(body.size()) {
+    for (int molecule = 0; molecule < body.size(); ++molecule)
+      if (const auto own = slots_[molecule]; !own.empty())
+        cells_of_[molecule] = {own.front() / kind_.nodes, own.back() / kind_.nodes};
     set_rest(1);
   }
   void set_rest(double part) override {
@@ -755,20 +759,36 @@ class BlockCells final : public NodalForces,
       }
       return;
     }
-    auto all = workspace.buffer(Workspace::slots, static_cast<Eigen::Index>(block_.nodes.size()) * 3);
+    // Each thread has a range of cells, and adds to the molecules that no other's cells have. What the others get waits
+    // in slots, most of which nothing ever touches.
+    const int range = (block_.size() + threads() - 1) / threads();
+    auto slots = workspace.buffer(Workspace::slots, static_cast<Eigen::Index>(block_.nodes.size()) * 3);
     parallel_for(
-        block_.size(),
-        [&](int cell) {
-          NodeVectors own = NodeVectors::Zero(3, n);
-          work(cell, own);
-          std::copy_n(own.data(), 3 * n, all.data() + static_cast<std::ptrdiff_t>(cell) * 3 * n);
+        threads(),
+        [&](int number) {
+          const int begin = number * range, end = std::min(block_.size(), begin + range);
+          NodeVectors own(3, n);
+          for (int cell = begin; cell < end; ++cell) {
+            own.setZero();
+            work(cell, own);
+            for (int a = 0; a < n; ++a) {
+              const int slot = cell * n + a, molecule = block_.nodes[slot];
+              const auto& [first, last] = cells_of_[molecule];
+              if (first >= begin && last < end)
+                values.col(molecule) += own.col(a);
+              else
+                slots.segment<3>(3 * static_cast<Eigen::Index>(slot)) = own.col(a);
+            }
+          }
         },
         1);
     parallel_for(
         body_.size(),
         [&](int molecule) {
-          for (const int slot : slots_[molecule])
-            values.col(molecule) += Eigen::Map<const Vector3>(all.data() + static_cast<std::ptrdiff_t>(slot) * 3);
+          const auto& [first, last] = cells_of_[molecule];
+          if (first / range != last / range)
+            for (const int slot : slots_[molecule])
+              values.col(molecule) += slots.segment<3>(3 * static_cast<Eigen::Index>(slot));
         },
         kMoleculeThreshold);
   }
@@ -779,13 +799,14 @@ class BlockCells final : public NodalForces,
   int points_;
   ReferenceSlopes<d> slopes_;
   std::shared_ptr<const PointLaws<d>> laws_;
-  std::vector<Volumetric> volume_;   ///< empty: the laws' own
-  std::vector<int> numbers_;         ///< on a subdomain of the whole's cells; empty: the same
-  SoftenedElements softened_;        ///< a point each
-  Relaxing relaxing_;                ///< the stress at each point
-  Rows slots_;                       ///< of each molecule among the nodes of all cells
-  std::vector<int> shape_;           ///< of each cell; what follows is of each shape, at each point
-  std::vector<int> first_of_shape_;  ///< the cell that has it first
+  std::vector<Volumetric> volume_;            ///< empty: the laws' own
+  std::vector<int> numbers_;                  ///< on a subdomain of the whole's cells; empty: the same
+  SoftenedElements softened_;                 ///< a point each
+  Relaxing relaxing_;                         ///< the stress at each point
+  Rows slots_;                                ///< of each molecule among the nodes of all cells
+  std::vector<std::array<int, 2>> cells_of_;  ///< of each molecule, the first and the last
+  std::vector<int> shape_;                    ///< of each cell; what follows is of each shape, at each point
+  std::vector<int> first_of_shape_;           ///< the cell that has it first
   std::vector<Rest> rest_;
   std::vector<Gradient> frames_;   ///< of membranes
   std::vector<Gradient> offsets_;  ///< F without displacement, beyond the frame, of a body that is stressed then
@@ -860,8 +881,7 @@ class BlockStiffness final : public NodalStiffness, public StiffPoints, public C
         Eigen::Matrix<double, 3, kCorners> change;
         for (int a = 0; a < kCorners; ++a) change.col(a) = motion.col(nodes[a]) - motion.col(nodes[0]);
         const auto& [number, factor] = of_cell_[cell];
-        Eigen::Map<Corners>(own.data()).noalias() =
-            factor * (shared_[number].matrix.lazyProduct(Eigen::Map<const Corners>(change.data())));
+        multiply24(shared_[number].matrix.data(), change.data(), factor, own.data());
       });
     cells_.add_cells(result, workspace, [&](int cell, NodeVectors& own) {
       PointGradients<d> change, P;
@@ -1001,7 +1021,6 @@ class BlockStiffness final : public NodalStiffness, public StiffPoints, public C
  private:
   static constexpr int kCorners = 8;
   static constexpr int kManyCells = 4096;  ///< of fewer the rows are assembled, AssembledStiffness
-  using Corners = Eigen::Matrix<double, 3 * kCorners, 1>;
   /// The stiffness of hexahedra at rest that have one shape and one material up to a factor.
   struct Shared {
     int cell;  ///< the first of them
