@@ -18,6 +18,40 @@
 namespace elastin {
 namespace {
 
+State still_at(const Model& model, const Positions& positions) {
+  return {positions, model.feels_velocity() ? Positions(Positions::Zero(3, positions.cols())) : Positions()};
+}
+
+constexpr double kStretched = 1e-3;
+/// Of the reactions, what an answer may leave, and what is asked of the next one.
+constexpr double kMostLeft = 0.1, kLeft = 0.01;
+constexpr int kRefined = 3;  ///< times, at most
+
+/// The answer to moved supports. It is sought to a part of what the torn first layer resists, which near ν = ½ is some
+/// thousand times the force of the stretched body, with pressures to match: refined until little of that force is left.
+StaticResponse stretched(Model& model, const Positions& at, const Positions& displacement,
+                         const StaticOptions& options) {
+  const Positions none = Positions::Zero(3, displacement.cols());
+  StaticOptions rough = options;
+  rough.tolerance = kStretched;
+  if (options.engine) return static_response(model, at, none, displacement, rough);
+  const State state = still_at(model, at);
+  Responses responses(model, state, rough);
+  StaticResponse response = responses.to(none, displacement, kStretched);
+  Positions left(3, displacement.cols());
+  for (int round = 0; round < kRefined; ++round) {
+    const StaticResult& result = response.result;
+    const double part = result.residual * result.scale / result.reactions.norm();
+    if (result.outcome != Outcome::converged || result.unstable || !(part > kMostLeft)) break;
+    responses.tangent().apply(response.motion, left);
+    StaticResponse more = responses.to(-left, none, kLeft / part);
+    more.motion += response.motion;
+    more.result.linear_iterations += result.linear_iterations;
+    response = std::move(more);
+  }
+  return response;
+}
+
 /// The body stretched with the mean motion that moved supports impose is a far better start than a torn first layer:
 /// one linear solve about the present state, with the supports' displacement as its only load. Returns that state, if
 /// there is such a displacement.
@@ -27,17 +61,14 @@ std::optional<State> follow_supports(Model& model, State& state, const StaticOpt
   apply_supports(model, moved);
   const Positions displacement = moved - state.positions;
   if (!any_over(model.body(), displacement.cwiseAbs().maxCoeff() != 0)) return {};
-  StaticOptions rough = options;
-  rough.tolerance = 1e-3;
-  const StaticResponse response =
-      static_response(model, state.positions, Positions::Zero(3, displacement.cols()), displacement, rough);
+  const StaticResponse response = stretched(model, state.positions, displacement, options);
   result.linear_iterations += response.result.linear_iterations;
   if (last) last->note(response.motion, model.supports);
-  const Positions stretched = state.positions + response.motion;
+  const Positions positions = state.positions + response.motion;
   const bool usable =
-      !any_over(model.body(), !response.motion.allFinite() || !std::isfinite(model.elastic_energy(stretched)));
+      !any_over(model.body(), !response.motion.allFinite() || !std::isfinite(model.elastic_energy(positions)));
   std::optional<State> before = state;
-  state.positions = usable ? stretched : moved;
+  state.positions = usable ? positions : moved;
   if (!usable) before.reset();
   return before;
 }
@@ -142,7 +173,7 @@ StaticResult relax(Model& model, State& state, const StaticOptions& options) {
 StaticResponse respond(Model& model, const Positions& at, const Positions& load_change, const Positions& displacement,
                        const StaticOptions& options, LastSolve* last) {
   if (options.engine) return options.engine->respond(model, at, load_change, displacement, options);
-  const State state{at, model.feels_velocity() ? Positions(Positions::Zero(3, at.cols())) : Positions()};
+  const State state = still_at(model, at);
   Responses responses(model, state, options);
   StaticResponse response = responses.to(load_change, displacement, options.tolerance);
   if (last) {
