@@ -220,7 +220,9 @@ double goal_of(const StaticOptions& options, const Trial& trial, double floor) {
 /// without negative modes all along, and less energy than at the start. False, and `now` stays, where it leads
 /// elsewhere; or where the first step makes the force smaller, for then other iterations are as good.
 /// @param motion of the first iteration: from `now`, where the tangent of the workspace is
-bool bend(const Problem& problem, const StaticOptions& options, Positions motion, Trial& now,
+/// @param negative whether it met negative stiffness, as the pressures of a linear step near ν = ½ make it: the way
+///   then begins with that step, from workspace.before
+bool bend(const Problem& problem, const StaticOptions& options, Positions motion, bool negative, Trial& now,
           NewtonWorkspace& workspace, UsedSolver& used, StaticResult& result) {
   const Model& model = problem.model;
   Tangent& tangent = *workspace.tangent;
@@ -233,7 +235,7 @@ bool bend(const Problem& problem, const StaticOptions& options, Positions motion
     return true;
   };
   Trial* at = &trials[1];
-  if (!move(now, *at) || (std::isfinite(at->energy) && at->forces.norm <= now.forces.norm)) return false;
+  if (!negative && (!move(now, *at) || (std::isfinite(at->energy) && at->forces.norm <= now.forces.norm))) return false;
   if (workspace.before) {
     tangent.linearise_at(*workspace.before, {});
     at = &now;
@@ -248,7 +250,7 @@ bool bend(const Problem& problem, const StaticOptions& options, Positions motion
         goal_of(options, std::isfinite(at->energy) ? *at : now, rounding_floor(tangent, at->state.positions));
     if (std::isfinite(at->energy) && at->forces.norm <= goal) {
       if (at->energy > now.energy) return false;
-      std::swap(now, *at);
+      if (at != &now) std::swap(now, *at);
       return true;
     }
     if (result.newton_iterations >= options.newton_limit || is_interrupted(options, result)) return false;
@@ -353,8 +355,10 @@ StaticResult balance_once(Model& model, State& state, const StaticOptions& optio
     if (linear.status != LinearStatus::solved && linear.residual > 0.9) limit_motion(problem, motion);
     // A full answer of an indefinite stiffness leads to a saddle of the energy: there only the force can be a guide.
     const bool to_saddle = linear.negative_modes > 0;
-    if (result.newton_iterations == 1 && problem.with_energy && !kinematics && !shared && !negative &&
-        linear.status == LinearStatus::solved && bend(problem, options, motion, now, workspace, used, result))
+    const bool from_before = negative && workspace.before;
+    if (result.newton_iterations == 1 && problem.with_energy && !kinematics && !shared &&
+        (from_before || (!negative && linear.status == LinearStatus::solved)) &&
+        bend(problem, options, motion, negative, now, workspace, used, result))
       continue;
     bool inverted = false;
     linearised.reset();

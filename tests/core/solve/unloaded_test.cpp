@@ -70,7 +70,7 @@ void for_each_hung(Test test) {
 
 }  // namespace
 
-TEST_CASE("every law and spring rule: the unloaded shape hangs to the given one", "[rest][conformance]") {
+TEST_CASE("every law and spring rule: the unloaded shape hangs to the given one", "[rest][conformance][slow]") {
   for_each_hung([](const Body& body, const auto& make) {
     const double size = (body.rest.rowwise().maxCoeff() - body.rest.rowwise().minCoeff()).norm();
     const UnloadedShape found = find_unloaded(body, make);
@@ -84,7 +84,8 @@ TEST_CASE("every law and spring rule: the unloaded shape hangs to the given one"
   });
 }
 
-TEST_CASE("every law and spring rule: a prestrain keeps the body in its shape under its loads", "[rest][conformance]") {
+TEST_CASE("every law and spring rule: a prestrain keeps the body in its shape under its loads",
+          "[rest][conformance][slow]") {
   for_each_hung([](const Body& plain, const auto& make) {
     Body body = plain;
     body.unstressed = std::make_shared<const Rest>(Rest{[](const Vector3& place, const Vector3&) {

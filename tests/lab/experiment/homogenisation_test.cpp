@@ -87,7 +87,7 @@ TEST_CASE("the lattice rule is isotropic with nu = 1/4", "[material]") {
 }
 
 TEST_CASE("fitted springs are the isotropic stiffness on a jittered mesh, where one factor is not",
-          "[material][fitted]") {
+          "[material][fitted][slow]") {
   struct Case {
     const char* rule;
     double poissons_ratio;

@@ -92,7 +92,7 @@ TEST_CASE("a tube under a small pressure widens as Lamé says", "[loads][experim
 }
 
 TEST_CASE("an artery under 120 mmHg needs few Newton iterations near a Poisson's ratio of one half",
-          "[loads][experiment]") {
+          "[loads][experiment][slow]") {
   const double E = 3e5, pressure = 15998.6;
   // Of an incompressible neo-Hookean tube whose inner radius becomes √(25 + c):
   // p = μ (ln(7/5) − ½ ln((49 + c)/(25 + c)) − c/2 (1/(49 + c) − 1/(25 + c))).

@@ -138,7 +138,7 @@ TEST_CASE("files of points that cannot be meant are named with their line", "[id
 }
 
 TEST_CASE("a cruciform's points and forces hold the constants that made them, each by its noise",
-          "[identify][points]") {
+          "[identify][points][slow]") {
   const std::string scene = std::string(ELASTIN_SOURCE_DIR) + "/scenes/identify/cruciform.yaml";
   const Answer answer = identify(scene, kCatalog, {}).front();
   REQUIRE(answer.outcome == FitOutcome::converged);

@@ -180,7 +180,7 @@ TEST_CASE("another law than the scene's is fitted to a specimen as that law's ce
 TEST_CASE(
     "a search that does with rough equilibria ends where the exact one does, to a hundredth of the deviations, and "
     "so does its profile, to a twentieth of the interval",
-    "[identify]") {
+    "[identify][slow]") {
   const TemporaryFolder folder;
   folder.write("data.csv", "displacement [mm],force [mN]\n1,47.3\n2,87.7\n3,124.1\n4,156.2\n5,184.9\n6,211.8\n");
   const IdentifyTask task = load_identify_task(
