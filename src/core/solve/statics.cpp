@@ -23,8 +23,10 @@ State still_at(const Model& model, const Positions& positions) {
 }
 
 constexpr double kStretched = 1e-3;
-/// Of the reactions, what an answer may leave, and what is asked of the next one.
+/// Of the reactions, what an answer may leave, and what is required of the next one.
 constexpr double kMostLeft = 0.1, kLeft = 0.01;
+/// Of what the answer before left, the least that is required: a rigid motion has no reactions.
+constexpr double kLeastLeft = 1e-4;
 constexpr int kRefined = 3;  ///< times, at most
 
 /// The answer to moved supports. It is sought to a part of what the torn first layer resists, which near ν = ½ is some
@@ -44,7 +46,7 @@ StaticResponse stretched(Model& model, const Positions& at, const Positions& dis
     const double part = result.residual * result.scale / result.reactions.norm();
     if (result.outcome != Outcome::converged || result.unstable || !(part > kMostLeft)) break;
     responses.tangent().apply(response.motion, left);
-    StaticResponse more = responses.to(-left, none, kLeft / part);
+    StaticResponse more = responses.to(-left, none, std::max(kLeft / part, kLeastLeft));
     more.motion += response.motion;
     more.result.linear_iterations += result.linear_iterations;
     response = std::move(more);

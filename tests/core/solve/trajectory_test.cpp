@@ -213,7 +213,7 @@ TEST_CASE("derivatives of a run in time by one sweep backward are differences of
   for (Case one : cases)
     for (Steps by : schemes) {
 #ifdef __SANITIZE_ADDRESS__
-      if (++met % 3) continue;
+      if (++met % 5) continue;  // no divisor of the schemes' number: each of them is met
 #endif
       if (one.name.starts_with("mullins")) one.by_number = by.options.scheme->name != "symplectic_euler";
       if (one.name != cases[0].name) by.steps = std::min(by.steps, 40);  // each is run five times
