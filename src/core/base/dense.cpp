@@ -80,7 +80,7 @@ namespace {
 /// The sums of all rows stay in registers; a row's terms are added in the order of the columns.
 [[gnu::always_inline]] inline void by_columns(const double* A, const double* x, double factor, double* y) {
   using Four [[gnu::vector_size(32), gnu::aligned(8), gnu::may_alias]] = double;
-  const auto* column = reinterpret_cast<const Four*>(A);
+  const Four* column = reinterpret_cast<const Four*>(A);  // of `auto` g++ would forget the alignment
   Four sums[6];
   for (int k = 0; k < 6; ++k) sums[k] = column[k] * x[0];
   for (int j = 1; j < 24; ++j) {
