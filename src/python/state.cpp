@@ -25,32 +25,22 @@ py::dict arrays_of(const CellState* states, std::size_t count) {
 }
 
 py::dict cell_states(Moving& self) {
-  struct Found {
-    std::vector<CellState> simplices, blocks;
-  };
-  Found found = self.in_turn([](Simulation& s) {
-    lab::Snapshot shot = lab::snapshot_of(s.model(), s.state(), s.time(), 0);
-    Found of_cells{{}, std::move(shot.block_states)};
-    of_cells.blocks.resize(cells_in_blocks(s.body()));  // spring rules have none
-    if (s.body().blocks.empty()) of_cells.simplices = lab::cell_states(s.body(), shot.positions, shot.force_densities);
-    return of_cells;
-  });
+  const std::vector<CellState> found = self.in_turn(
+      [](Simulation& s) { return lab::cell_states(s.body(), lab::snapshot_of(s.model(), s.state(), s.time(), 0)); });
   const Body& body = self.simulation.body();
+  const lab::OwnSimplices own(body);
+  std::map<std::string, std::vector<CellState>> by_shape;
+  auto next = found.begin();
+  const auto take = [&](const std::string& shape, std::size_t count) {
+    if (count) by_shape[shape].insert(by_shape[shape].end(), next, next + static_cast<std::ptrdiff_t>(count));
+    next += static_cast<std::ptrdiff_t>(count);
+  };
+  take("triangle3", own.triangles);
+  take("tetrahedron4", own.tetrahedra);
+  for (const CellBlock& block : body.blocks)
+    take(std::string(block.kind->name), static_cast<std::size_t>(block.size()));
   py::dict result;
-  if (!body.blocks.empty()) {
-    std::map<std::string, std::vector<CellState>> by_shape;
-    auto next = found.blocks.begin();
-    for (const CellBlock& block : body.blocks) {
-      auto& all = by_shape[std::string(block.kind->name)];
-      all.insert(all.end(), next, next + block.size());
-      next += block.size();
-    }
-    for (const auto& [name, states] : by_shape) result[name.c_str()] = arrays_of(states.data(), states.size());
-  } else if (const std::size_t triangles = body.triangles.size(); !body.tetrahedra.empty()) {
-    result["tetrahedron4"] = arrays_of(found.simplices.data() + triangles, body.tetrahedra.size());
-  } else if (triangles) {
-    result["triangle3"] = arrays_of(found.simplices.data(), triangles);
-  }
+  for (const auto& [name, states] : by_shape) result[name.c_str()] = arrays_of(states.data(), states.size());
   return result;
 }
 

@@ -55,18 +55,9 @@ std::vector<const MeasureInfo*> columns_of(const Record& record) {
   return columns;
 }
 
-/// The cells of a body in a file, after its connections: triangles, tetrahedra; or, of those dimensions that have
-/// blocks, the blocks' cells.
-struct FileCells {
-  std::size_t triangles, tetrahedra;  ///< that are written
-  explicit FileCells(const Body& body)
-      : triangles(has_blocks(body, 2) ? 0 : body.triangles.size()),
-        tetrahedra(has_blocks(body, 3) ? 0 : body.tetrahedra.size()) {}
-};
-
 /// Connections as lines, then triangles, tetrahedra and the cells of blocks by VTK's types.
 void add_cells(VtuArrays& arrays, std::string& out, const Body& body) {
-  const FileCells written(body);
+  const OwnSimplices written(body);
   const auto for_each = [&](auto&& visit) {  // visit(corners, type)
     const auto visit_all = [&](const auto& cells, int type) {
       for (const auto& cell : cells) visit(cell, type);
@@ -93,29 +84,12 @@ void add_cells(VtuArrays& arrays, std::string& out, const Body& body) {
 
 /// Dimensions of each of these cells.
 std::vector<int> file_dimensions(const Body& body) {
-  const FileCells written(body);
+  const OwnSimplices written(body);
   std::vector<int> dimensions(written.triangles, 2);
   dimensions.resize(written.triangles + written.tetrahedra, 3);
   for (const CellBlock& block : body.blocks)
     dimensions.resize(dimensions.size() + static_cast<std::size_t>(block.size()), block.kind->dimensions);
   return dimensions;
-}
-
-/// States of each of them.
-std::vector<CellState> file_states(const Body& body, const Snapshot& shot) {
-  if (body.blocks.empty()) return cell_states(body, shot.positions, shot.force_densities);
-  std::vector<CellState> states;
-  const FileCells written(body);
-  if (written.triangles || written.tetrahedra) {
-    Body simplices = body;
-    if (!written.triangles) simplices.triangles.clear();
-    if (!written.tetrahedra) simplices.tetrahedra.clear();
-    states = cell_states(simplices, shot.positions, shot.force_densities);
-  }
-  std::vector<CellState> of_blocks = shot.block_states;
-  of_blocks.resize(cells_in_blocks(body));  // spring rules have none
-  states.insert(states.end(), of_blocks.begin(), of_blocks.end());
-  return states;
 }
 
 /// As write_whole, of what write(stream) writes; that throws std::system_error where it cannot.
@@ -328,8 +302,8 @@ Piece piece_of(const Body& share) {
 
 /// Of its cells, out of those of all cells around them, whose force densities the sides have.
 std::vector<CellState> piece_states(const Body& share, const Snapshot& shot, const Piece& piece) {
-  const FileCells written(share);
-  const std::vector<CellState> all = file_states(share, shot);
+  const OwnSimplices written(share);
+  const std::vector<CellState> all = cell_states(share, shot);
   std::vector<CellState> own;
   for (const int cell : written.triangles ? piece.triangles : std::vector<int>()) own.push_back(all[cell]);
   for (const int cell : written.tetrahedra ? piece.tetrahedra : std::vector<int>())
@@ -357,13 +331,12 @@ std::string shape_vtu_text(const Body& body, const Positions& positions) {
   Snapshot shape;
   shape.positions = positions;
   shape.force_densities = VectorX::Zero(body.connections.size());
-  shape.block_states.resize(cells_in_blocks(body));
   return vtu_text(body, shape, {});
 }
 
 std::string vtu_text(const Body& body, const Snapshot& shot, const VectorX& constants) {
   std::string out;
-  put_vtu(body, shot, file_states(body, shot), constants, out, nullptr);
+  put_vtu(body, shot, cell_states(body, shot), constants, out, nullptr);
   return out;
 }
 
@@ -442,7 +415,7 @@ void write_states(const std::string& folder, const std::string& name, const Body
     part = 0;
     write_whole_by(folder + "/" + file_of(parts[part], number), [&](std::ostream& stream) {
       std::string out;
-      put_vtu(body, shot, file_states(body, shot), run.constants, out, &stream);
+      put_vtu(body, shot, cell_states(body, shot), run.constants, out, &stream);
     });
     list(shot.at, file_of(parts[part], number));
     part = 1;

@@ -56,8 +56,7 @@ std::array<int, 3> sorted(std::array<int, 3> side) {
   return side;
 }
 
-/// The cell behind each side of the surface, counted as the states of cells are: triangles, tetrahedra; or cells of
-/// blocks. −1 without one.
+/// The cell behind each side of the surface, counted as cell_states does. −1 without one.
 std::vector<int> cells_behind(const Body& body, const std::vector<std::array<int, 3>>& surface) {
   std::map<std::array<int, 3>, int> behind;
   std::vector<char> outer(static_cast<std::size_t>(body.size()), 0);
@@ -77,6 +76,10 @@ std::vector<int> cells_behind(const Body& body, const std::vector<std::array<int
     note(t[1], t[2], t[3], cell);
   };
   int cell = 0;
+  const OwnSimplices simplices(body);
+  for (std::size_t i = 0; i < simplices.triangles; ++i)
+    note(body.triangles[i][0], body.triangles[i][1], body.triangles[i][2], cell++);
+  for (std::size_t i = 0; i < simplices.tetrahedra; ++i) note_all(body.tetrahedra[i], cell++);
   std::size_t triangle = 0, tetrahedron = 0;
   for (const CellBlock& block : body.blocks)
     for (int own = 0; own < block.size(); ++own, ++cell)
@@ -87,10 +90,6 @@ std::vector<int> cells_behind(const Body& body, const std::vector<std::array<int
           const auto& [a, b, c] = body.triangles[triangle++];
           note(a, b, c, cell);
         }
-  if (body.blocks.empty()) {
-    for (const auto& [a, b, c] : body.triangles) note(a, b, c, cell++);
-    for (const auto& corners : body.tetrahedra) note_all(corners, cell++);
-  }
   std::vector<int> cells;
   for (const auto& side : surface) cells.push_back(behind[sorted(side)]);
   return cells;
@@ -173,9 +172,7 @@ std::vector<double> tensions_of(const Shown& shown, const Body& body, const Snap
 
 /// Equivalent stress of the cell behind each side of the surface; empty where no cell has any.
 std::vector<double> stresses_of(const Shown& shown, const Body& body, const Snapshot& snapshot) {
-  std::vector<CellState> states = snapshot.block_states;
-  if (body.blocks.empty() && snapshot.force_densities.size())
-    states = cell_states(body, snapshot.positions, snapshot.force_densities);
+  const std::vector<CellState> states = cell_states(body, snapshot);
   std::vector<double> stresses;
   for (const int cell : shown.cells)
     stresses.push_back(cell >= 0 && static_cast<std::size_t>(cell) < states.size() ? von_mises(states[cell]) : 0);

@@ -4,9 +4,11 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <span>
 #include <unordered_map>
 
 #include "core/base/dense.h"
+#include "elastin/core/geometry/cell_kind.h"
 
 namespace elastin::lab {
 namespace {
@@ -60,44 +62,86 @@ Matrix3 green_strain(const Edges& rest, const Edges& now) {
   return strain.allFinite() ? strain : Matrix3(Matrix3::Zero());
 }
 
-template <std::size_t Corners, class Visit>
-void visit_sides(const std::array<int, Corners>& cell, const SideFinder& sides, const Visit& visit) {
-  for (std::size_t i = 0; i < Corners; ++i)
-    for (std::size_t j = i + 1; j < Corners; ++j)
-      if (const int side = sides.find(cell[i], cell[j]); side >= 0) visit(side, cell[i], cell[j]);
+/// A cell at rest and now: of a block's cell the sums of its simplices and the mean of their strain.
+struct CellGeometry {
+  double rest_size = 0, size = 0;
+  Matrix3 strain = Matrix3::Zero();
+
+  template <std::size_t Corners>
+  void add(const std::array<int, Corners>& simplex, const Body& body, const Positions& positions) {
+    const auto rest = edges_of(simplex, body.rest), now = edges_of(simplex, positions);
+    const double own = size_of(rest), all = rest_size + own;
+    if (all > 0) strain += own / all * (green_strain(rest, now) - strain);
+    rest_size = all, size += size_of(now);
+  }
+};
+
+/// visit(nodes, geometry) of each cell in turn.
+template <class Visit>
+void for_each_cell(const Body& body, const Positions& positions, const Visit& visit) {
+  const OwnSimplices own(body);
+  const auto visit_own = [&](const auto& simplices, std::size_t count) {
+    for (std::size_t i = 0; i < count; ++i) {
+      CellGeometry geometry;
+      geometry.add(simplices[i], body, positions);
+      visit(std::span<const int>(simplices[i]), geometry);
+    }
+  };
+  visit_own(body.triangles, own.triangles);
+  visit_own(body.tetrahedra, own.tetrahedra);
+  std::size_t triangle = 0, tetrahedron = 0;
+  for (const CellBlock& block : body.blocks)
+    for (int cell = 0; cell < block.size(); ++cell) {
+      CellGeometry geometry;
+      for (std::size_t i = simplices_of(*block.kind, block.cell(cell)).size(); i > 0; --i)
+        if (block.kind->dimensions == 3)
+          geometry.add(body.tetrahedra[tetrahedron++], body, positions);
+        else
+          geometry.add(body.triangles[triangle++], body, positions);
+      visit(std::span<const int>(block.cell(cell)), geometry);
+    }
 }
 
-template <std::size_t Corners>
-void add_states(const std::vector<std::array<int, Corners>>& cells, const Body& body, const SideFinder& sides,
-                const Positions& positions, const VectorX& force_densities, std::vector<CellState>& states) {
-  VectorX shared = VectorX::Zero(body.connections.size());  // rest size of all cells on a side
-  for (const auto& cell : cells) {
-    const double size = size_of(edges_of(cell, body.rest));
-    visit_sides(cell, sides, [&](int side, int, int) { shared[side] += size; });
-  }
-  for (const auto& cell : cells) {
-    const auto rest = edges_of(cell, body.rest), now = edges_of(cell, positions);
-    const double rest_size = size_of(rest), size = size_of(now);
-    CellState state;
-    state.strain = green_strain(rest, now);
-    visit_sides(cell, sides, [&](int side, int a, int b) {
-      const Vector3 d = positions.col(b) - positions.col(a);
-      if (shared[side] > 0 && size > 0)
-        state.stress += rest_size / shared[side] / size * force_densities[side] * d * d.transpose();
-    });
-    if (!state.stress.allFinite()) state.stress.setZero();
-    states.push_back(state);
-  }
+template <class Visit>
+void visit_sides(std::span<const int> nodes, const SideFinder& sides, const Visit& visit) {
+  for (std::size_t i = 0; i < nodes.size(); ++i)
+    for (std::size_t j = i + 1; j < nodes.size(); ++j)
+      if (const int side = sides.find(nodes[i], nodes[j]); side >= 0) visit(side, nodes[i], nodes[j]);
 }
 
 }  // namespace
 
-std::vector<CellState> cell_states(const Body& body, const Positions& positions, const VectorX& force_densities) {
-  std::vector<CellState> states;
-  if (body.triangles.empty() && body.tetrahedra.empty()) return states;
-  const SideFinder sides(body.connections);
-  add_states(body.triangles, body, sides, positions, force_densities, states);
-  add_states(body.tetrahedra, body, sides, positions, force_densities, states);
+OwnSimplices::OwnSimplices(const Body& body)
+    : triangles(has_blocks(body, 2) ? 0 : body.triangles.size()),
+      tetrahedra(has_blocks(body, 3) ? 0 : body.tetrahedra.size()) {}
+
+std::vector<CellState> cell_states(const Body& body, const Snapshot& shot) {
+  const std::size_t own = OwnSimplices(body).size();
+  std::vector<CellState> states = shot.block_states;  // none where no law is at work on the blocks
+  const bool of_law = !states.empty();
+  states.insert(states.begin(), own, CellState{});
+  states.resize(own + cells_in_blocks(body));
+  if (states.empty()) return states;
+  std::size_t number = 0;
+  const bool any_force = shot.force_densities.size() && shot.force_densities.cwiseAbs().maxCoeff() > 0;
+  const SideFinder sides(any_force ? body.connections : Connections{});
+  VectorX shared = VectorX::Zero(body.connections.size());  // rest size of all cells on a side
+  if (any_force)
+    for_each_cell(body, shot.positions, [&](std::span<const int> nodes, const CellGeometry& geometry) {
+      visit_sides(nodes, sides, [&](int side, int, int) { shared[side] += geometry.rest_size; });
+    });
+  for_each_cell(body, shot.positions, [&](std::span<const int> nodes, const CellGeometry& geometry) {
+    CellState& state = states[number];
+    if (number++ < own || !of_law) state.strain = geometry.strain;
+    if (!any_force) return;
+    Matrix3 virial = Matrix3::Zero();
+    visit_sides(nodes, sides, [&](int side, int a, int b) {
+      const Vector3 d = shot.positions.col(b) - shot.positions.col(a);
+      if (shared[side] > 0 && geometry.size > 0)
+        virial += geometry.rest_size / shared[side] / geometry.size * shot.force_densities[side] * d * d.transpose();
+    });
+    if (virial.allFinite()) state.stress += virial;
+  });
   return states;
 }
 

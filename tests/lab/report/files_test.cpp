@@ -20,7 +20,9 @@
 #include "elastin/core/base/error.h"
 #include "elastin/core/shapes/shapes.h"
 #include "elastin/mesh/mesh_file.h"
+#include "lab/report/page.h"
 #include "lab/report/table.h"
+#include "lab/run/cell_stress.h"
 #include "lab/study/request.h"
 #include "support/temporary_folder.h"
 #include "support/vtu_arrays.h"
@@ -411,6 +413,56 @@ TEST_CASE("a VTU file holds the cells with their strain and stress, and our own 
   // The mean stress of the body is the force on its grips times its length, over its volume: the virial theorem.
   CHECK(virial / volume == Approx(run.measures.get("force") * 0.044 / volume).epsilon(1e-6));
   CHECK(text.size() < 60'000);
+}
+
+TEST_CASE("of springs, cells of any shape show the virial of their sides, with what holds the volume", "[files]") {
+  const auto [body, stiffness] = GENERATE(table<std::string, std::string>(
+      {{"tetrahedra: {kind: kuhn, cubes: [2, 3, 4], size: [2 mm, 3 mm, 4 mm]}", "van_gelder"},
+       {"lattice: {kind: cubic, molecules: [3, 4, 5], spacing: 1 mm, order: 2}", "standard"},
+       {"image: {file: block.nrrd, length_unit: mm}", "standard"},
+       {"image: {file: block.nrrd, length_unit: mm}", "standard+volume"}}));
+  INFO(body << ", " << stiffness);
+  const TemporaryFolder folder;
+  folder.write("block.nrrd",
+               "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 2 3 4\nspacings: 1 1 1\nencoding: ascii\n\n"
+               "1 1 1 1 1 1 1 1 1 1 1 1 1 1 1 1 1 1 1 1 1 1 1 1\n");
+  const auto scene = load_scene(
+      folder.write("block.yaml", "body: {" + body +
+                                     "}\nmaterial: {youngs_modulus: 10 kPa, poissons_ratio: "
+                                     "0.3}\nstiffness: \"" +
+                                     stiffness + "\"\nexperiment: {kind: tension, axis: z, displacement: 0.4 mm}\n"),
+      built_in_catalog());
+  RunOptions options;
+  options.statics = scene->statics;
+  options.keep_snapshots = true;
+  const Run run = run_strategy(scene->specimen, *scene->experiment, scene->stiffness, options);
+  REQUIRE(run.outcome == Outcome::converged);
+  const Body& specimen = scene->specimen.body;
+  const Snapshot& end = run.snapshots.back();
+  const std::vector<CellState> states = cell_states(specimen, end);
+  REQUIRE(states.size() == OwnSimplices(specimen).size() + cells_in_blocks(specimen));
+  double volume = 0, virial = 0, strain = 0;
+  std::vector<std::vector<std::array<int, 4>>> cells;  // each by its tetrahedra
+  if (specimen.blocks.empty())
+    for (const auto& own : specimen.tetrahedra) cells.push_back({own});
+  auto next = specimen.tetrahedra.begin();
+  for (const CellBlock& block : specimen.blocks)
+    for (int cell = 0; cell < block.size(); ++cell) {
+      const auto count = static_cast<std::ptrdiff_t>(simplices_of(*block.kind, block.cell(cell)).size());
+      cells.emplace_back(next, next + count), next += count;
+    }
+  REQUIRE(cells.size() == states.size());
+  for (std::size_t cell = 0; cell < cells.size(); ++cell) {
+    double own = 0;
+    for (const auto& simplex : cells[cell]) own += signed_volume(end.positions, simplex);
+    volume += own, virial += own * states[cell].stress(2, 2);
+    CHECK(von_mises(states[cell]) > 0);
+    strain += states[cell].strain(2, 2) / static_cast<double>(cells.size());
+  }
+  // The virial theorem: force on the grips times the present length, over the present volume.
+  CHECK(virial == Approx(run.measures.get("force") * 4.4e-3).epsilon(1e-6));
+  CHECK(strain == Approx((1.1 * 1.1 - 1) / 2).epsilon(0.05));
+  CHECK_THAT(states_view(*scene, make_record(*scene, run)), Contains("\"stresses\""));
 }
 
 TEST_CASE("states are written as one file a load step and a collection that names them", "[files]") {

@@ -133,7 +133,7 @@ TEST_CASE("image: each label has its Poisson's ratio, whatever the directions of
   CHECK(run.measures.get("poissons_ratio") == Approx(0.4).epsilon(1e-6));
 }
 
-TEST_CASE("image: each label has a law of its own", "[image]") {
+TEST_CASE("image: each label has a law of its own", "[image][slow]") {
   const TemporaryFolder folder;
   folder.write("a.nrrd", nrrd({4, 4, 4}, [](int x, int, int) { return x < 2 ? 1 : 2; }));
   const auto load = [&](const std::string& as, const std::string& stiffness) {

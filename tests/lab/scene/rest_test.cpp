@@ -225,7 +225,7 @@ TEST_CASE("what is wrong with a rest is said where it stands", "[scene][rest]") 
   CHECK_THAT(refused(bar("")), Contains("a load of zero stretches nothing"));
 }
 
-TEST_CASE("loads that no unloaded shape has, or only another one, end with the cause", "[scene][rest]") {
+TEST_CASE("loads that no unloaded shape has, or only another one, end with the cause", "[scene][rest][slow]") {
   const auto hanging = [](const std::string& gravity) {
     return run_of(
         "body: {lattice: {kind: cubic, molecules: [3, 3, 9], spacing: 1 cm, order: 1}}\n"
@@ -241,7 +241,7 @@ TEST_CASE("loads that no unloaded shape has, or only another one, end with the c
 }
 
 TEST_CASE("Newton's method finds unloaded shapes where mixing does not, or says up to which load there is one",
-          "[scene][rest]") {
+          "[scene][rest][slow]") {
   const auto balloon = [](const std::string& divisions, const std::string& stiffness) {
     return run_of(
         "body: {sphere_octant: {radius: 10 mm, divisions: " + divisions +

@@ -237,7 +237,7 @@ TEST_CASE("derivatives are refused by name where they would not be those of the 
   CHECK_THAT(refusal(pressed, "material.youngs_modulus"), Contains("contact.friction"));
 }
 
-TEST_CASE("derivatives of a history are those of its closed forms", "[derivatives]") {
+TEST_CASE("derivatives of a history are those of its closed forms", "[derivatives][slow]") {
   const std::string block = "body: {tetrahedra: {kind: body_centred, cubes: [2, 2, 3], size: [10 mm, 10 mm, 15 mm]}}\n";
   SECTION("a relaxing force") {
     const LaboratoryResult result =

@@ -207,26 +207,24 @@ class LoadsRig final : public StaticRig {
       sine += axis.dot(from.cross(to)), cosine += from.dot(to) - axis.dot(from) * axis.dot(to);
     }
     measures.set(set.name + "_turn", std::atan2(sine, cosine));
-    const Snapshot shot = snapshot_of(model_, state, 0, 0);
-    std::vector<CellState> states = shot.block_states;
-    if (body_.blocks.empty()) states = cell_states(body_, state.positions, shot.force_densities);
+    const std::vector<CellState> states = cell_states(body_, snapshot_of(model_, state, 0, 0));
     Vector3 sum = Vector3::Zero();
     double all = 0;
     std::size_t number = 0;
     const auto add = [&](const auto& cell, double volume) {
-      const CellState* own = number < states.size() ? &states[number++] : nullptr;
-      if (!own || !std::all_of(cell.begin(), cell.end(), [&](int molecule) {
+      const CellState& own = states[number++];
+      if (!std::all_of(cell.begin(), cell.end(), [&](int molecule) {
             return std::binary_search(set.molecules.begin(), set.molecules.end(), molecule);
           }))
         return;
       const Vector3 middle = positions_of(state.positions, cell).rowwise().mean();
       const Matrix3 directions = frame_at(*set.around, middle);
-      sum += volume * (directions.transpose() * own->stress * directions).diagonal(), all += volume;
+      sum += volume * (directions.transpose() * own.stress * directions).diagonal(), all += volume;
     };
-    if (body_.blocks.empty()) {
-      for (const auto& cell : body_.triangles) add(cell, 0);
-      for (const auto& cell : body_.tetrahedra) add(cell, signed_volume(state.positions, cell));
-    }
+    const OwnSimplices simplices(body_);
+    for (std::size_t i = 0; i < simplices.triangles; ++i) add(body_.triangles[i], 0);
+    for (std::size_t i = 0; i < simplices.tetrahedra; ++i)
+      add(body_.tetrahedra[i], signed_volume(state.positions, body_.tetrahedra[i]));
     for (const CellBlock& block : body_.blocks)
       for (int cell = 0; cell < block.size(); ++cell) {
         const Eigen::MatrixXd nodes = positions_of(state.positions, block.cell(cell));
