@@ -131,22 +131,58 @@ struct Sorted {
 struct Homes {
   std::vector<int> outline;  ///< of the molecules, too
   std::vector<int> molecules, links;
-  std::vector<std::vector<int>> elements;  ///< cells, then points, of each law and shape
+  std::vector<std::vector<int>> elements;  ///< of each law and shape, as visit_elements visits them
 };
 
-/// Calls visit(count, place_of, nodes_of) for each group of elements.
+/// A molecule of a cell, and which of the cell's points is nearest to it.
+struct Reached {
+  int molecule, point;
+};
+
+/// Of the cells that are longer than a box of this size [m]: of smaller ones each box has points enough.
+std::vector<Reached> reached_by(const StiffPoints& points, const Positions& rest, double size) {
+  constexpr double longer = 0.9;  // cubes of first order, half as wide as a box, have a diagonal of 0.87
+  std::vector<Reached> result;
+  for (int first = 0, end = 0; first < points.stiff_points(); first = end) {
+    const auto nodes = points.nodes_of(first);
+    while (end < points.stiff_points() && points.nodes_of(end).data() == nodes.data()) ++end;
+    double length = 0;
+    for (const int node : nodes) length = std::max(length, (rest.col(node) - rest.col(nodes.front())).norm());
+    if (length <= longer * size) continue;
+    std::vector<Vector3> places;
+    for (int point = first; point < end; ++point) places.push_back(points.place_of(point));
+    for (const int node : nodes) {
+      const auto nearest = std::min_element(places.begin(), places.end(), [&](const Vector3& a, const Vector3& b) {
+        return (rest.col(node) - a).squaredNorm() < (rest.col(node) - b).squaredNorm();
+      });
+      result.push_back({node, first + static_cast<int>(nearest - places.begin())});
+    }
+  }
+  return result;
+}
+
+/// Of each law and shape that has points.
+using ReachedByLaw = std::vector<std::vector<Reached>>;
+
+/// Calls visit(count, place_of, nodes_of) for each group of elements: cells, then points and molecules by their points.
 template <class Visit>
-void visit_elements(const Tangent& tangent, Visit&& visit) {
+void visit_elements(const Tangent& tangent, const ReachedByLaw& reached, Visit&& visit) {
+  const Body& body = tangent.model().body();
   tangent.visit_cells([&](const CellSlopes& cells) {
     const std::size_t nodes = cells.nodes.size() / static_cast<std::size_t>(std::max(1, cells.size()));
     visit(
-        cells.size(), [&](int cell) { return middle_of(tangent.model().body(), cells, cell); },
+        cells.size(), [&](int cell) { return middle_of(body, cells, cell); },
         [&](int cell) { return cells.nodes.subspan(static_cast<std::size_t>(cell) * nodes, nodes); });
   });
+  auto next = reached.begin();
   tangent.visit_points([&](const StiffPoints& points) {
+    const std::vector<Reached>& molecules = *next++;
     visit(
         points.stiff_points(), [&](int point) { return points.place_of(point); },
         [&](int point) { return points.nodes_of(point); });
+    visit(
+        static_cast<int>(molecules.size()), [&](int i) -> Vector3 { return body.rest.col(molecules[i].molecule); },
+        [&](int i) { return points.nodes_of(molecules[i].point); });
   });
 }
 
@@ -209,10 +245,10 @@ void split_boxes(const Body& body, BoxGrid& grid, Homes& homes) {
 
 /// Of a body whose connections resist nothing: a molecule without an element in its box belongs to one of its elements'
 /// boxes. The box would have no stiffness, and the grid no positive one.
-void move_to_elements(const Tangent& tangent, Homes& homes) {
+void move_to_elements(const Tangent& tangent, const ReachedByLaw& reached, Homes& homes) {
   std::vector<int> found(homes.molecules.size(), -1);
   auto boxes = homes.elements.begin();
-  visit_elements(tangent, [&](int count, const auto&, const auto& nodes_of) {
+  visit_elements(tangent, reached, [&](int count, const auto&, const auto& nodes_of) {
     for (int i = 0; i < count; ++i)
       for (const int node : nodes_of(i))
         if (found[node] < 0 || (*boxes)[i] == homes.molecules[node]) found[node] = (*boxes)[i];
@@ -226,7 +262,7 @@ void move_to_elements(const Tangent& tangent, Homes& homes) {
   }
 }
 
-Homes find_homes(const Tangent& tangent, BoxGrid& grid, bool whole_boxes) {
+Homes find_homes(const Tangent& tangent, const ReachedByLaw& reached, BoxGrid& grid, bool whole_boxes) {
   const Body& body = tangent.model().body();
   Homes homes;
   homes.molecules.resize(body.size()), homes.links.resize(body.connections.size());
@@ -235,11 +271,11 @@ Homes find_homes(const Tangent& tangent, BoxGrid& grid, bool whole_boxes) {
     const auto& [a, b] = body.connections.ends[c];
     homes.links[c] = grid.outline_box((body.rest.col(a) + body.rest.col(b)) / 2);
   });
-  visit_elements(tangent, [&](int count, const auto& place_of, const auto&) {
+  visit_elements(tangent, reached, [&](int count, const auto& place_of, const auto&) {
     auto& boxes = homes.elements.emplace_back(count);
     parallel_for(count, [&](int i) { boxes[i] = grid.outline_box(place_of(i)); });
   });
-  if (!whole_boxes && !tangent.linked()) move_to_elements(tangent, homes);
+  if (!whole_boxes && !tangent.linked()) move_to_elements(tangent, reached, homes);
   homes.outline = homes.molecules;
   if (whole_boxes) {
     const auto for_all = [&](const auto& change) {
@@ -255,7 +291,7 @@ Homes find_homes(const Tangent& tangent, BoxGrid& grid, bool whole_boxes) {
   }
   split_boxes(body, grid, homes);
   std::size_t group = 0;
-  visit_elements(tangent, [&](int count, const auto&, const auto& nodes_of) {
+  visit_elements(tangent, reached, [&](int count, const auto&, const auto& nodes_of) {
     auto& boxes = homes.elements[group++];
     parallel_for(count, [&](int i) { boxes[i] = homes.molecules[node_in(nodes_of(i), homes.outline, boxes[i])]; });
   });
@@ -286,13 +322,25 @@ class Assembly {
     });
   }
 
-  void add_points(const StiffPoints& points, const std::vector<int>& homes) {
-    const Sorted by_box(homes, grid_.boxes());
+  /// A point's stiffness stands in the box where it lies and, a part, in those of the molecules that it is nearest to.
+  /// Without that part a box with molecules and hardly a point would be much softer than they are: cells of second
+  /// order, turned against the grid, are as large as a box.
+  void add_points(const StiffPoints& points, const std::vector<int>& homes, const std::vector<Reached>& reached,
+                  const std::vector<int>& homes_of_reached) {
+    constexpr float part = 0.25F;
+    std::vector<float> share(homes.size(), 0), stays(homes.size(), 1);
+    for (const auto& [molecule, point] : reached) ++share[point];
+    for (float& of_one : share) of_one = part / std::max(1.F, of_one);
+    for (std::size_t i = 0; i < reached.size(); ++i)
+      if (const int point = reached[i].point; homes_of_reached[i] != homes[point]) stays[point] -= share[point];
+    const Sorted by_place(homes, grid_.boxes()), by_molecule(homes_of_reached, grid_.boxes());
     for_each_box([&](int box) {
-      if (by_box.of(box).empty()) return;
+      if (by_place.of(box).empty() && by_molecule.of(box).empty()) return;
       PointBlocks sum;
       for (auto& of_corner : sum) of_corner.fill(Corners::Zero());
-      for (const int point : by_box.of(box)) add_point(points, point, box, sum);
+      for (const int point : by_place.of(box)) add_point(points, point, box, stays[point], sum);
+      for (const int i : by_molecule.of(box))
+        if (const int point = reached[i].point; homes[point] != box) add_point(points, point, box, share[point], sum);
       Eigen::Matrix<float, 3 * kCorners, 3 * kCorners> whole;
       for (int j = 0; j < kCorners; ++j)
         for (int c = 0; c < 3; ++c)
@@ -364,8 +412,8 @@ class Assembly {
 
   /// The stiffness of a box in 3 × 3 blocks: of each second corner, of each entry, of all first corners.
   using PointBlocks = std::array<std::array<Corners, 9>, kCorners>;
-  /// Σ_pq a_p[i] a_q[j] K_pq, with the slopes a of the corners' values.
-  void add_point(const StiffPoints& points, int point, int box, PointBlocks& sum) const {
+  /// factor Σ_pq a_p[i] a_q[j] K_pq, with the slopes a of the corners' values.
+  void add_point(const StiffPoints& points, int point, int box, float factor, PointBlocks& sum) const {
     const auto [frame, stiffness] = points.stiffness_at(point);
     const Eigen::Vector3f at = grid_.at_in(box, points.place_of(point));
     const Eigen::Index axes = frame.cols();
@@ -375,7 +423,7 @@ class Assembly {
       std::array<Corners, 9> of_second;  // Σ_q a_q[j] K_pq
       of_second.fill(Corners::Zero());
       for (Eigen::Index q = 0; q < axes; ++q) {
-        const Eigen::Matrix3f part = stiffness.block<3, 3>(3 * p, 3 * q).cast<float>();
+        const Eigen::Matrix3f part = factor * stiffness.block<3, 3>(3 * p, 3 * q).cast<float>();
         for (int e = 0; e < 9; ++e) of_second[e] += part.data()[e] * along[q];
       }
       for (int j = 0; j < kCorners; ++j)
@@ -486,12 +534,19 @@ GridLevel assemble(const Tangent& tangent, const std::vector<Support>& supports,
                    bool is_part) {
   const Body& body = tangent.model().body();
   BoxGrid grid(frame);
-  const Homes homes = find_homes(tangent, grid, is_part);
+  ReachedByLaw reached;
+  tangent.visit_points(
+      [&](const StiffPoints& points) { reached.push_back(reached_by(points, body.rest, grid.size())); });
+  const Homes homes = find_homes(tangent, reached, grid, is_part);
   Assembly assembly(tangent, grid);
   if (tangent.linked()) assembly.add_links(homes.links);
   auto next = homes.elements.begin();
+  auto molecules_of = reached.begin();
   tangent.visit_cells([&](const CellSlopes& cells) { assembly.add_cells(cells, *next++); });
-  tangent.visit_points([&](const StiffPoints& points) { assembly.add_points(points, *next++); });
+  tangent.visit_points([&](const StiffPoints& points) {
+    const auto& of_points = *next++;
+    assembly.add_points(points, of_points, *molecules_of++, *next++);
+  });
   std::vector<int> molecules;
   tangent.visit_gradients([&](std::span<const std::pair<int, Vector3>> gradient, double factor) {
     Vector3 middle = Vector3::Zero();
