@@ -23,7 +23,7 @@ std::string curve_csv_text(const Record& record);
 
 /// A VTU file of one state, packed by zlib: molecules as points (displacement, elastic force, radius, mass; contact
 /// pressure [Pa] and force [N] where there is contact); connections as lines (strain, tension [N], force density [N/m],
-/// and the spring constant [N/m] where the strategy has one), triangles and tetrahedra (largest principal strain,
+/// and the spring constant [N/m] where the strategy has one), cells of any shape (largest principal strain,
 /// Green–Lagrange strain, stress [Pa] and its von Mises size; of triangles the membrane stress [N/m]; see cell_states).
 /// What belongs to the others is 0.
 std::string vtu_text(const Body& body, const Snapshot& shot, const VectorX& constants);
