@@ -117,30 +117,31 @@ OwnSimplices::OwnSimplices(const Body& body)
 
 std::vector<CellState> cell_states(const Body& body, const Snapshot& shot) {
   const std::size_t own = OwnSimplices(body).size();
-  std::vector<CellState> states = shot.block_states;  // none where no law is at work on the blocks
-  const bool of_law = !states.empty();
+  std::vector<CellState> states = shot.block_states;
+  const bool of_law = !states.empty();  // whose states the blocks' cells have, and which shows force densities, too
   states.insert(states.begin(), own, CellState{});
   states.resize(own + cells_in_blocks(body));
-  if (states.empty()) return states;
-  std::size_t number = 0;
+  const std::size_t found = of_law ? own : states.size();
+  if (found == 0) return states;
   const bool any_force = shot.force_densities.size() && shot.force_densities.cwiseAbs().maxCoeff() > 0;
   const SideFinder sides(any_force ? body.connections : Connections{});
   VectorX shared = VectorX::Zero(body.connections.size());  // rest size of all cells on a side
-  if (any_force)
-    for_each_cell(body, shot.positions, [&](std::span<const int> nodes, const CellGeometry& geometry) {
-      visit_sides(nodes, sides, [&](int side, int, int) { shared[side] += geometry.rest_size; });
-    });
+  std::size_t number = 0;
   for_each_cell(body, shot.positions, [&](std::span<const int> nodes, const CellGeometry& geometry) {
-    CellState& state = states[number];
-    if (number++ < own || !of_law) state.strain = geometry.strain;
-    if (!any_force) return;
-    Matrix3 virial = Matrix3::Zero();
+    if (number++ < found) visit_sides(nodes, sides, [&](int side, int, int) { shared[side] += geometry.rest_size; });
+  });
+  number = 0;
+  for_each_cell(body, shot.positions, [&](std::span<const int> nodes, const CellGeometry& geometry) {
+    if (number >= found) return;
+    CellState& state = states[number++];
+    state.strain = geometry.strain;
     visit_sides(nodes, sides, [&](int side, int a, int b) {
       const Vector3 d = shot.positions.col(b) - shot.positions.col(a);
       if (shared[side] > 0 && geometry.size > 0)
-        virial += geometry.rest_size / shared[side] / geometry.size * shot.force_densities[side] * d * d.transpose();
+        state.stress +=
+            geometry.rest_size / shared[side] / geometry.size * shot.force_densities[side] * d * d.transpose();
     });
-    if (virial.allFinite()) state.stress += virial;
+    if (!state.stress.allFinite()) state.stress.setZero();
   });
   return states;
 }

@@ -14,9 +14,9 @@ struct OwnSimplices {
   std::size_t size() const { return triangles + tetrahedra; }
 };
 
-/// The state of each triangle and tetrahedron (OwnSimplices), then of each cell of the blocks. The stress is that of
-/// the snapshot's block states, and the virial of the force densities q [N/m] of the cell's sides, whatever rule or law
-/// they come from:
+/// The state of each triangle and tetrahedron (OwnSimplices), then of each cell of the blocks. Where laws are at work
+/// on blocks their cells have the state that these found. All others have the virial of the force densities q [N/m] of
+/// their sides, whatever rule or law they come from:
 ///   σ = Σ_ab w_ab q_ab d dᵀ / v,  d = x_b − x_a, v the present volume (or area),
 /// w the cell's part of the rest volume of all cells that have a and b, so that Σ v σ = Σ q d dᵀ of the body holds
 /// exactly where every connection has a cell. It says how the force densities are spread, and is smoother than the

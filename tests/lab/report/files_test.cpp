@@ -415,12 +415,14 @@ TEST_CASE("a VTU file holds the cells with their strain and stress, and our own 
   CHECK(text.size() < 60'000);
 }
 
-TEST_CASE("of springs, cells of any shape show the virial of their sides, with what holds the volume", "[files]") {
+TEST_CASE("cells of any shape show the stress that balances the grips, of laws and of springs", "[files]") {
   const auto [body, stiffness] = GENERATE(table<std::string, std::string>(
       {{"tetrahedra: {kind: kuhn, cubes: [2, 3, 4], size: [2 mm, 3 mm, 4 mm]}", "van_gelder"},
        {"lattice: {kind: cubic, molecules: [3, 4, 5], spacing: 1 mm, order: 2}", "standard"},
        {"image: {file: block.nrrd, length_unit: mm}", "standard"},
-       {"image: {file: block.nrrd, length_unit: mm}", "standard+volume"}}));
+       {"image: {file: block.nrrd, length_unit: mm}", "standard+volume"},
+       {"image: {file: block.nrrd, length_unit: mm}", "neo_hookean"},
+       {"lattice: {kind: cubic, molecules: [3, 4, 5], spacing: 1 mm, order: 2}", "neo_hookean"}}));
   INFO(body << ", " << stiffness);
   const TemporaryFolder folder;
   folder.write("block.nrrd",
