@@ -299,7 +299,8 @@ Keys<MovedSet> moved_keys() {
 /// A list of maps with these keys.
 template <class Item>
 Key<LoadsSetup> list_key(const std::string& name, Keys<Item> keys, std::vector<Item> LoadsSetup::*member,
-                         const std::string& text, std::function<void(const Reader&, const LoadsSetup&)> check = {}) {
+                         const std::string& text,
+                         const std::function<void(const Reader&, const LoadsSetup&)>& check = {}) {
   std::vector<SceneKey> rows{{name, "list of maps", "", "", "none", text}};
   for (SceneKey row : keys.rows()) {
     row.name = name + "." + row.name;
