@@ -139,16 +139,18 @@ struct Reached {
   int molecule, point;
 };
 
-/// Of the cells that are longer than a box of this size [m]: of smaller ones each box has points enough.
+/// Of the cells that reach further along an axis than half a box of this size [m]: of smaller ones, and of cubes of
+/// first order that lie along the axes, each box has points enough.
 std::vector<Reached> reached_by(const StiffPoints& points, const Positions& rest, double size) {
-  constexpr double longer = 0.9;  // cubes of first order, half as wide as a box, have a diagonal of 0.87
+  constexpr double half = 0.55;
   std::vector<Reached> result;
   for (int first = 0, end = 0; first < points.stiff_points(); first = end) {
     const auto nodes = points.nodes_of(first);
     while (end < points.stiff_points() && points.nodes_of(end).data() == nodes.data()) ++end;
     double length = 0;
-    for (const int node : nodes) length = std::max(length, (rest.col(node) - rest.col(nodes.front())).norm());
-    if (length <= longer * size) continue;
+    for (const int node : nodes)
+      length = std::max(length, (rest.col(node) - rest.col(nodes.front())).cwiseAbs().maxCoeff());
+    if (length <= half * size) continue;
     std::vector<Vector3> places;
     for (int point = first; point < end; ++point) places.push_back(points.place_of(point));
     for (const int node : nodes) {
@@ -323,8 +325,8 @@ class Assembly {
   }
 
   /// A point's stiffness stands in the box where it lies and, a part, in those of the molecules that it is nearest to.
-  /// Without that part a box with molecules and hardly a point would be much softer than they are: cells of second
-  /// order, turned against the grid, are as large as a box.
+  /// Without that part a box with molecules and hardly a point would be much softer than they are: as where cells are
+  /// turned against the grid, those of second order, as large as a box, above all.
   void add_points(const StiffPoints& points, const std::vector<int>& homes, const std::vector<Reached>& reached,
                   const std::vector<int>& homes_of_reached) {
     constexpr float part = 0.25F;

@@ -54,6 +54,14 @@ struct Runs {
   std::vector<Record> records;
 };
 
+/// With all its states.
+Run run_of(const Scene& scene) {
+  const RunOptions options{scene.statics, true, {}};
+  Run run = run_strategy(scene.specimen, *scene.experiment, scene.stiffness, options);
+  REQUIRE(run.outcome == Outcome::converged);
+  return run;
+}
+
 Runs run(const std::string& text, const std::string& strategies, const std::vector<std::string>& overrides = {}) {
   const TemporaryFolder folder;
   const Catalog catalog = built_in_catalog();
@@ -379,11 +387,7 @@ TEST_CASE("a VTU file holds the cells with their strain and stress, and our own 
                               "material: {youngs_modulus: 10 kPa, poissons_ratio: 0.3}\nstiffness: neo_hookean\n"
                               "experiment: {kind: tension, axis: x, displacement: 4 mm}\n"),
                  built_in_catalog());
-  RunOptions options;
-  options.statics = scene->statics;
-  options.keep_snapshots = true;
-  const Run run = run_strategy(scene->specimen, *scene->experiment, scene->stiffness, options);
-  REQUIRE(run.outcome == Outcome::converged);
+  const Run run = run_of(*scene);
   const Body& body = scene->specimen.body;
   const Snapshot& end = run.snapshots.back();
   const std::string text = vtu_text(body, end, run.constants);
@@ -434,11 +438,7 @@ TEST_CASE("cells of any shape show the stress that balances the grips, of laws a
                                      "0.3}\nstiffness: \"" +
                                      stiffness + "\"\nexperiment: {kind: tension, axis: z, displacement: 0.4 mm}\n"),
       built_in_catalog());
-  RunOptions options;
-  options.statics = scene->statics;
-  options.keep_snapshots = true;
-  const Run run = run_strategy(scene->specimen, *scene->experiment, scene->stiffness, options);
-  REQUIRE(run.outcome == Outcome::converged);
+  const Run run = run_of(*scene);
   const Body& specimen = scene->specimen.body;
   const Snapshot& end = run.snapshots.back();
   const std::vector<CellState> states = cell_states(specimen, end);
