@@ -33,22 +33,17 @@ namespace {
   }
 }
 
-/// Adding to one end must not wait for the other, so that the flows lie between the two.
-[[gnu::always_inline]] inline void add_in_row(RowOf3 positions, int apart, const double* constants,
-                                              const double* rest_lengths, int count, RowOf3 on, RowOf3 spare) {
-  const double *ax = positions.x, *ay = positions.y(), *az = positions.z(), *bx = ax + apart, *by = ay + apart,
-               *bz = az + apart;
-  double *fx = on.x, *fy = on.y(), *fz = on.z(), *gx = spare.x, *gy = spare.y(), *gz = spare.z();
+[[gnu::always_inline]] inline void add_changes(RowOf3 from, RowOf3 to, const double* d, const double* slopes, int count,
+                                               RowOf3 on_from, RowOf3 on_to) {
+  const double *ax = from.x, *ay = from.y(), *az = from.z(), *bx = to.x, *by = to.y(), *bz = to.z();
+  double *fx = on_from.x, *fy = on_from.y(), *fz = on_from.z(), *gx = on_to.x, *gy = on_to.y(), *gz = on_to.z();
+  const double x = d[0], y = d[1], z = d[2];
   ELASTIN_ROWS_APART
   for (int i = 0; i < count; ++i) {
-    const double dx = bx[i] - ax[i], dy = by[i] - ay[i], dz = bz[i] - az[i];
-    const double q = density(dx, dy, dz, constants[i], rest_lengths[i]);
-    gx[i] = q * dx, gy[i] = q * dy, gz[i] = q * dz;
-    fx[i] += q * dx, fy[i] += q * dy, fz[i] += q * dz;
+    const double q = slopes[i] * (x * (ax[i] - bx[i]) + y * (ay[i] - by[i]) + z * (az[i] - bz[i]));
+    fx[i] += q * x, fy[i] += q * y, fz[i] += q * z;
+    gx[i] -= q * x, gy[i] -= q * y, gz[i] -= q * z;
   }
-  fx += apart, fy += apart, fz += apart;
-  ELASTIN_ROWS_APART
-  for (int i = 0; i < count; ++i) fx[i] -= gx[i], fy[i] -= gy[i], fz[i] -= gz[i];
 }
 
 [[gnu::always_inline]] inline void set_force_densities(RowOf3 d, const double* constants, const double* rest_lengths,
@@ -221,28 +216,28 @@ template <class Flows>
 }
 
 /// The functions under a target attribute, which must come first.
-#define ELASTIN_VERSION(name, ...)                                                                               \
-  struct name {                                                                                                  \
-    __VA_ARGS__ static void flows(RowOf3 from, RowOf3 to, const double* k, const double* L, int count, RowOf3 f, \
-                                  RowOf3 g) {                                                                    \
-      add_flows(from, to, k, L, count, f, g);                                                                    \
-    }                                                                                                            \
-    __VA_ARGS__ static void in_row(RowOf3 positions, int apart, const double* k, const double* L, int count,     \
-                                   RowOf3 on, RowOf3 spare) {                                                    \
-      add_in_row(positions, apart, k, L, count, on, spare);                                                      \
-    }                                                                                                            \
-    __VA_ARGS__ static void force_densities(RowOf3 d, const double* k, const double* L, int count, double* q) {  \
-      set_force_densities(d, k, L, count, q);                                                                    \
-    }                                                                                                            \
-    __VA_ARGS__ static void listed_flows(const ListedSprings& springs, int first, int last, int begin, int end,  \
-                                         const double* positions, double* forces) {                              \
-      add_listed(SpringFlows{springs, positions}, springs.ends, first, last, begin, end, forces);                \
-    }                                                                                                            \
-    __VA_ARGS__ static void listed_changes(const ListedLinks& links, int first, int last, int begin, int end,    \
-                                           const double* positions, const double* motion, double* forces) {      \
-      add_listed(LinkFlows{links, positions, motion}, links.ends, first, last, begin, end, forces);              \
-    }                                                                                                            \
-    static constexpr SpringKernel kernel{flows, in_row, force_densities, listed_flows, listed_changes};          \
+#define ELASTIN_VERSION(name, ...)                                                                                 \
+  struct name {                                                                                                    \
+    __VA_ARGS__ static void flows(RowOf3 from, RowOf3 to, const double* k, const double* L, int count, RowOf3 f,   \
+                                  RowOf3 g) {                                                                      \
+      add_flows(from, to, k, L, count, f, g);                                                                      \
+    }                                                                                                              \
+    __VA_ARGS__ static void changes(RowOf3 from, RowOf3 to, const double* d, const double* k, int count, RowOf3 f, \
+                                    RowOf3 g) {                                                                    \
+      add_changes(from, to, d, k, count, f, g);                                                                    \
+    }                                                                                                              \
+    __VA_ARGS__ static void force_densities(RowOf3 d, const double* k, const double* L, int count, double* q) {    \
+      set_force_densities(d, k, L, count, q);                                                                      \
+    }                                                                                                              \
+    __VA_ARGS__ static void listed_flows(const ListedSprings& springs, int first, int last, int begin, int end,    \
+                                         const double* positions, double* forces) {                                \
+      add_listed(SpringFlows{springs, positions}, springs.ends, first, last, begin, end, forces);                  \
+    }                                                                                                              \
+    __VA_ARGS__ static void listed_changes(const ListedLinks& links, int first, int last, int begin, int end,      \
+                                           const double* positions, const double* motion, double* forces) {        \
+      add_listed(LinkFlows{links, positions, motion}, links.ends, first, last, begin, end, forces);                \
+    }                                                                                                              \
+    static constexpr SpringKernel kernel{flows, changes, force_densities, listed_flows, listed_changes};           \
   };
 
 ELASTIN_VERSION(Plain, )

@@ -19,10 +19,11 @@ struct RowOf3 {
 using AddRowFlows = void (*)(RowOf3 from, RowOf3 to, const double* constants, const double* rest_lengths, int count,
                              RowOf3 on_from, RowOf3 on_to);
 
-/// Springs from each of `count` molecules of a row to the one `apart` > 0 further on: adds ± q d to `on`. `spare` is
-/// room for a row.
-using AddInRowFlows = void (*)(RowOf3 positions, int apart, const double* constants, const double* rest_lengths,
-                               int count, RowOf3 on, RowOf3 spare);
+/// As AddRowFlows of 2 ∂q/∂s (d·δ) d, δ being a molecule's motion [m] less its partner's: of unstressed springs that
+/// all have the vector d from end to end.
+/// @param slopes 2 ∂q/∂s [N/m³]
+using AddRowChanges = void (*)(RowOf3 from, RowOf3 to, const double* d, const double* slopes, int count, RowOf3 on_from,
+                               RowOf3 on_to);
 
 /// Force densities q of `count` springs of vectors d from end to end.
 using SetSpringForceDensities = void (*)(RowOf3 d, const double* constants, const double* rest_lengths, int count,
@@ -53,7 +54,7 @@ using AddListedChanges = void (*)(const ListedLinks& links, int first, int last,
 /// results.
 struct SpringKernel {
   AddRowFlows add_row_flows;
-  AddInRowFlows add_in_row_flows;
+  AddRowChanges add_row_changes;
   SetSpringForceDensities set_force_densities;
   AddListedFlows add_listed_flows;
   AddListedChanges add_listed_changes;

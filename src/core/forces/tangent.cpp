@@ -4,6 +4,7 @@
 #include <array>
 
 #include "core/forces/graph.h"
+#include "core/forces/grid_springs.h"
 #include "core/forces/spring_kernel.h"
 #include "elastin/core/shapes/cell_shape.h"
 
@@ -23,6 +24,8 @@ constexpr auto kSidesAt = sides_at_nodes<n>();
 
 }  // namespace
 
+Tangent::Tangent(const Model& model) : model_(model), grid_(std::make_unique<GridLinks>()) { set_laws(); }
+Tangent::~Tangent() = default;
 Tangent::Tangent(const Model& model, const State& state, const Weights& weights) : Tangent(model) {
   linearise_at(state, weights);
 }
@@ -87,6 +90,8 @@ void Tangent::set_links(const State& state, const Weights& weights) {
   }
   stressed_ = !force_densities_.isZero(0);
   linked_ = stressed_ || coupled_ || !slopes_.isZero(0);
+  on_grid_ = linked_ && !coupled_ && !stressed_ && weights.acceleration == 0 &&
+             grid_->set(model_.body(), state.positions, slopes_);
   if (!stressed_ && weights.acceleration == 0) force_densities_.resize(0);
   const auto& loads = model_.loads();
   loads_change_ = std::any_of(loads.begin(), loads.end(), [&](const auto& load) {
@@ -116,6 +121,7 @@ void Tangent::apply(const Positions& motion, Positions& result, ApplyWorkspace& 
 void Tangent::apply_links(const Positions& motion, Positions& result, ApplyWorkspace& workspace) const {
   const Connections& connections = model_.body().connections;
   const Graph& graph = *model_.graph_;
+  if (on_grid_) return grid_->add_changes(motion, result, workspace.force_pass);
   if (!coupled_) {
     if (graph.gathers())
       return graph.gather(result, [&](int c, int a, int b) -> Vector3 {

@@ -97,6 +97,34 @@ TEST_CASE("forces of springs are those of their force densities, on a grid and o
     }
 }
 
+TEST_CASE("stiffness of springs is the same on a grid and off it, on any number of threads", "[force_pass][threads]") {
+  const int before = threads();
+  for (const std::array<int, 3>& molecules :
+       {std::array{10, 7, 6}, std::array{18, 14, 15}, std::array{19, 1, 1}, std::array{1, 8, 1}, std::array{2, 2, 2}})
+    for (const bool jitter : {false, true})
+      for (const double size : {0., 1e-3}) {
+        Body body = cubic_lattice(molecules, 0.86 / 11, {true, true, true});
+        if (jitter) add_jitter(body, 5e-4, 7);
+        const Body off_grid = without_grid(body);
+        const VectorX constants = uneven_constants(body);
+        const Model model = springs_on(body, constants), same = springs_on(off_grid, constants);
+        State state = state_at_rest(body);
+        if (size > 0) state.positions = deformed(body, size);
+        const Positions motion = scattered_directions(body.size());
+        CAPTURE(molecules, jitter, size);
+        Positions expected, result(3, body.size()), again(3, body.size());
+        expected.setZero(3, body.size());
+        Tangent(same, state).apply(motion, expected);
+        for (const int count : {1, 2, 3}) {
+          set_threads(count);
+          Tangent(model, state).apply(motion, count == 1 ? result : again);
+          CHECK((count == 1 || again == result));
+        }
+        set_threads(before);
+        CHECK((result - expected).cwiseAbs().maxCoeff() <= 1e-13 * expected.cwiseAbs().maxCoeff());
+      }
+}
+
 TEST_CASE("rows of a regular lattice share their constants to rounding only", "[force_pass]") {
   // 0.86/11 is no binary fraction: lengths that should be alike differ in their last digits.
   Body body = cubic_lattice({12, 12, 12}, 0.86 / 11, {true, true, false});
@@ -150,7 +178,8 @@ TEST_CASE("springs: every vector width gives bitwise identical results", "[force
     double* k = numbers.data() + 12 * pitch;
     const auto row = [&](int i) { return RowOf3{numbers.data() + 3 * i * pitch, pitch}; };
     kernel.add_row_flows(row(0), row(1), k, k + pitch, count, row(2), row(3));
-    kernel.add_in_row_flows(row(1), 2, k, k + pitch, count, row(3), row(2));
+    const double d[] = {0.3, -0.2, 0.7};
+    kernel.add_row_changes(row(0), row(1), d, k, count, row(2), row(3));
     kernel.set_force_densities(row(0), k, k + pitch, count, k + 2 * pitch);
     return numbers;
   };

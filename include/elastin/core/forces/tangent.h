@@ -8,6 +8,8 @@
 
 namespace elastin {
 
+class GridLinks;
+
 /// What a small change of position means for velocity and acceleration, where these follow from it: static problems are
 /// (0, 0), a time step has its integrator's weights.
 struct Weights {
@@ -23,7 +25,8 @@ class Tangent {
   /// Model and state must outlive the tangent.
   Tangent(const Model& model, const State& state, const Weights& weights = {});
   /// Not linearised yet.
-  explicit Tangent(const Model& model) : model_(model) { set_laws(); }
+  explicit Tangent(const Model& model);
+  ~Tangent();
   /// At another state, without an allocation.
   void linearise_at(const State& state, const Weights& weights);
   /// Whether all laws predict.
@@ -121,9 +124,10 @@ class Tangent {
   // Vectors from end to end are computed again from the positions: that takes less time than to read them.
   VectorX force_densities_;  ///< not there in a static problem where no connection is stressed
   VectorX slopes_;
+  std::unique_ptr<GridLinks> grid_;  ///< the same of a regular grid at rest
   std::vector<Six> diagonal_;
   Workspace workspace_;
-  bool stressed_ = false, coupled_ = false, linked_ = false, loads_change_ = false;
+  bool stressed_ = false, coupled_ = false, linked_ = false, on_grid_ = false, loads_change_ = false;
 };
 
 }  // namespace elastin
