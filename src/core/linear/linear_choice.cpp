@@ -28,6 +28,12 @@ double digits_of(double tolerance) { return std::max(1., -std::log10(tolerance))
 /// What an iteration with a grid hierarchy takes of a molecule, in products of a factorisation: 100 to 1000 on springs
 /// and hexahedra of one size, for the products of a factor with little fill take least.
 constexpr double kProductsOfIteration = 300;
+/// What an iteration without one takes, less than is measured, 7 to 9: tried on a bundle of fibres, they take half as long
+/// as its factor at most.
+constexpr double kProductsOfPlainIteration = 16;
+/// How many iterations are tried for each connection from end to end: fibres that are all alike are to conjugate
+/// gradients a single one, which takes as many as it has connections.
+constexpr double kTriedAcross = 2;
 /// Numbers of the largest factor that is tried: 1.2 GB.
 constexpr double kMostNumbers = 1e8;
 
@@ -50,9 +56,10 @@ FactorCost factor_cost_of(const Body& body, const std::vector<Support>& supports
 
 class MultigridOrDirect final : public LinearSolver, public KeepsCoarsePicture {
  public:
-  const char* name() const override { return direct_ ? direct_->name() : multigrid_->name(); }
+  const char* name() const override { return (plain_ ? plain_ : direct_ ? direct_ : multigrid_)->name(); }
   void forget() override {
-    dynamic_cast<KeepsCoarsePicture&>(*multigrid_).forget(), direct_.reset(), cost_.reset(), indefinite_ = false;
+    dynamic_cast<KeepsCoarsePicture&>(*multigrid_).forget();
+    plain_.reset(), direct_.reset(), cost_.reset(), indefinite_ = false;
   }
 
   LinearResult solve(const Tangent& tangent, const std::vector<Support>& supports, const Positions& rhs,
@@ -63,6 +70,13 @@ class MultigridOrDirect final : public LinearSolver, public KeepsCoarsePicture {
       const LinearResult result = multigrid_->solve(tangent, supports, rhs, tolerance, x);
       if (!direct_) return result;
       dynamic_cast<KeepsCoarsePicture&>(*multigrid_).forget();
+      before = result.iterations;
+      if (before == 0) plain_ = make_pcg(plain_iterations());
+    }
+    if (plain_) {
+      LinearResult result = plain_->solve(tangent, supports, rhs, tolerance, x);
+      if (result.status != LinearStatus::limit_reached) return result;
+      plain_.reset();
       before = result.iterations;
     }
     LinearResult result = direct_->solve(tangent, supports, rhs, tolerance, x);
@@ -75,11 +89,17 @@ class MultigridOrDirect final : public LinearSolver, public KeepsCoarsePicture {
   }
 
  private:
+  int plain_iterations() const {
+    return static_cast<int>(std::min(kTriedAcross * connections_across(*body_),
+                                     cost_->products / (kProductsOfPlainIteration * body_->size())));
+  }
+
   bool indefinite_ = false;  ///< whether the stiffness has had negative modes
   const Body* body_ = nullptr;
   const std::vector<Support>* supports_ = nullptr;
   std::optional<FactorCost> cost_;        ///< once it was asked
   std::unique_ptr<LinearSolver> direct_;  ///< once it is known to be quicker
+  std::unique_ptr<LinearSolver> plain_;   ///< before it, on a bundle of fibres, while that serves
   std::unique_ptr<LinearSolver> multigrid_ = make_multigrid([this](double to_come) {
     if (indefinite_) return false;
     if (!cost_) cost_ = factor_cost_of(*body_, *supports_);

@@ -68,7 +68,6 @@ Multigrid::Multigrid(const Tangent& tangent, const std::vector<Support>& support
     const BoxLevel::Vectors zero = level->vectors();
     workspaces_.push_back({zero, zero, zero, zero, {}, {}, {}, {}});
   }
-  coarsest_ = std::make_unique<CoarsestSolver>(*levels_.back());
 }
 
 /// Boxes larger than a thin body is thick are too stiff in bending, and its factors have little fill.
@@ -90,7 +89,10 @@ void Multigrid::drop_levels_below_cheap_factor() {
 
 Multigrid::~Multigrid() = default;
 
-bool Multigrid::positive() const { return coarsest_->positive(); }
+bool Multigrid::positive() {
+  if (!coarsest_) coarsest_ = std::make_unique<CoarsestSolver>(*levels_.back());
+  return coarsest_->positive();
+}
 
 void Multigrid::cycle(std::size_t number) {
   const BoxLevel& level = *levels_[number];

@@ -16,8 +16,9 @@ class Multigrid {
   Multigrid(const Tangent& tangent, const std::vector<Support>& supports);
   ~Multigrid();
 
-  /// Whether the last grid's stiffness is positive, as it has to be for conjugate gradients.
-  bool positive() const;
+  /// Whether the last grid's stiffness is positive, as it has to be for conjugate gradients. To be asked before the
+  /// first add, for it factorises that grid.
+  bool positive();
   /// motion += P A⁻¹ Pᵀ forces, nearly. `size` of the forces [N], so that they fit into single precision.
   void add(const Positions& forces, double size, Positions& motion);
   /// From now on coarse grids are searched, not only cycled through: better on porous bodies, and not linear.
@@ -43,7 +44,7 @@ class Multigrid {
   std::vector<std::unique_ptr<BoxLevel>> levels_;
   std::vector<LevelWorkspace> workspaces_;
   BoxLevel::Vectors of_boxes_;  ///< of the finest grid, from the molecules
-  std::unique_ptr<CoarsestSolver> coarsest_;
+  std::unique_ptr<CoarsestSolver> coarsest_;  ///< once it was asked whether it is positive
   bool thin_ = false, searches_ = false;
 };
 
@@ -61,5 +62,8 @@ using GivesUp = std::function<bool(double to_come)>;
 /// As make_multigrid, but asks where many iterations are to come, early and at twice as many each time; of what is
 /// given up the result is limit_reached.
 std::unique_ptr<LinearSolver> make_multigrid(GivesUp gives_up);
+
+/// Conjugate gradients without a hierarchy that end with limit_reached after so many iterations.
+std::unique_ptr<LinearSolver> make_pcg(int most_iterations);
 
 }  // namespace elastin

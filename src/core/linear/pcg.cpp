@@ -69,6 +69,7 @@ bool is_costly(const Tangent& tangent) {
 class Pcg final : public LinearSolver, public KeepsCoarsePicture {
  public:
   explicit Pcg(bool multigrid, GivesUp gives_up = {}) : multigrid_(multigrid), gives_up_(std::move(gives_up)) {}
+  explicit Pcg(int most_iterations) : multigrid_(false), most_(most_iterations) {}
   void forget() override { coarse_.reset(); }
   const char* name() const override { return multigrid_ ? "multigrid" : "pcg"; }
 
@@ -78,13 +79,13 @@ class Pcg final : public LinearSolver, public KeepsCoarsePicture {
     inverse_.compute(tangent, supports);
     const bool kept = coarse_ != nullptr;
     if (multigrid_ && !kept) coarse_ = std::make_unique<Multigrid>(tangent, supports);
-    if (coarse_ && !coarse_->positive()) coarse_.reset();
-    Multigrid* coarse = coarse_.get();
-    if (gives_up_ && coarse && coarse->thin() && gives_up_(kLeastOfThin)) {
+    if (gives_up_ && coarse_ && coarse_->thin() && gives_up_(kLeastOfThin)) {
       LinearResult none;
       none.status = LinearStatus::limit_reached;
       return none;
     }
+    if (coarse_ && !coarse_->positive()) coarse_.reset();
+    Multigrid* coarse = coarse_.get();
     int coarse_limit = coarse ? most_coarse_iterations(tangent.model().body(), tolerance) : 0;
     double at_limit = std::numeric_limits<double>::infinity();  // r·r at the limit before
     // Single precision makes a little of any motion that nothing resists; its size would then be whatever it is.
@@ -201,7 +202,7 @@ class Pcg final : public LinearSolver, public KeepsCoarsePicture {
     add_coarse(now);
     p = z;
     double size_of_p = now[0];  // pᵀ M p, M the preconditioner: what pᵀ K p is small or large against
-    const int limit = 10000 + 3 * n / 10;
+    const int limit = std::min(most_, 10000 + 3 * n / 10);
     // On a stiffness that is not symmetric the search gets stuck: the best iterate is its result.
     const bool symmetric = tangent.model().has_energy();
     constexpr int patience = 100;
@@ -296,6 +297,7 @@ class Pcg final : public LinearSolver, public KeepsCoarsePicture {
 
  private:
   bool multigrid_;
+  int most_ = std::numeric_limits<int>::max();
   GivesUp gives_up_;
   std::unique_ptr<Multigrid> coarse_;
   double pace_ = 0;                       ///< iterations a digit with it when new
@@ -338,7 +340,7 @@ double ordered_norm(const Positions& vectors) {
 }
 
 std::unique_ptr<LinearSolver> make_pcg() { return std::make_unique<Pcg>(false); }
-
+std::unique_ptr<LinearSolver> make_pcg(int most_iterations) { return std::make_unique<Pcg>(most_iterations); }
 std::unique_ptr<LinearSolver> make_multigrid() { return std::make_unique<Pcg>(true); }
 std::unique_ptr<LinearSolver> make_multigrid(GivesUp gives_up) {
   return std::make_unique<Pcg>(true, std::move(gives_up));
