@@ -245,21 +245,26 @@ void split_boxes(const Body& body, BoxGrid& grid, Homes& homes) {
   grid.number_points(std::move(joined));
 }
 
-/// Of a body whose connections resist nothing: a molecule without an element in its box belongs to one of its elements'
-/// boxes. The box would have no stiffness, and the grid no positive one.
+/// A molecule without an element in its box, whose connections resist nothing by themselves, belongs to one of its
+/// elements' boxes. The box would have no stiffness, and the grid no positive one.
 void move_to_elements(const Tangent& tangent, const ReachedByLaw& reached, Homes& homes) {
+  constexpr int linked = -2;
   std::vector<int> found(homes.molecules.size(), -1);
+  const auto& ends = tangent.model().body().connections.ends;
+  for (std::size_t c = 0; tangent.linked() && c < ends.size(); ++c)
+    if (tangent.link(static_cast<int>(c)).slope != 0) found[ends[c][0]] = found[ends[c][1]] = linked;
   auto boxes = homes.elements.begin();
   visit_elements(tangent, reached, [&](int count, const auto&, const auto& nodes_of) {
     for (int i = 0; i < count; ++i)
       for (const int node : nodes_of(i))
-        if (found[node] < 0 || (*boxes)[i] == homes.molecules[node]) found[node] = (*boxes)[i];
+        if (found[node] != linked && (found[node] < 0 || (*boxes)[i] == homes.molecules[node]))
+          found[node] = (*boxes)[i];
     ++boxes;
   });
   for (std::size_t a = 0; a < found.size(); ++a)
     if (found[a] >= 0) homes.molecules[a] = found[a];
   for (std::size_t c = 0; c < homes.links.size(); ++c) {
-    const auto& [a, b] = tangent.model().body().connections.ends[c];
+    const auto& [a, b] = ends[c];
     if (homes.links[c] != homes.molecules[b]) homes.links[c] = homes.molecules[a];
   }
 }
@@ -277,7 +282,7 @@ Homes find_homes(const Tangent& tangent, const ReachedByLaw& reached, BoxGrid& g
     auto& boxes = homes.elements.emplace_back(count);
     parallel_for(count, [&](int i) { boxes[i] = grid.outline_box(place_of(i)); });
   });
-  if (!whole_boxes && !tangent.linked()) move_to_elements(tangent, reached, homes);
+  if (!whole_boxes) move_to_elements(tangent, reached, homes);
   homes.outline = homes.molecules;
   if (whole_boxes) {
     const auto for_all = [&](const auto& change) {
@@ -393,9 +398,9 @@ class Assembly {
   }
 
   void add_cell(const CellSlopes& cells, int cell, int box) {
-    Eigen::Matrix<float, 3 * kCorners, Eigen::Dynamic, Eigen::ColMajor, 3 * kCorners, kMostSides> change(3 * kCorners,
+    Eigen::Matrix<double, 3 * kCorners, Eigen::Dynamic, Eigen::ColMajor, 3 * kCorners, kMostSides> change(3 * kCorners,
                                                                                                          cells.sides);
-    Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, kMostSides, kMostSides> slope(cells.sides,
+    Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, kMostSides, kMostSides> slope(cells.sides,
                                                                                                         cells.sides);
     const auto sides = cells.connections_of(cell);
     const double* slopes = cells.slopes_of(cell);
@@ -403,13 +408,13 @@ class Assembly {
     for (int i = 0; i < cells.sides; ++i) {
       const int c = sides[i];
       const Corners along = slopes_along(at, grid_.along(rest_vector(c)).cast<float>());
-      const Eigen::Vector3f d = tangent_.link(c).d.cast<float>();
-      for (int corner = 0; corner < kCorners; ++corner) change.block<3, 1>(3 * corner, i) = along[corner] * d;
+      const Vector3 d = tangent_.link(c).d;
+      for (int corner = 0; corner < kCorners; ++corner) change.block<3, 1>(3 * corner, i) = double{along[corner]} * d;
       for (int j = 0; j < cells.sides; ++j)
-        slope(i, j) = static_cast<float>(2 * cells.factor * slopes[i * cells.sides + j]);
+        slope(i, j) = 2 * cells.factor * slopes[i * cells.sides + j];
     }
     const decltype(change) resisted = change.lazyProduct(slope);
-    add_box(box, resisted.lazyProduct(change.transpose()));
+    add_box(box, resisted.lazyProduct(change.transpose()).template cast<float>());
   }
 
   /// The stiffness of a box in 3 × 3 blocks: of each second corner, of each entry, of all first corners.
