@@ -149,6 +149,8 @@ std::vector<int> join(Body& body, const std::vector<std::array<int, 2>>& pairs) 
       for (int& corner : cell) corner = number[corner];
   };
   renumber(body.triangles), renumber(body.tetrahedra), renumber(body.cubes);
+  for (CellBlock& block : body.blocks)
+    for (int& node : block.nodes) node = number[node];
   const std::vector<int> connection = renumber_connections(body, number);
   for (Cable& cable : body.cables) cable.connection = connection[cable.connection];
   for (Tie& tie : body.ties) {

@@ -155,7 +155,9 @@ std::string problem_text(Reader& reader, const Scene& scene) {
   for (const TopKey& key : top_keys())
     if (const auto value = key.of_problem ? reader.find(key.row.name) : std::nullopt)
       text += "\n" + key.row.name + ": " + value->content();
-  if (scene.specimen.body.cell_stiffness.size()) text += "\nbody: " + reader.at("body").content();
+  for (const char* key : {"body", "bodies"})
+    if (scene.specimen.body.cell_stiffness.size() > 0 && reader.has(key))
+      text += "\n" + std::string(key) + ": " + reader.at(key).content();
   return text;
 }
 

@@ -168,6 +168,24 @@ TEST_CASE("wrong bodies and ties are refused with their place", "[bodies]") {
   CHECK_THAT(refusal(kPair, {"bodies.higher.rigid=true"}), Contains("did you mean 'high'?"));
 }
 
+TEST_CASE("bodies of cells of any shape meet in their molecules, with regions and without", "[bodies]") {
+  const auto pair = [](const std::string& cells, const std::string& regions) {
+    std::string text = kPair;
+    const std::string from = "tetrahedra: {kind: body_centred, cubes: [3, 3, 3], size: [30 mm, 30 mm, 30 mm]}";
+    for (std::size_t at = 0; (at = text.find(from)) != std::string::npos;)
+      text.replace(at, from.size(), cells + regions);
+    return text;
+  };
+  for (const char* order : {"1", "2"}) {
+    const std::string cells =
+        "lattice: {kind: cubic, molecules: [4, 4, 4], spacing: 10 mm, order: " + std::string(order) + "}";
+    CAPTURE(order);
+    CHECK(modulus(pair(cells, "")) == Approx(1000).epsilon(1e-9));
+    const std::string stiff = ", regions: [{from: [0 mm, 0 mm, 0 mm], to: [30 mm, 30 mm, 10 mm], stiffness: 2}]";
+    CHECK(modulus(pair(cells, stiff)) == Approx(1000 / (2. / 3 + 1. / 3 / 2)).epsilon(1e-9));
+  }
+}
+
 TEST_CASE("a filled organ: its volume is reported, its mass is that of the surface, its material exact",
           "[bodies][fill]") {
   const auto scene = load(kBall);
