@@ -54,16 +54,21 @@ class AnyPoint {
     virtual double energy(std::span<const Tensor<dimensions>> A, std::span<const double> weights) const = 0;
     const bool has_energy;
   };
+  /// With all that the law calls compiled into one function (flatten): how many of a source's small functions the
+  /// compiler takes in otherwise depends on how large that source is, and of one left out the linker takes any copy.
   template <class Law>
   struct Held final : Base {
     explicit Held(Law given) : Base(HasEnergyDensity<Law, dimensions>), law(std::move(given)) {}
-    void stresses(std::span<const Tensor<dimensions>> A, std::span<Tensor<dimensions>> S) const override {
+    [[gnu::flatten]] void stresses(std::span<const Tensor<dimensions>> A,
+                                   std::span<Tensor<dimensions>> S) const override {
       for (std::size_t g = 0; g < A.size(); ++g) S[g] = law.stress(A[g]);
     }
-    void tangents(std::span<const Tensor<dimensions>> A, std::span<TangentModuli<dimensions>> D) const override {
+    [[gnu::flatten]] void tangents(std::span<const Tensor<dimensions>> A,
+                                   std::span<TangentModuli<dimensions>> D) const override {
       for (std::size_t g = 0; g < A.size(); ++g) D[g] = law.tangent(A[g]);
     }
-    double energy(std::span<const Tensor<dimensions>> A, std::span<const double> weights) const override {
+    [[gnu::flatten]] double energy(std::span<const Tensor<dimensions>> A,
+                                   std::span<const double> weights) const override {
       double sum = 0;
       if constexpr (HasEnergyDensity<Law, dimensions>)
         for (std::size_t g = 0; g < A.size(); ++g) sum += weights[g] * law.energy(A[g]);

@@ -16,7 +16,8 @@ auto at_work(const Law& law, const Material& material) {
 }  // namespace detail
 
 /// Any law on any shape, at the quadrature points g: A = C − I = −½ Σ_ab (s − s⁰)_ab (B_a B_bᵀ + B_b B_aᵀ) from the
-/// changes of the squared lengths, q_ab = −Σ_g w_g B_aᵀ S_g B_b.
+/// changes of the squared lengths, q_ab = −Σ_g w_g B_aᵀ S_g B_b. What is called here, a thousand times a millisecond,
+/// is all compiled into one function (flatten), whatever else its source has and links.
 template <class Law, CellShape CellShape_>
 struct PointKernel {
   using Shape = CellShape_;
@@ -41,7 +42,7 @@ struct PointKernel {
   Point point(const Material& material) const { return detail::at_work<dimensions>(law, material); }
 
   /// q [N/m] from squared lengths s [m²].
-  CellVector<nodes> force_densities(const Constants& k, const CellVector<nodes>& s) const {
+  [[gnu::flatten]] CellVector<nodes> force_densities(const Constants& k, const CellVector<nodes>& s) const {
     const CellVector<nodes> change = s - k.rest.squared_lengths;
     CellVector<nodes> q = CellVector<nodes>::Zero();
     for (std::size_t g = 0; g < points; ++g) {
@@ -57,7 +58,7 @@ struct PointKernel {
   }
 
   /// ∂q_ab/∂s_cd = Σ_g w_g B_ab : ∂S/∂C : B_cd [N/m³], B_ab = −½ (B_a B_bᵀ + B_b B_aᵀ).
-  CellMatrix<nodes> slope(const Constants& k, const CellVector<nodes>& s) const {
+  [[gnu::flatten]] CellMatrix<nodes> slope(const Constants& k, const CellVector<nodes>& s) const {
     const CellVector<nodes> change = s - k.rest.squared_lengths;
     CellMatrix<nodes> result = CellMatrix<nodes>::Zero();
     for (std::size_t g = 0; g < points; ++g) {

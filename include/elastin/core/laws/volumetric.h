@@ -136,28 +136,37 @@ struct Volumetric {
   }
 };
 
+/// Adds number(row, column), of column ≤ row, to a symmetric tangent ∂S/∂C.
+template <class Number>
+void add_symmetric(Eigen::Matrix<double, 6, 6>& tangent, const Number& number) {
+  for (int row = 0; row < 6; ++row) {
+    for (int column = 0; column < row; ++column) {
+      const double value = number(row, column);
+      tangent(row, column) += value;
+      tangent(column, row) += value;
+    }
+    tangent(row, row) += number(row, row);
+  }
+}
+
 /// Adds `along` G ⊗ G + `across` G ⊙ G of a symmetric G to a tangent ∂S/∂C, its components in the order 11 22 33 12 13
 /// 23; (G ⊙ G)_ijkl = ½ (G_ik G_jl + G_il G_jk), which is −∂C⁻¹/∂C of G = C⁻¹. The entries stand here one by one,
 /// because all laws need them and a loop over their indices takes several times as long.
 inline void add_symmetric_squares(const Matrix3& G, double along, double across, Eigen::Matrix<double, 6, 6>& tangent) {
   const double xx = G(0, 0), yy = G(1, 1), zz = G(2, 2), xy = G(1, 0), xz = G(2, 0), yz = G(2, 1);
   const double own[6] = {xx, yy, zz, xy, xz, yz}, half = across / 2;
-  const double squares[6][6] = {
-      {across * xx * xx},
-      {across * xy * xy, across * yy * yy},
-      {across * xz * xz, across * yz * yz, across * zz * zz},
-      {across * xx * xy, across * xy * yy, across * xz * yz, half * (xx * yy + xy * xy)},
-      {across * xx * xz, across * xy * yz, across * xz * zz, half * (xx * yz + xz * xy), half * (xx * zz + xz * xz)},
-      {across * xy * xz, across * yy * yz, across * yz * zz, half * (xy * yz + xz * yy), half * (xy * zz + xz * yz),
-       half * (yy * zz + yz * yz)}};
-  for (int row = 0; row < 6; ++row) {
-    for (int column = 0; column < row; ++column) {
-      const double value = along * own[row] * own[column] + squares[row][column];
-      tangent(row, column) += value;
-      tangent(column, row) += value;
-    }
-    tangent(row, row) += along * own[row] * own[row] + squares[row][row];
-  }
+  const double squares[21] = {
+      across * xx * xx,                                                                                     //
+      across * xy * xy,           across * yy * yy,                                                         //
+      across * xz * xz,           across * yz * yz,          across * zz * zz,                              //
+      across * xx * xy,           across * xy * yy,          across * xz * yz, half * (xx * yy + xy * xy),  //
+      across * xx * xz,           across * xy * yz,          across * xz * zz, half * (xx * yz + xz * xy),  //
+      half * (xx * zz + xz * xz),                                                                           //
+      across * xy * xz,           across * yy * yz,          across * yz * zz, half * (xy * yz + xz * yy),  //
+      half * (xy * zz + xz * yz), half * (yy * zz + yz * yz)};
+  add_symmetric(tangent, [&](int row, int column) {
+    return along * own[row] * own[column] + squares[row * (row + 1) / 2 + column];
+  });
 }
 
 /// C⁻¹ and J of the right Cauchy–Green tensor C = I + A, so that near rest nothing cancels.
@@ -219,7 +228,11 @@ struct SplitPoint {
   /// S = S_shape + J U′ C⁻¹.
   Matrix3 stress(const Matrix3& A) const {
     const Strained now(A);
-    return shape.stress(now) + volume.kirchhoff(now.volume.excess) * now.volume.inverse;
+    const double p = volume.kirchhoff(now.volume.excess);
+    Matrix3 S = shape.stress(now);
+    for (int j = 0; j < 3; ++j)
+      for (int i = 0; i < 3; ++i) S(i, j) += p * now.volume.inverse(i, j);
+    return S;
   }
 
   /// ∂S/∂C with p = J U′ and J p′ = J (U′ + J U″): ½ J p′ G_ij G_kl − ½ p (G_ik G_jl + G_il G_jk) is added.

@@ -31,11 +31,14 @@ struct FungOrthotropic : NearlyIncompressible<FungOrthotropic> {
     /// T = ∂S̃/∂C̃.
     TangentModuli<3> tangent(const Strained& point) const {
       const Present now(*this, point);
-      TangentModuli<3> T = now.growth / 2 * (stiffness + 2 / c * now.linear * now.linear.transpose());
+      TangentModuli<3> T = now.growth / 2 * stiffness;
+      add_square(now.growth / c, now.linear, T);
       const Components TC = T * now.C;
       const Components& G = now.G;
-      T += now.C.dot(TC) / 9 * G * G.transpose() - both_ways(TC, G) / 3;
-      TangentModuli<3> result = now.root * now.root * T - both_ways(now.S, G) / 3;
+      add_square(now.C.dot(TC) / 9, G, T);
+      add_both_ways(-1. / 3, TC, G, T);
+      TangentModuli<3> result = now.root * now.root * T;
+      add_both_ways(-1. / 3, now.S, G, result);
       add_symmetric_squares(point.volume.inverse, -now.root / 9 * now.S_C, now.root / 3 * now.S_C, result);
       return result;
     }
@@ -63,7 +66,7 @@ struct FungOrthotropic : NearlyIncompressible<FungOrthotropic> {
         G = components(volume.inverse);
         C << 1 + A(0, 0), 1 + A(1, 1), 1 + A(2, 2), 2 * A(0, 1), 2 * A(0, 2), 2 * A(1, 2);
         S_C = growth * (linear[0] + linear[1] + linear[2] + double_product(linear, A));
-        S = root * (growth * linear - S_C / 3 * G);
+        S = each_component([&](int row) { return root * (growth * linear[row] - S_C / 3 * G[row]); });
       }
     };
   };

@@ -24,11 +24,14 @@ struct HolzapfelGasserOgden : NearlyIncompressible<HolzapfelGasserOgden> {
     Matrix3 stress(const Strained& point) const {
       const Isochoric now(point);
       const Components first = now.first_slope();
-      Components S = c / 2 * first;
+      Components S = each_component([&](int row) { return c * first[row]; });
       for (const Components& aa : families)
-        if (const Family f(*this, now, aa, point); f.strain > 0)
-          S += k1 * f.strain * growth(f.strain) * (kappa * first + (1 - 3 * kappa) * now.along_slope(aa, f.change));
-      return 2 * tensor(S);
+        if (const Family f(*this, now, aa, point); f.strain > 0) {
+          const double tension = 2 * k1 * f.strain * growth(f.strain);
+          const Components slope = f.slope(*this, now, aa, first);
+          S = each_component([&](int row) { return S[row] + tension * slope[row]; });
+        }
+      return tensor(S);
     }
 
     TangentModuli<3> tangent(const Strained& point) const {
@@ -39,8 +42,8 @@ struct HolzapfelGasserOgden : NearlyIncompressible<HolzapfelGasserOgden> {
       for (const Components& aa : families)
         if (const Family f(*this, now, aa, point); f.strain > 0) {
           const double E = f.strain, e = growth(E), g = k1 * E * e;
-          const Components slope = kappa * first + (1 - 3 * kappa) * now.along_slope(aa, f.change);
-          result += 2 * k1 * (1 + 2 * k2 * E * E) * e * slope * slope.transpose();
+          const Components slope = f.slope(*this, now, aa, first);
+          add_square(2 * k1 * (1 + 2 * k2 * E * E) * e, slope, result);
           now.add_along_curvature(2 * g * (1 - 3 * kappa), aa, f.change, result);
           even += g * kappa;
         }
@@ -62,6 +65,11 @@ struct HolzapfelGasserOgden : NearlyIncompressible<HolzapfelGasserOgden> {
 
       Family(const Shape& law, const Isochoric& now, const Components& aa, const Matrix3& A)
           : change(double_product(aa, A)), strain(law.kappa * now.first() + (1 - 3 * law.kappa) * now.along(change)) {}
+      /// ∂E/∂C, of ∂Ĩ₁/∂C.
+      Components slope(const Shape& law, const Isochoric& now, const Components& aa, const Components& first) const {
+        const Components along = now.along_slope(aa, change);
+        return each_component([&](int row) { return law.kappa * first[row] + (1 - 3 * law.kappa) * along[row]; });
+      }
     };
     double power(double E) const { return std::min(k2 * E * E, kMostPower); }
     double growth(double E) const { return 1 + limited_expm1(power(E)); }

@@ -15,8 +15,8 @@ class Isochoric {
   /// @param point must outlive this
   explicit Isochoric(const Strained& point) : strain_(point.A), volume_(point.volume) {
     trace_ = point.A.trace();
-    deviator_ = point.A;
-    deviator_.diagonal().array() -= trace_ / 3;
+    deviator_ = on_diagonal(components(point.A), -trace_ / 3);
+    inverse_ = components(volume_.inverse);
     root_ = point.root;
   }
 
@@ -27,7 +27,7 @@ class Isochoric {
   /// d)^⅓, and det(I + d) = 1 − ½ d:d + det d: a form that does not cancel near rest.
   Invariants invariants() const {
     const double scale = 1 / std::max(1 + trace_ / 3, kLeastEven), cube = scale * scale * scale;
-    const double half_square = deviator_.squaredNorm() / 2 * scale * scale;
+    const double half_square = double_product(deviator_, deviator_) / 2 * scale * scale;
     double change = symmetric_determinant(deviator_) * cube - half_square, root = scale / root_;
     if (volume_.flat || !(1 + change > kLeast) || scale == 1 / kLeastEven) {
       change = std::clamp((1 + volume_.excess) * cube - 1, kLeast - 1, 0.);
@@ -44,18 +44,22 @@ class Isochoric {
   }
 
   /// ∂Ĩ₁/∂C = D^(−1/3) C⁻¹ dev C, D = det C.
-  Components first_slope() const { return root_ * commuting_product(volume_.inverse, deviator_); }
+  Components first_slope() const { return slope(1, 0); }
   /// ∂Ĩ₂/∂C = D^(−2/3) C⁻¹ dev(I₁ C − C²).
-  Components second_slope() const { return root_ * root_ * commuting_product(volume_.inverse, second_deviator()); }
+  Components second_slope() const { return slope(0, 1); }
   /// by_first ∂Ĩ₁/∂C + by_second ∂Ĩ₂/∂C.
   Components slope(double by_first, double by_second) const {
-    if (by_second == 0) return by_first * first_slope();
-    return commuting_product(volume_.inverse,
-                             by_first * root_ * deviator_ + by_second * root_ * root_ * second_deviator());
+    const double first = by_first * root_, second = by_second * root_ * root_;
+    if (second == 0)
+      return commuting_product(inverse_, each_component([&](int row) { return first * deviator_[row]; }));
+    const Components other = second_deviator();
+    return commuting_product(inverse_,
+                             each_component([&](int row) { return first * deviator_[row] + second * other[row]; }));
   }
   /// ∂Ĩ₄/∂C = D^(−1/3) (a aᵀ − I₄/3 C⁻¹), from a aᵀ and aᵀ A a.
   Components along_slope(const Components& aa, double change) const {
-    return root_ * (aa - (1 + change) / 3 * components(volume_.inverse));
+    const double share = (1 + change) / 3;
+    return each_component([&](int row) { return root_ * (aa[row] - share * inverse_[row]); });
   }
 
   /// Each adds `factor` times the second slope by C.
@@ -68,11 +72,10 @@ class Isochoric {
   /// D^(−2/3) (I ⊗ I − I ⊙ I − ⅔ (M ⊗ G + G ⊗ M) + 4/9 I₂ G ⊗ G + ⅔ I₂ G ⊙ G),  M = I₁ I − C,  G = C⁻¹.
   void add_second_curvature(double factor, TangentModuli<3>& result) const {
     const double scale = factor * root_ * root_;
-    const Components G = components(volume_.inverse),
-                     M = (2 + trace_) * components(Matrix3::Identity()) - components(strain_);
+    const Components M = on_diagonal(-components(strain_), 2 + trace_);
     const double I2 = 3 + 2 * trace_ + (trace_ * trace_ - strain_.squaredNorm()) / 2;
     add_symmetric_squares(volume_.inverse, 4. / 9 * scale * I2, 2. / 3 * scale * I2, result);
-    result -= 2. / 3 * scale * both_ways(M, G);
+    add_both_ways(-2. / 3 * scale, M, inverse_, result);
     result.topLeftCorner<3, 3>().array() += scale;
     result.diagonal().head<3>().array() -= scale;
     result.diagonal().tail<3>().array() -= scale / 2;
@@ -82,22 +85,22 @@ class Isochoric {
   static constexpr double kLeast = 1e-30, kLeastEven = 1e-5;
 
   /// dev(I₁ C − C²) = dev(A − adj A)                                                      [Cayley & Hamilton]
-  Matrix3 second_deviator() const {
-    Matrix3 result = deviator_ - volume_.adjugate;
-    result.diagonal().array() += volume_.adjugate.trace() / 3;
-    return result;
+  Components second_deviator() const {
+    const Components adjugate = components(volume_.adjugate);
+    return on_diagonal(each_component([&](int row) { return deviator_[row] - adjugate[row]; }),
+                       volume_.adjugate.trace() / 3);
   }
   /// Of D^(−1/3) M:C: D^(−1/3) (M:C (G ⊗ G/9 + G ⊙ G/3) − ⅓ (M ⊗ G + G ⊗ M)).
   void add_curvature(double factor, const Components& M, double invariant, TangentModuli<3>& result) const {
     const double scale = factor * root_ / 3;
     add_symmetric_squares(volume_.inverse, scale * invariant / 3, scale * invariant, result);
-    result -= scale * both_ways(M, components(volume_.inverse));
+    add_both_ways(-scale, M, inverse_, result);
   }
 
   const Matrix3& strain_;
   const Dilatation& volume_;
-  Matrix3 deviator_;
-  double trace_, root_;  ///< of A; D^(−1/3)
+  Components deviator_, inverse_;  ///< dev A = dev C; C⁻¹
+  double trace_, root_;            ///< of A; D^(−1/3)
 };
 
 /// ψ(Ĩ₁ − 3, Ĩ₂ − 3) [J/m³] with its derivatives: an isotropic law's energy of a change of shape.
@@ -114,7 +117,7 @@ struct IsotropicShape {
   Matrix3 stress(const Strained& point) const {
     const Isochoric now(point);
     const Jet w = at(now);
-    return 2 * tensor(now.slope(w.x, w.y));
+    return tensor(now.slope(2 * w.x, 2 * w.y));
   }
 
   TangentModuli<3> tangent(const Strained& point) const {
@@ -126,10 +129,11 @@ struct IsotropicShape {
     if (!by_first_alone) now.add_second_curvature(2 * w.y, result);
     if (w.xx == 0 && w.xy == 0 && w.yy == 0) return result;
     const Components first = now.first_slope();
-    result += 2 * w.xx * first * first.transpose();
+    add_square(2 * w.xx, first, result);
     if (by_first_alone) return result;
     const Components second = now.second_slope();
-    result += 2 * w.xy * both_ways(first, second) + 2 * w.yy * second * second.transpose();
+    add_both_ways(2 * w.xy, first, second, result);
+    add_square(2 * w.yy, second, result);
     return result;
   }
 

@@ -18,7 +18,8 @@ inline Vector3 principal_values(const Matrix3& A) {
   D.diagonal().array() -= mean;
   const double square = D.squaredNorm() / 6;
   if (!(square > 1e-200)) return Vector3::Constant(mean);
-  const double p = std::sqrt(square), cosine = std::clamp(symmetric_determinant(D) / (2 * p * square), -1., 1.);
+  const double p = std::sqrt(square),
+               cosine = std::clamp(symmetric_determinant(components(D)) / (2 * p * square), -1., 1.);
   const double r = std::abs(cosine);
   // 4t³ − 3t = r on [cos 30°, 1]: this polynomial is within 5e-6 of t, one of Halley's steps cubes that.
   double t = 0.866030432 + r * (0.1664117218 + r * (-0.0459219331 + r * (0.0175121886 - r * 0.0040353987)));
@@ -35,10 +36,10 @@ inline Matrix3 principal_function(const Matrix3& A, const Vector3& x, const Vect
   const double apart = x[2] - x[0], below = x[1] - x[0], above = x[2] - x[1];
   const double first = apart > 0 ? (f[2] - f[0]) / apart : 0;
   const double second = below * above > 0 ? (f[0] + first * below - f[1]) / (below * above) : 0;
-  const Matrix3 from_low = A - x[0] * Matrix3::Identity(), from_high = A - x[2] * Matrix3::Identity();
-  Matrix3 result = first * from_low + second * tensor(commuting_product(from_low, from_high));
-  result.diagonal().array() += f[0];
-  return result;
+  const Components own = components(A), from_low = on_diagonal(own, -x[0]), from_high = on_diagonal(own, -x[2]);
+  const Components square = commuting_product(from_low, from_high);
+  return tensor(
+      on_diagonal(each_component([&](int row) { return first * from_low[row] + second * square[row]; }), f[0]));
 }
 
 /// ∂S/∂C of an isotropic law out of what it is in the axes of C: a column of `axes` each.

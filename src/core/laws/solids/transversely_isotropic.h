@@ -71,9 +71,11 @@ struct TransverselyIsotropic : NearlyIncompressible<TransverselyIsotropic> {
     Matrix3 stress(const Strained& point) const {
       const Isochoric now(point);
       const Fibre fibre(*this, now, point);
-      Components S = now.slope(c1, c2);
-      if (fibre.extension > 0) S += fibre.by_I4() * now.along_slope(fibre.along, fibre.change);
-      return 2 * tensor(S);
+      const Components matrix = now.slope(2 * c1, 2 * c2);
+      if (!(fibre.extension > 0)) return tensor(matrix);
+      const double tension = 2 * fibre.by_I4();
+      const Components along = now.along_slope(fibre.along, fibre.change);
+      return tensor(each_component([&](int row) { return matrix[row] + tension * along[row]; }));
     }
 
     TangentModuli<3> tangent(const Strained& point) const {
@@ -84,7 +86,7 @@ struct TransverselyIsotropic : NearlyIncompressible<TransverselyIsotropic> {
       if (c2 != 0) now.add_second_curvature(2 * c2, result);
       if (!(fibre.extension > 0)) return result;
       const Components slope = now.along_slope(fibre.along, fibre.change);
-      result += 2 * fibre.by_I4_twice() * slope * slope.transpose();
+      add_square(2 * fibre.by_I4_twice(), slope, result);
       now.add_along_curvature(2 * fibre.by_I4(), fibre.along, fibre.change, result);
       return result;
     }
