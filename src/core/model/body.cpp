@@ -191,6 +191,13 @@ std::size_t set_region(Body& body, const Vector3& low, const Vector3& high, doub
   return count;
 }
 
+bool has_other_stiffness(const Body& body) {
+  const auto other = [](const VectorX& factors) { return (factors.array() != 1).any(); };
+  return other(body.connection_stiffness) || other(body.cell_stiffness) ||
+         std::any_of(body.blocks.begin(), body.blocks.end(),
+                     [&](const CellBlock& block) { return other(block.stiffness); });
+}
+
 double signed_volume(const Positions& positions, const std::array<int, 4>& tetrahedron) {
   const Vector3 origin = positions.col(tetrahedron[0]);
   const Vector3 a = positions.col(tetrahedron[1]) - origin, b = positions.col(tetrahedron[2]) - origin,

@@ -50,14 +50,6 @@ std::string prescribed_text(const Scene& scene) {
   return text;
 }
 
-bool differs(const VectorX& factors) { return factors.size() > 0 && factors.maxCoeff() > factors.minCoeff(); }
-
-bool differs_from_place_to_place(const Body& body) {
-  return differs(body.connection_stiffness) || differs(body.cell_stiffness) ||
-         std::any_of(body.blocks.begin(), body.blocks.end(),
-                     [](const CellBlock& block) { return differs(block.stiffness); });
-}
-
 }  // namespace
 
 Neighbours neighbours_inside(const Body& body) {
@@ -209,7 +201,7 @@ Record make_record(const Scene& scene, Run run) {
   // any material's where something disturbs what is measured and no reference is next to it.
   const bool disturbed = !no_reference(scene).empty() && references_of(scene).empty();
   if (disturbed || (scene.specimen.material.fibre && !scene.experiment->axis()) ||
-      scene.specimen.materials.size() > 1 || differs_from_place_to_place(body))
+      scene.specimen.materials.size() > 1 || has_other_stiffness(body))
     for (MainMeasure& measure : record.main_measures) measure.prescribed = std::nan("");
   for (MainMeasure& measure : record.main_measures)
     if (const double own = run.law.get(measure.name); std::isfinite(own) && std::isfinite(measure.prescribed))

@@ -145,6 +145,9 @@ Body without_cell_sides(const Body& body);
 /// Returns how many connections and cells it has made so.
 std::size_t set_region(Body& body, const Vector3& low, const Vector3& high, double stiffness, double mass);
 
+/// Whether a connection or cell is not as stiff as the material.
+bool has_other_stiffness(const Body& body);
+
 /// Lumped masses [kg]: a quarter of each tetrahedron's mass, a third of each triangle's (thickness t [m]) to its
 /// molecules.
 VectorX lumped_mass(const Positions& positions, const Cells<3>& triangles, const Cells<4>& tetrahedra, double density,

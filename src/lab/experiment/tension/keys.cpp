@@ -73,7 +73,7 @@ Keys<TensionSetup> bar_keys(bool compression) {
 
 ExperimentInfo bar(ExperimentInfo info, bool compression) {
   return with_keys(std::move(info), bar_keys(compression), [](const ExperimentContext& context, TensionSetup setup) {
-    setup.thickness = context.material.thickness;
+    setup.thickness = context.material.thickness, setup.density = context.material.density;
     return make_tension(context.body, setup);
   });
 }

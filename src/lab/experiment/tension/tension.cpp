@@ -63,11 +63,9 @@ class Tension final : public StaticExperiment {
   bool apparent() const override { return section_ && !section_->prism(); }
 
   std::string no_reference() const override {
-    const auto differs = [](const VectorX& factors) {
-      return factors.size() && factors.minCoeff() < factors.maxCoeff();
-    };
-    if (differs(body_.connection_stiffness) || differs(body_.cell_stiffness))
-      return "the body is not equally stiff everywhere, so its modulus is apparent; compare with " + solid();
+    if (has_other_stiffness(body_))
+      return "the body is not everywhere as stiff as the scene's material, so its modulus is apparent; compare with " +
+             solid();
     if (apparent()) return "the body is no prism along the axis, so its modulus is apparent; compare with " + solid();
     if (clamps_reach_gauge()) return "the grips clamp, so no specimen shows the material's E; compare with " + solid();
     return "";
@@ -78,8 +76,11 @@ class Tension final : public StaticExperiment {
     if (!section_) return notes;
     if (section_->of_hull && setup_.cross_section == 0)
       notes.push_back("cross-section of " + area_text(area_) +
-                      ": the convex hull of the molecules seen along the axis; the "
-                      "body has no cells that state its volume");
+                      (area_ < section_->area
+                           ? ": the volume of the masses over the length; the convex hull of the molecules, " +
+                                 area_text(section_->area) + ", is not full"
+                           : ": the convex hull of the molecules seen along the axis; the body has no cells that state "
+                             "its volume"));
     if (apparent()) {
       char percent[16];
       std::snprintf(percent, sizeof percent, "%.0f %%", 100 * section_->variation);
@@ -188,6 +189,11 @@ class Tension final : public StaticExperiment {
                                            std::min(high_, low_ + (*setup_.gauge)[1]), setup_.thickness)
                             : find_section(body_, setup_.axis, low, high, setup_.thickness);
     area_ = setup_.cross_section > 0 ? setup_.cross_section : section_->area;
+    // Of a hollow body without cells, as a packing in a tube is.
+    const double of_masses = setup_.density > 0 ? body_.mass.sum() / setup_.density / (high_ - low_) : 0;
+    if (setup_.cross_section == 0 && section_->of_hull && !setup_.gauge && !body_.share && of_masses > 0 &&
+        of_masses < 0.9 * area_)
+      area_ = of_masses;
     if (setup_.cross_section > 0 && section_->of_hull) section_.reset();
     if (!(area_ > 0)) throw InputError("the body's molecules span no cross-section: give cross_section");
   }

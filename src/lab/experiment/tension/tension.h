@@ -25,6 +25,7 @@ struct TensionSetup : GripSetup {
   Reading reading = Reading::mean;
   /// A [m²]; 0 = volume over length of the body's cells, between the gauge planes if there are any; see find_section
   double cross_section = 0;
+  double density = 0;                          ///< [kg/m³] of the material; 0 = the masses state no volume
   double thickness = 0;                        ///< [m] of the body's triangles; 0 = they have no volume
   double gauge_length = 0;                     ///< l₀ [m]; 0 = distance between the ends' molecules
   std::optional<std::array<double, 2>> gauge;  ///< planes [m] from the fixed end between which elongation is read
