@@ -230,15 +230,25 @@ std::vector<std::string> measures_of(const Scene& scene, const std::vector<Level
 std::vector<Reference> limits_of(const Scene& scene, const std::vector<Level>& levels, const std::string& strategy) {
   if (levels.size() < 2) return {};
   std::vector<Reference> references;
-  for (const std::string& name : measures_of(scene, levels)) {
+  const std::vector<std::string> names = measures_of(scene, levels);
+  // What a value is large or small against: 1, or the largest one of its unit.
+  const auto size_of = [&](const std::string& name) {
+    const auto& unit = scene.measures->at(name).unit;
+    double largest = unit == dimension::none ? 1 : 0;
+    for (const std::string& other : names)
+      if (scene.measures->at(other).unit == unit && unit != dimension::none)
+        largest = std::max(largest, std::abs(levels.back().measures.get(other)));
+    return largest;
+  };
+  for (const std::string& name : names) {
     std::vector<std::pair<double, double>> rows;
     for (const Level& level : levels) rows.emplace_back(level.spacing, level.measures.get(name));
     const Extrapolation found = limit_of(rows);
     const double uncertainty = found.uncertainty / std::abs(found.value);
     if (!std::isfinite(uncertainty)) continue;
-    // A ratio that is next to nothing has no relative error worth telling.
+    // What is next to nothing has no relative error worth telling.
     const bool ratio = scene.measures->at(name).unit == dimension::none;
-    if (ratio && (uncertainty > kMostUncertain || std::abs(found.value) < 1e-3)) continue;
+    if ((ratio && uncertainty > kMostUncertain) || std::abs(found.value) < 1e-3 * size_of(name)) continue;
     references.push_back({name, found.value,
                           fmt::format("computed: {} on {} to {} {}{}", strategy, levels.front().cells,
                                       levels.back().cells, kind_of_cells(scene.specimen.body),
