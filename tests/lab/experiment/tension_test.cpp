@@ -446,6 +446,40 @@ TEST_CASE("a gauge between planes reads the same anywhere on a uniform bar", "[t
   CHECK_THROWS_AS(make_tension(specimen.body, setup), InputError);
 }
 
+TEST_CASE("what lies deep in a grip takes no part in the strain", "[tension]") {
+  Specimen specimen;
+  specimen.material.youngs_modulus = 1e4, specimen.material.poissons_ratio = 0;
+  specimen.body = tetrahedral_block(BlockKind::kuhn, {3, 3, 16}, {0.03, 0.03, 0.16});
+  set_matter(specimen.body, 1e-3, 1000, 0, 0);
+  for (const double depth : {0.001, 0.011, 0.031}) {
+    TensionSetup setup;
+    setup.strain = 1e-5, setup.grip_depth = depth;
+    CAPTURE(depth);
+    const Run run = pull(specimen, setup, "neo_hookean");
+    CHECK(modulus(run) == Approx(1e4).epsilon(1e-5));
+    CHECK(run.measures.get("elongation") == Approx(1e-5 * (0.16 - 2 * std::floor(depth / 0.01) * 0.01)));
+  }
+}
+
+TEST_CASE("a hollow body without cells has the section of its masses", "[tension]") {
+  std::vector<Vector3> positions;
+  const Body packing = random_packing({0.03, 0.03, 0.03}, 0.0025, 0.00375, 1);
+  for (int a = 0; a < packing.size(); ++a)
+    if ((packing.rest.col(a).head<2>() - Eigen::Vector2d(0.015, 0.015)).cwiseAbs().maxCoeff() > 0.008)
+      positions.push_back(packing.rest.col(a));
+  Body body = listed_body(positions, {});
+  body.connections = connections_within(body.rest, 0.00375);
+  const double area = 0.03 * 0.03 - 0.016 * 0.016;
+  set_matter(body, 1e-3, 1000, 0, area * 0.03);
+  TensionSetup setup;
+  setup.strain = 1e-3, setup.density = 1000;
+  Specimen specimen;
+  specimen.material.youngs_modulus = 1e4;
+  specimen.body = body;
+  const Run run = pull(specimen, setup, "calibrated:uniform");
+  CHECK(run.measures.get("force") == Approx(1e4 * 1e-3 * area).epsilon(1e-3));
+}
+
 TEST_CASE("clamped grips hold sideways, sliding ones do not; both balance", "[tension]") {
   const Specimen specimen = cube(5, {true, true, false});
   TensionSetup setup;
