@@ -251,8 +251,9 @@ void move_to_elements(const Tangent& tangent, const ReachedByLaw& reached, Homes
   constexpr int linked = -2;
   std::vector<int> found(homes.molecules.size(), -1);
   const auto& ends = tangent.model().body().connections.ends;
-  for (std::size_t c = 0; tangent.linked() && c < ends.size(); ++c)
-    if (tangent.link(static_cast<int>(c)).slope != 0) found[ends[c][0]] = found[ends[c][1]] = linked;
+  const auto resists = [&](std::size_t c) { return tangent.linked() && tangent.link(static_cast<int>(c)).slope != 0; };
+  for (std::size_t c = 0; c < ends.size(); ++c)
+    if (resists(c)) found[ends[c][0]] = found[ends[c][1]] = linked;
   auto boxes = homes.elements.begin();
   visit_elements(tangent, reached, [&](int count, const auto&, const auto& nodes_of) {
     for (int i = 0; i < count; ++i)
@@ -263,10 +264,8 @@ void move_to_elements(const Tangent& tangent, const ReachedByLaw& reached, Homes
   });
   for (std::size_t a = 0; a < found.size(); ++a)
     if (found[a] >= 0) homes.molecules[a] = found[a];
-  for (std::size_t c = 0; c < homes.links.size(); ++c) {
-    const auto& [a, b] = ends[c];
-    if (homes.links[c] != homes.molecules[b]) homes.links[c] = homes.molecules[a];
-  }
+  for (std::size_t c = 0; c < homes.links.size(); ++c)
+    if (!resists(c) && homes.links[c] != homes.molecules[ends[c][1]]) homes.links[c] = homes.molecules[ends[c][0]];
 }
 
 Homes find_homes(const Tangent& tangent, const ReachedByLaw& reached, BoxGrid& grid, bool whole_boxes) {
@@ -399,9 +398,9 @@ class Assembly {
 
   void add_cell(const CellSlopes& cells, int cell, int box) {
     Eigen::Matrix<double, 3 * kCorners, Eigen::Dynamic, Eigen::ColMajor, 3 * kCorners, kMostSides> change(3 * kCorners,
-                                                                                                         cells.sides);
+                                                                                                          cells.sides);
     Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, kMostSides, kMostSides> slope(cells.sides,
-                                                                                                        cells.sides);
+                                                                                                         cells.sides);
     const auto sides = cells.connections_of(cell);
     const double* slopes = cells.slopes_of(cell);
     const Eigen::Vector3f at = grid_.at_in(box, middle_of(body_, cells, cell));
@@ -410,8 +409,7 @@ class Assembly {
       const Corners along = slopes_along(at, grid_.along(rest_vector(c)).cast<float>());
       const Vector3 d = tangent_.link(c).d;
       for (int corner = 0; corner < kCorners; ++corner) change.block<3, 1>(3 * corner, i) = double{along[corner]} * d;
-      for (int j = 0; j < cells.sides; ++j)
-        slope(i, j) = 2 * cells.factor * slopes[i * cells.sides + j];
+      for (int j = 0; j < cells.sides; ++j) slope(i, j) = 2 * cells.factor * slopes[i * cells.sides + j];
     }
     const decltype(change) resisted = change.lazyProduct(slope);
     add_box(box, resisted.lazyProduct(change.transpose()).template cast<float>());
