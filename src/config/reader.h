@@ -70,6 +70,7 @@ class Reader {
   void finish() const;
 
   bool is_map() const { return node_.IsMap(); }
+  bool is_list() const { return node_.IsSequence(); }
   bool is_text() const { return node_.IsScalar(); }
   std::vector<std::string> keys() const;
   /// Of a scene in memory: what `key: NUMBER` of this map names in its list; null where the map has no such key.

@@ -413,7 +413,10 @@ def check_shares(folder):
                       (LATTICE + SOFT % (0.25, "lattice") + homogenised + TIGHT % "small",
                        "the experiment is measured on"),
                       (MESH + SOFT % (0.25, "van_gelder") + LOADED % "" + TIGHT % "small" +
-                       "supports: [{molecules: {set: specimen}, fix: [x]}]\n", "sets of the mesh are read")):
+                       "supports: [{molecules: {set: specimen}, fix: [x]}]\n", "sets of molecules are read"),
+                      (MESH + SOFT % (0.25, "van_gelder") + TIGHT % "small" +
+                       "experiment: {kind: tension, axis: z, displacement: 0.1 mm, fixed: {set: specimen}}\n",
+                       "sets of molecules are read")):
         scene = os.path.join(folder, "whole.yaml")
         with open(scene, "w", encoding="utf-8") as file:
             file.write(text)

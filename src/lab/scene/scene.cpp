@@ -161,17 +161,16 @@ std::string problem_text(Reader& reader, const Scene& scene) {
   return text;
 }
 
-/// Whether one of these items picks molecules by a set of the mesh.
-bool names_sets(const Reader& reader) {
-  for (Reader& item : reader.items()) {
-    if (!item.is_map()) continue;
-    for (const std::string& key : item.keys()) {
-      Reader value = item.at(key);
-      Reader molecules = value.is_map() && value.has("molecules") ? value.at("molecules") : value;
-      if (molecules.is_map() && molecules.has("set")) return true;
-    }
+/// Whether something in here picks molecules by a set. Notes no key as read.
+bool names_set(const Reader& value) {
+  if (value.is_list()) {
+    const std::vector<Reader> items = value.items();
+    return std::any_of(items.begin(), items.end(), names_set);
   }
-  return false;
+  if (!value.is_map()) return false;
+  const auto entries = value.entries();
+  return std::any_of(entries.begin(), entries.end(),
+                     [](const auto& entry) { return entry.first == "set" || names_set(entry.second); });
 }
 
 /// Whether an experiment, and that of its fixture, measures a body of which several processes have shares.
@@ -189,8 +188,9 @@ bool is_of_shares(Reader experiment, const ExperimentCatalog& experiments) {
 std::string needs_whole_body(Reader& reader, const Catalog& catalog, const ExperimentCatalog& experiments) {
   for (const char* key : {"bodies", "contact", "initial", "calibrate", "rest"})
     if (reader.has(key)) return "`" + std::string(key) + "` is read on the whole body";
-  for (const char* key : {"supports", "loads"})  // the file of the mesh has them, which one process reads alone
-    if (reader.has(key) && names_sets(reader.at(key))) return "sets of the mesh are read on the whole body";
+  for (const auto& [key, value] : reader.entries())  // the body's file has sets, which one process reads alone
+    if ((key == "supports" || key == "loads" || key == "experiment") && names_set(value))
+      return "sets of molecules are read on the whole body";
   for (const char* key : {"fields", "bending"})
     if (reader.at("material").has(key)) return "`material." + std::string(key) + "` is read on the whole body";
   std::vector<std::string> able;
