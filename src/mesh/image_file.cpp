@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <limits>
 #include <map>
 #include <span>
 #include <vector>
@@ -96,7 +97,8 @@ T number_at(const char* data, bool swapped) {
 /// One image file, and the file with its data.
 class ImageReader {
  public:
-  explicit ImageReader(const std::string& path) : path_(path) {}
+  ImageReader(const std::string& path, const std::function<void(const ImageGrid&)>& check)
+      : path_(path), check_(check) {}
   Image read_nifti();
   Image read_nrrd();
   Image read_meta();
@@ -126,7 +128,13 @@ class ImageReader {
   void set_data(Image& image, std::string_view bytes) const;
   void set_text(Image& image, std::string_view text) const;
 
+  /// Of a header that is read, before its data.
+  void check(const ImageGrid& grid) const {
+    if (check_) check_(grid);
+  }
+
   std::string path_;
+  const std::function<void(const ImageGrid&)>& check_;
 };
 
 /// What gzip or zlib has packed, at most `most` bytes of it; memory grows with what comes out.
@@ -299,6 +307,7 @@ Image ImageReader::read_nifti() {
   if (!(offset >= 0) || offset > 1e9) fail("its header says that data begin at byte " + number(offset));
   const std::size_t begin = single ? std::max(static_cast<std::size_t>(offset), static_cast<std::size_t>(length))
                                    : static_cast<std::size_t>(offset);
+  check(image);
   std::string own = std::move(file);
   bool own_packed = packed;
   if (!single) {
@@ -376,6 +385,7 @@ Image ImageReader::read_nrrd() {
   }
   const std::string space = given("space");
   image.space = space == "left-posterior-superior" ? "LPS" : space == "right-anterior-superior" ? "RAS" : space;
+  check(image);
   std::string other;
   std::string_view data = std::string_view(file).substr(data_at);
   std::string name = given("data file");
@@ -462,6 +472,7 @@ Image ImageReader::read_meta() {
   if (const std::string text = given({"Offset", "Position", "Origin"}); !text.empty())
     image.origin = three(text, "Offset");
   image.space = "LPS";
+  check(image);
   const std::string name = needed("ElementDataFile");
   if (name == "LIST" || name.find('%') != std::string::npos) fail("has its data in several files; needed: one");
   std::string other;
@@ -512,6 +523,7 @@ Image ImageReader::read_numpy() {
     image.strides = {ny * nz, nz, 1};
   }
   image.has_steps = false;
+  check(image);
   set_data(image, std::string_view(file).substr(begin + length));
   return image;
 }
@@ -562,7 +574,12 @@ double Image::at(int x, int y, int z) const {
     }
     return 0;
   };
-  return slope * value() + intercept;
+  const double own = value();
+  if (slope == 1 && intercept == 0) return own;
+  // Slope and intercept are rounded to single precision: -5 · 0.1 + 0.5 is 0, and not -7e-9.
+  constexpr double rounding = std::numeric_limits<float>::epsilon();
+  const double scaled = slope * own + intercept, whole = std::round(scaled);
+  return std::abs(scaled - whole) <= rounding * (std::abs(slope * own) + std::abs(intercept)) ? whole : scaled;
 }
 
 namespace {
@@ -674,11 +691,11 @@ std::string image_text(const std::string& path, const ImageGrid& grid, ImageCont
   return packed ? gzipped(text) : text;
 }
 
-Image load_image(const std::string& path) {
+Image load_image(const std::string& path, const std::function<void(const ImageGrid&)>& check) {
   const std::string name = small_letters(path);
   for (const ImageFormat& format : kFormats)
     if (name.ends_with(format.ending)) {
-      ImageReader reader(path);
+      ImageReader reader(path, check);
       Image image = (reader.*format.read)();
       const double volume = image.steps.determinant(), sides = image.steps.colwise().norm().prod();
       if (!image.steps.allFinite() || !image.origin.allFinite() || !(std::abs(volume) > 1e-6 * sides))

@@ -1,5 +1,6 @@
 #pragma once
 #include <array>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -36,8 +37,8 @@ class Image : public ImageGrid {
 /// MetaImage (.mhd, .mha; plain and compressed) and NumPy's arrays (.npy). Throws InputError with the file and what is
 /// needed: another ending, a header that is cut or contradicts itself, more or fewer than three dimensions, colours,
 /// vectors and complex numbers, fewer data than the header promises, axes in one plane. Allocates no more than the
-/// file's data unpack to.
-Image load_image(const std::string& path);
+/// file's data unpack to. `check` gets what the header says before the data are read, and may throw.
+Image load_image(const std::string& path, const std::function<void(const ImageGrid&)>& check = {});
 
 /// What the numbers of an image that is written are: one a voxel, or three in the directions of the grid's space.
 enum class ImageContent { labels, values, displacements };

@@ -184,6 +184,19 @@ TEST_CASE("image: numbers of every type, and scaled ones", "[image]") {
   CHECK(load_image(write("s.nii", scaled.header + numbers<std::int16_t>())).at(1, 1, 1) == 2 * 111 - 3);
 }
 
+TEST_CASE("image: scaled values are whole numbers but for the rounding of their scale", "[image]") {
+  Nifti scaled(4);
+  scaled.put(112, 0.1F);
+  scaled.put(116, 0.5F);
+  std::string bytes;
+  for (int value = -5; value < 19; ++value) bytes += bytes_of(static_cast<std::int16_t>(value == 18 ? 29995 : value));
+  const Image image = load_image(write("w.nii", scaled.header + bytes));
+  CHECK(image.at(0, 0, 0) == 0);
+  CHECK(image.at(1, 3, 0) == 1);
+  CHECK(image.at(1, 2, 1) == Approx(1.9));
+  CHECK(image.at(2, 3, 1) == 3000);
+}
+
 TEST_CASE("image: what is broken or odd is named", "[image]") {
   const std::string raw = numbers<std::int16_t>();
   const auto nifti = [&](auto change) {
