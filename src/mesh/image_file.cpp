@@ -320,6 +320,35 @@ Image ImageReader::read_nifti() {
   return image;
 }
 
+std::string small_letters(std::string text) {
+  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::tolower(c); });
+  return text;
+}
+
+/// The directions of x, y and z, both ways round: RAS is NIfTI's space.
+constexpr const char* kDirections[3][2] = {{"right", "left"}, {"anterior", "posterior"}, {"superior", "inferior"}};
+
+/// "LPS" for "left-posterior-superior" and "lps"; another text stays as it is.
+std::string space_letters(const std::string& space) {
+  std::string words, letters;
+  for (int choice = 0; choice < 8; ++choice) {
+    words.clear(), letters.clear();
+    for (int axis = 0; axis < 3; ++axis) {
+      const std::string word = kDirections[axis][choice >> axis & 1];
+      words += (axis ? "-" : "") + word;
+      letters += static_cast<char>(std::toupper(static_cast<unsigned char>(word[0])));
+    }
+    if (small_letters(space) == words || small_letters(space) == small_letters(letters)) return letters;
+  }
+  return space;
+}
+
+/// Whether an axis of a space goes against that of RAS.
+bool against_ras(const std::string& space, std::size_t axis) {
+  return space.size() == 3 && space == space_letters(space) &&
+         std::tolower(static_cast<unsigned char>(space[axis])) == kDirections[axis][1][0];
+}
+
 /// "a: b" and "a:=b", "a = b": without blanks around.
 std::string trimmed(std::string_view text) {
   const auto first = text.find_first_not_of(" \t\r\n"), last = text.find_last_not_of(" \t\r\n");
@@ -383,8 +412,7 @@ Image ImageReader::read_nrrd() {
     if (all.size() != 3) fail("its 'space origin' is '" + text + "'; needed: three numbers");
     image.origin = {all[0], all[1], all[2]};
   }
-  const std::string space = given("space");
-  image.space = space == "left-posterior-superior" ? "LPS" : space == "right-anterior-superior" ? "RAS" : space;
+  image.space = space_letters(given("space"));
   check(image);
   std::string other;
   std::string_view data = std::string_view(file).substr(data_at);
@@ -584,11 +612,6 @@ double Image::at(int x, int y, int z) const {
 
 namespace {
 
-std::string small_letters(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::tolower(c); });
-  return text;
-}
-
 std::string gzipped(std::string_view bytes) {
   z_stream stream{};
   if (deflateInit2(&stream, Z_BEST_SPEED, Z_DEFLATED, 15 + 16, 8, Z_DEFAULT_STRATEGY) != Z_OK)
@@ -619,7 +642,6 @@ void put(std::string& header, std::size_t at, T value) {
 
 /// `components` numbers a voxel, one component after the other.
 std::string nifti_text(const ImageGrid& grid, ImageContent content, const std::string& data) {
-  const bool mirrored = grid.space == "LPS";
   std::string header(352, '\0');
   put(header, 0, std::int32_t{348});
   const bool vectors = content == ImageContent::displacements;
@@ -641,10 +663,19 @@ std::string nifti_text(const ImageGrid& grid, ImageContent content, const std::s
     for (int column = 0; column < 4; ++column) {
       const double value = column < 3 ? grid.steps(row, column) : grid.origin[row];
       put(header, 280 + 16 * static_cast<std::size_t>(row) + 4 * static_cast<std::size_t>(column),
-          static_cast<float>(mirrored && row < 2 ? -value : value));
+          static_cast<float>(against_ras(grid.space, static_cast<std::size_t>(row)) ? -value : value));
     }
   header.replace(344, 3, "n+1");
   return header + data;
+}
+
+/// As NRRD names it: "left-posterior-superior".
+std::string space_name(const std::string& space) {
+  if (space.size() != 3 || space != space_letters(space)) return space;
+  std::string name;
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    name += std::string(axis ? "-" : "") + kDirections[axis][against_ras(space, axis) ? 1 : 0];
+  return name;
 }
 
 std::string nrrd_text(const ImageGrid& grid, ImageContent content, const std::string& data) {
@@ -655,9 +686,7 @@ std::string nrrd_text(const ImageGrid& grid, ImageContent content, const std::st
   std::string text = "NRRD0004\ntype: ";
   text += content == ImageContent::labels ? "int32" : "float";
   text += vectors ? "\ndimension: 4\n" : "\ndimension: 3\n";
-  text += grid.space == "LPS"   ? "space: left-posterior-superior\n"
-          : grid.space == "RAS" ? "space: right-anterior-superior\n"
-                                : "space dimension: 3\n";
+  text += grid.space.empty() ? "space dimension: 3\n" : "space: " + space_name(grid.space) + "\n";
   text += vectors ? "sizes: 3" : "sizes:";
   for (const int size : grid.size) text += " " + std::to_string(size);
   text += vectors ? "\nkinds: vector domain domain domain\nspace directions: none" : "\nspace directions:";
@@ -684,7 +713,7 @@ std::string image_text(const std::string& path, const ImageGrid& grid, ImageCont
       put(data, 4 * i, values[i]);
     else  // one component after the other
       put(data, 4 * (i / components + i % components * voxels),
-          grid.space == "LPS" && components == 3 && i % 3 < 2 ? -values[i] : values[i]);
+          components == 3 && against_ras(grid.space, i % 3) ? -values[i] : values[i]);
   }
   if (nrrd) return nrrd_text(grid, content, data);
   const std::string text = nifti_text(grid, content, data);

@@ -14,7 +14,7 @@ struct ImageGrid {
   Vector3 origin = Vector3::Zero();     ///< middle of the first voxel, in the file's own length unit
   Matrix3 steps = Matrix3::Identity();  ///< from a voxel to the next along each axis: columns, independent
   double unit = 0;                      ///< that the file states for these [m]; 0 if it states none
-  std::string space;                    ///< what x, y and z mean where the file says it: "RAS", "LPS"; else empty
+  std::string space;                    ///< what x, y and z mean where the file says it: "RAS", "LAS", "LPS" …, or its text
   std::size_t voxels() const;
 };
 
@@ -44,8 +44,8 @@ Image load_image(const std::string& path, const std::function<void(const ImageGr
 enum class ImageContent { labels, values, displacements };
 
 /// An image file (.nii, .nii.gz, .nrrd) with these numbers, of each voxel one after the other, x fastest: labels as
-/// whole numbers. NIfTI has x and y of RAS, so that those of a grid in LPS change their sign. Throws InputError on
-/// another ending.
+/// whole numbers. NIfTI has x, y and z of RAS, so that x and y of a grid in LPS change their sign. Throws InputError
+/// on another ending.
 std::string image_text(const std::string& path, const ImageGrid& grid, ImageContent content,
                        const std::vector<float>& values);
 

@@ -197,6 +197,44 @@ TEST_CASE("image: scaled values are whole numbers but for the rounding of their 
   CHECK(image.at(2, 3, 1) == 3000);
 }
 
+TEST_CASE("image: every space is written back, and as RAS to NIfTI", "[image]") {
+  const std::string nrrd =
+      "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 3 4 2\nspace directions: (1,0,0) (0,2,0) (0,0,3)\n"
+      "space origin: (5,6,7)\nencoding: raw\n";
+  struct Case {
+    std::string space, letters, name;
+    Vector3 signs;
+  };
+  for (const Case& own : {Case{"right-anterior-superior", "RAS", "right-anterior-superior", {1, 1, 1}},
+                          {"RAS", "RAS", "right-anterior-superior", {1, 1, 1}},
+                          {"left-anterior-superior", "LAS", "left-anterior-superior", {-1, 1, 1}},
+                          {"LAS", "LAS", "left-anterior-superior", {-1, 1, 1}},
+                          {"left-posterior-superior", "LPS", "left-posterior-superior", {-1, -1, 1}},
+                          {"RPS", "RPS", "right-posterior-superior", {1, -1, 1}},
+                          {"left-posterior-inferior", "LPI", "left-posterior-inferior", {-1, -1, -1}},
+                          {"scanner-xyz", "scanner-xyz", "scanner-xyz", {1, 1, 1}},
+                          {"", "", "", {1, 1, 1}}}) {
+    INFO(own.space);
+    const std::string space = own.space.empty() ? "" : "space: " + own.space + "\n";
+    const Image image = load_image(write("space.nrrd", nrrd + space + "\n" + numbers<std::uint8_t>()));
+    CHECK(image.space == own.letters);
+    const std::vector<float> vectors(3 * 24, 1);
+    const auto text = image_text("out.nii", image, ImageContent::displacements, vectors);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      float vector = 0;
+      std::memcpy(&vector, text.data() + 352 + 4 * 24 * axis, 4);
+      CHECK(vector == own.signs[static_cast<int>(axis)]);
+    }
+    const std::vector<float> labels(24, 1);
+    const Image nifti = load_image(write("out.nii", image_text("out.nii", image, ImageContent::labels, labels)));
+    CHECK(nifti.origin == own.signs.cwiseProduct(image.origin));
+    CHECK(nifti.steps == own.signs.asDiagonal() * image.steps);
+    const auto written = image_text("out.nrrd", image, ImageContent::labels, labels);
+    CHECK((written.find("\nspace: " + own.name + "\n") != std::string::npos) == !own.name.empty());
+    CHECK(load_image(write("out.nrrd", written)).space == own.letters);
+  }
+}
+
 TEST_CASE("image: what is broken or odd is named", "[image]") {
   const std::string raw = numbers<std::int16_t>();
   const auto nifti = [&](auto change) {
