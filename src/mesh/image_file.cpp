@@ -15,6 +15,7 @@
 
 #include "elastin/core/base/error.h"
 #include "elastin/core/base/text.h"
+#include "elastin/core/base/units.h"
 #include "mesh/text_file.h"
 
 namespace elastin::mesh {
@@ -118,46 +119,54 @@ class ImageReader {
   std::string beside(const std::string& name) const {
     return name.starts_with('/') ? name : path_.substr(0, path_.rfind('/') + 1) + name;
   }
-  std::string unpacked(std::string_view packed, std::size_t most) const;
+  std::string unpacked(std::string_view packed, std::size_t wanted, bool whole = true) const;
   Number number_named(std::span<const NumberName> table, const std::string& name) const;
   std::vector<double> numbers(const std::string& text, const std::string& key) const;
   double count(const std::string& text, const std::string& key) const;
   std::vector<std::size_t> sizes(const std::string& text, const std::string& key) const;
+  /// Of `"mm" "mm" "mm"` [m]; 0: none that is known.
+  double unit_of(const std::string& text, const std::string& key) const;
   void set_size(Image& image, std::vector<std::size_t> sizes) const;
   std::size_t data_bytes(const Image& image) const { return image.voxels() * bytes_of(image.number); }
   void set_data(Image& image, std::string_view bytes) const;
   void set_text(Image& image, std::string_view text) const;
 
   /// Of a header that is read, before its data.
-  void check(const ImageGrid& grid) const {
-    if (check_) check_(grid);
-  }
+  void check(const Image& image) const;
 
   std::string path_;
   const std::function<void(const ImageGrid&)>& check_;
 };
 
-/// What gzip or zlib has packed, at most `most` bytes of it; memory grows with what comes out.
-std::string ImageReader::unpacked(std::string_view packed, std::size_t most) const {
+/// The first `wanted` bytes of what gzip or zlib has packed; memory grows with what comes out. Of the `whole` of it the
+/// checksum is compared, and what more is packed comes along, up to as much again, so that its size can be checked.
+std::string ImageReader::unpacked(std::string_view packed, std::size_t wanted, bool whole) const {
   std::string result;
   z_stream stream{};
   constexpr int any_header = 15 + 32;  // zlib.h: inflateInit2
   if (inflateInit2(&stream, any_header) != Z_OK) fail("zlib cannot start");
   stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(packed.data()));
-  stream.avail_in = static_cast<uInt>(std::min<std::size_t>(packed.size(), UINT32_MAX));
+  const std::size_t most = whole ? 2 * wanted + 1 : wanted;
   int code = Z_OK;
+  bool again = false;  // several may stand one after the other
   while (code == Z_OK && result.size() < most) {
+    const auto used = static_cast<std::size_t>(reinterpret_cast<const char*>(stream.next_in) - packed.data());
+    stream.avail_in = static_cast<uInt>(std::min<std::size_t>(packed.size() - used, UINT32_MAX));
     const std::size_t before = result.size(), more = std::min<std::size_t>(most - before, 1 << 20);
     result.resize(before + more);
     stream.next_out = reinterpret_cast<Bytef*>(result.data() + before);
     stream.avail_out = static_cast<uInt>(more);
     code = inflate(&stream, Z_NO_FLUSH);
     result.resize(before + more - stream.avail_out);
-    if (code == Z_STREAM_END && stream.avail_in > 0 && inflateReset(&stream) == Z_OK) code = Z_OK;
+    if (again && code < 0 && stream.total_out == 0)
+      code = Z_STREAM_END;  // padding, which gzip ignores
+    else if (code == Z_STREAM_END && stream.avail_in > 0 && result.size() < wanted && inflateReset(&stream) == Z_OK)
+      code = Z_OK, again = true;
   }
+  const std::string reason = stream.msg ? std::string(" (") + stream.msg + ")" : "";
   inflateEnd(&stream);
-  if (result.size() < most && code != Z_STREAM_END)
-    fail("its packed data end early or are damaged, after " + std::to_string(result.size()) +
+  if (code != Z_STREAM_END && (code != Z_OK || result.size() < wanted))
+    fail("its packed data end early or are damaged" + reason + ", after " + std::to_string(result.size()) +
          " bytes; copy the file again");
   return result;
 }
@@ -165,7 +174,10 @@ std::string ImageReader::unpacked(std::string_view packed, std::size_t most) con
 Number ImageReader::number_named(std::span<const NumberName> table, const std::string& name) const {
   for (const NumberName& row : table)
     if (row.name == name) return row.number;
-  fail("has numbers of type '" + name + "'; needed: one integer or real number a voxel");
+  std::vector<std::string> read;  // the first name of each
+  for (const NumberName& row : table)
+    if (&row == table.data() || (&row)[-1].number != row.number) read.push_back(row.name);
+  fail("has numbers of type '" + name + "'; those that are read: " + listed(read));
 }
 
 std::vector<double> ImageReader::numbers(const std::string& text, const std::string& key) const {
@@ -211,9 +223,19 @@ void ImageReader::set_size(Image& image, std::vector<std::size_t> sizes) const {
   image.strides = {1, sizes[0], sizes[0] * sizes[1]};
 }
 
+void ImageReader::check(const Image& image) const {
+  const double volume = image.steps.determinant(), sides = image.steps.colwise().norm().prod();
+  if (!image.steps.allFinite() || !image.origin.allFinite() || !(std::abs(volume) > 1e-6 * sides))
+    fail("its voxels have no volume: spacings and directions must be finite, not zero and not in one plane");
+  if (!std::isfinite(image.slope) || !std::isfinite(image.intercept)) fail("its scale of values is not finite");
+  if (check_) check_(image);
+}
+
 void ImageReader::set_data(Image& image, std::string_view bytes) const {
   const std::size_t needed = data_bytes(image);
-  if (bytes.size() < needed)
+  // Some programs pad files; a header that is wrong misses a slice or more.
+  const std::size_t slice = needed / static_cast<std::size_t>(image.size[2]);
+  if (bytes.size() < needed || bytes.size() - needed >= slice)
     fail("has " + std::to_string(bytes.size()) + " bytes of data; its header says " + std::to_string(image.size[0]) +
          " x " + std::to_string(image.size[1]) + " x " + std::to_string(image.size[2]) + " voxels, " +
          std::to_string(needed) + " bytes");
@@ -233,7 +255,7 @@ Image ImageReader::read_nifti() {
   std::string file = load(path_);
   const bool packed = file.size() > 2 && file[0] == '\x1f' && file[1] == '\x8b';
   constexpr std::size_t header_bytes = 540;
-  std::string header = packed ? unpacked(file, header_bytes) : file.substr(0, header_bytes);
+  std::string header = packed ? unpacked(file, header_bytes, false) : file.substr(0, header_bytes);
   if (header.size() < 348) fail("is no NIfTI image: its header of 348 bytes is cut");
   Image image;
   const auto first = number_at<std::int32_t>(header.data(), false);
@@ -268,7 +290,7 @@ Image ImageReader::read_nifti() {
       std::find_if(std::begin(kNifti), std::end(kNifti), [&](const auto& own) { return own.code == code; });
   if (row == std::end(kNifti))
     fail("has NIfTI's data type " + std::to_string(code) + (code == 128 || code == 2304 ? " (colours)" : "") +
-         "; needed: one integer or real number a voxel");
+         "; those that are read: 2, 4, 8, 256, 512, 768, 1024, 1280 (integers), 16, 64 (real numbers)");
   image.number = row->number;
   if (const double slope = real(112, 176); slope != 0 && std::isfinite(slope)) {
     image.slope = slope;
@@ -320,6 +342,29 @@ Image ImageReader::read_nifti() {
   return image;
 }
 
+/// "a: b" and "a:=b", "a = b": without blanks around.
+std::string trimmed(std::string_view text) {
+  const auto first = text.find_first_not_of(" \t\r\n"), last = text.find_last_not_of(" \t\r\n");
+  return first == std::string_view::npos ? "" : std::string(text.substr(first, last - first + 1));
+}
+
+double ImageReader::unit_of(const std::string& text, const std::string& key) const {
+  std::vector<std::string> names;  // in quotes
+  for (std::size_t at = text.find('"'); at != std::string::npos && names.size() < 3;) {
+    const std::size_t end = std::min(text.find('"', at + 1), text.size());
+    names.push_back(trimmed(text.substr(at + 1, end - at - 1)));
+    at = text.find('"', end + 1);
+  }
+  if (names.empty() || names[0].empty()) return 0;
+  for (const std::string& name : names)
+    if (name != names[0]) fail("its '" + key + "' are " + text + "; needed: the same along all axes");
+  try {
+    return parse_quantity("1 " + names[0], dimension::length).value;
+  } catch (const InputError&) {
+    return 0;  // "pixels", "???"
+  }
+}
+
 std::string small_letters(std::string text) {
   std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::tolower(c); });
   return text;
@@ -349,16 +394,10 @@ bool against_ras(const std::string& space, std::size_t axis) {
          std::tolower(static_cast<unsigned char>(space[axis])) == kDirections[axis][1][0];
 }
 
-/// "a: b" and "a:=b", "a = b": without blanks around.
-std::string trimmed(std::string_view text) {
-  const auto first = text.find_first_not_of(" \t\r\n"), last = text.find_last_not_of(" \t\r\n");
-  return first == std::string_view::npos ? "" : std::string(text.substr(first, last - first + 1));
-}
-
 Image ImageReader::read_nrrd() {
   std::string file = load(path_);
   if (file.compare(0, 4, "NRRD") != 0) fail("is no NRRD image: it does not begin with NRRD");
-  std::map<std::string, std::string> fields;
+  std::map<std::string, std::string> fields, pairs;
   std::size_t at = file.find('\n');
   std::size_t data_at = file.size();
   while (at != std::string::npos && at + 1 < file.size()) {
@@ -371,8 +410,10 @@ Image ImageReader::read_nrrd() {
     }
     if (line[0] == '#') continue;
     const std::size_t colon = line.find(':');
+    if (fields["data file"].starts_with("LIST") || fields["datafile"].starts_with("LIST")) break;  // names of files
     if (colon == std::string::npos) fail("its header has a line without a colon: '" + line.substr(0, 60) + "'");
-    if (line.compare(colon, 2, ":=") != 0) fields[trimmed(line.substr(0, colon))] = trimmed(line.substr(colon + 1));
+    const bool pair = line.compare(colon, 2, ":=") == 0;
+    (pair ? pairs : fields)[trimmed(line.substr(0, colon))] = trimmed(line.substr(colon + (pair ? 2 : 1)));
   }
   const auto needed = [&](const std::string& key) -> const std::string& {
     const auto found = fields.find(key);
@@ -385,9 +426,14 @@ Image ImageReader::read_nrrd() {
   };
   Image image;
   image.number = number_named(kNrrd, needed("type"));
-  const std::vector<std::size_t> counts = sizes(needed("sizes"), "sizes");
+  std::vector<std::size_t> counts = sizes(needed("sizes"), "sizes");
   if (std::to_string(counts.size()) != needed("dimension"))
     fail("its 'dimension' is " + needed("dimension") + ", and its 'sizes' are " + std::to_string(counts.size()));
+  // An axis of one value, of a list or of times, may come first.
+  if (counts.size() == 4 && counts[0] == 1 && given("space directions").starts_with("none")) {
+    counts.erase(counts.begin());
+    fields["space directions"].erase(0, 4);
+  }
   set_size(image, counts);
   if (bytes_of(image.number) > 1 && given("encoding") != "ascii" && given("encoding") != "text" &&
       given("encoding") != "txt") {
@@ -396,14 +442,17 @@ Image ImageReader::read_nrrd() {
     image.swapped = (endian == "big") != (std::endian::native == std::endian::big);
   }
   if (const std::string text = given("space directions"); !text.empty()) {
-    const std::vector<double> all = numbers(text, "space directions");
+    const std::vector<double> all = numbers(text.substr(0, text.find("none")), "space directions");
     if (all.size() != 9)
-      fail("its 'space directions' are " + std::to_string(all.size()) + " numbers; needed: three vectors of three");
+      fail("its 'space directions' are '" + text + "'; needed: three vectors of three finite numbers");
     image.steps = Eigen::Map<const Matrix3>(all.data());
+    image.unit = unit_of(given("space units"), "space units");
   } else if (const std::string spacings = given("spacings"); !spacings.empty()) {
-    const std::vector<double> all = numbers(spacings, "spacings");
-    if (all.size() < 3) fail("its 'spacings' are '" + spacings + "'; needed: three numbers");
-    image.steps = Vector3(all[0], all[1], all[2]).asDiagonal();
+    const std::vector<double> all = numbers(spacings.substr(0, small_letters(spacings).find("nan")), "spacings");
+    if (!all.empty() && all.size() < 3) fail("its 'spacings' are '" + spacings + "'; needed: three finite numbers");
+    image.has_steps = !all.empty();  // "nan": not known
+    if (image.has_steps) image.steps = Vector3(all[0], all[1], all[2]).asDiagonal();
+    image.unit = unit_of(given("units"), "units");
   } else {
     image.has_steps = false;
   }
@@ -411,8 +460,24 @@ Image ImageReader::read_nrrd() {
     const std::vector<double> all = numbers(text, "space origin");
     if (all.size() != 3) fail("its 'space origin' is '" + text + "'; needed: three numbers");
     image.origin = {all[0], all[1], all[2]};
+  } else if (given("space directions").empty()) {
+    // The outer sides of the first voxels, or their middles where samples are on nodes.       [nrrdOriginCalculate]
+    const std::string mins = given("axis mins") + given("axismins");
+    const std::vector<double> all = numbers(mins.substr(0, small_letters(mins).find("nan")), "axis mins");
+    if (!all.empty() && !image.has_steps)
+      fail("has 'axis mins' without 'spacings'; needed: both, or 'space origin' with 'space directions'");
+    std::string centers = given("centers") + given("centerings");
+    for (int axis = 0; axis < 3 && all.size() >= 3; ++axis) {
+      const bool node = centers.starts_with("node");
+      centers = trimmed(centers.substr(std::min(centers.find(' '), centers.size())));
+      image.origin[axis] = all[axis] + (node ? 0 : image.steps(axis, axis) / 2);
+    }
   }
   image.space = space_letters(given("space"));
+  for (const auto& [key, value] : pairs)
+    if (const std::size_t end = key.find("_LabelValue"); key.starts_with("Segment") && end != key.npos)
+      if (const auto name = pairs.find(key.substr(0, end) + "_Name"); name != pairs.end() && !name->second.empty())
+        image.names.emplace(count(value, key), name->second);
   check(image);
   std::string other;
   std::string_view data = std::string_view(file).substr(data_at);
@@ -493,8 +558,11 @@ Image ImageReader::read_meta() {
   if (image.has_steps) spacing = three(spacings, "ElementSpacing");
   if (const std::string text = given({"TransformMatrix", "Orientation", "Rotation"}); !text.empty()) {
     const std::vector<double> all = numbers(text, "TransformMatrix");
-    if (all.size() != 9) fail("its 'TransformMatrix' has " + std::to_string(all.size()) + " numbers; needed: nine");
-    image.steps = Eigen::Map<const Matrix3>(all.data());  // an axis after the other
+    const auto axes = static_cast<Eigen::Index>(std::lround(std::sqrt(static_cast<double>(all.size()))));
+    if (axes < 3 || axes * axes != static_cast<Eigen::Index>(all.size()))
+      fail("its 'TransformMatrix' has " + std::to_string(all.size()) + " numbers; needed: nine");
+    // An axis after the other; further ones have one value, as set_size has seen.
+    image.steps = Eigen::Map<const Eigen::MatrixXd>(all.data(), axes, axes).topLeftCorner<3, 3>();
   }
   image.steps = (image.steps * spacing.asDiagonal()).eval();
   if (const std::string text = given({"Offset", "Position", "Origin"}); !text.empty())
@@ -725,15 +793,7 @@ Image load_image(const std::string& path, const std::function<void(const ImageGr
   for (const ImageFormat& format : kFormats)
     if (name.ends_with(format.ending)) {
       ImageReader reader(path, check);
-      Image image = (reader.*format.read)();
-      const double volume = image.steps.determinant(), sides = image.steps.colwise().norm().prod();
-      if (!image.steps.allFinite() || !image.origin.allFinite() || !(std::abs(volume) > 1e-6 * sides))
-        throw InputError(
-            path +
-            ": its voxels have no volume: spacings and directions must be finite, not zero and not in one plane");
-      if (!std::isfinite(image.slope) || !std::isfinite(image.intercept))
-        throw InputError(path + ": its scale of values is not finite");
-      return image;
+      return (reader.*format.read)();
     }
   throw InputError(path + ": is no image that is read: " + image_endings());
 }

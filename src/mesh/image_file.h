@@ -1,6 +1,7 @@
 #pragma once
 #include <array>
 #include <functional>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -14,7 +15,7 @@ struct ImageGrid {
   Vector3 origin = Vector3::Zero();     ///< middle of the first voxel, in the file's own length unit
   Matrix3 steps = Matrix3::Identity();  ///< from a voxel to the next along each axis: columns, independent
   double unit = 0;                      ///< that the file states for these [m]; 0 if it states none
-  std::string space;                    ///< what x, y and z mean where the file says it: "RAS", "LAS", "LPS" …, or its text
+  std::string space;  ///< what x, y and z mean where the file says it: "RAS", "LAS", "LPS" …, or its text
   std::size_t voxels() const;
 };
 
@@ -29,6 +30,7 @@ class Image : public ImageGrid {
   double slope = 1, intercept = 0;       ///< value = slope · number + intercept
   std::array<std::size_t, 3> strides{};  ///< in numbers
   std::string data;                      ///< strides fit into it
+  std::map<double, std::string> names;   ///< of labels, where the file states them: a segmentation of 3D Slicer
 
   double at(int x, int y, int z) const;
 };
