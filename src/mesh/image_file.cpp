@@ -412,8 +412,11 @@ Image ImageReader::read_nrrd() {
     const std::size_t colon = line.find(':');
     if (fields["data file"].starts_with("LIST") || fields["datafile"].starts_with("LIST")) break;  // names of files
     if (colon == std::string::npos) fail("its header has a line without a colon: '" + line.substr(0, 60) + "'");
-    const bool pair = line.compare(colon, 2, ":=") == 0;
-    (pair ? pairs : fields)[trimmed(line.substr(0, colon))] = trimmed(line.substr(colon + (pair ? 2 : 1)));
+    const std::string key = trimmed(line.substr(0, colon));
+    if (line.compare(colon, 2, ":=") == 0)
+      pairs[key] = trimmed(line.substr(colon + 2));
+    else
+      fields[small_letters(key)] = trimmed(line.substr(colon + 1));
   }
   const auto needed = [&](const std::string& key) -> const std::string& {
     const auto found = fields.find(key);
@@ -425,7 +428,7 @@ Image ImageReader::read_nrrd() {
     return found == fields.end() ? std::string() : found->second;
   };
   Image image;
-  image.number = number_named(kNrrd, needed("type"));
+  image.number = number_named(kNrrd, small_letters(needed("type")));
   std::vector<std::size_t> counts = sizes(needed("sizes"), "sizes");
   if (std::to_string(counts.size()) != needed("dimension"))
     fail("its 'dimension' is " + needed("dimension") + ", and its 'sizes' are " + std::to_string(counts.size()));
@@ -435,9 +438,10 @@ Image ImageReader::read_nrrd() {
     fields["space directions"].erase(0, 4);
   }
   set_size(image, counts);
-  if (bytes_of(image.number) > 1 && given("encoding") != "ascii" && given("encoding") != "text" &&
-      given("encoding") != "txt") {
-    const std::string& endian = needed("endian");
+  const std::string encoding = small_letters(needed("encoding"));
+  const bool ascii = encoding == "ascii" || encoding == "text" || encoding == "txt";
+  if (bytes_of(image.number) > 1 && !ascii) {
+    const std::string endian = small_letters(needed("endian"));
     if (endian != "little" && endian != "big") fail("its 'endian' is '" + endian + "'; needed: little or big");
     image.swapped = (endian == "big") != (std::endian::native == std::endian::big);
   }
@@ -446,7 +450,8 @@ Image ImageReader::read_nrrd() {
     if (all.size() != 9)
       fail("its 'space directions' are '" + text + "'; needed: three vectors of three finite numbers");
     image.steps = Eigen::Map<const Matrix3>(all.data());
-    image.unit = unit_of(given("space units"), "space units");
+    const bool in_space = !given("space units").empty();
+    image.unit = in_space ? unit_of(given("space units"), "space units") : unit_of(given("units"), "units");
   } else if (const std::string spacings = given("spacings"); !spacings.empty()) {
     const std::vector<double> all = numbers(spacings.substr(0, small_letters(spacings).find("nan")), "spacings");
     if (!all.empty() && all.size() < 3) fail("its 'spacings' are '" + spacings + "'; needed: three finite numbers");
@@ -493,7 +498,6 @@ Image ImageReader::read_nrrd() {
     if (const std::string text = given(key); !text.empty())
       for (double lines = count(text, key); lines > 0 && !data.empty(); --lines)
         data.remove_prefix(std::min(data.size(), std::min(data.find('\n'), data.size() - 1) + 1));
-  const std::string encoding = needed("encoding");
   double skip = 0;
   for (const char* key : {"byte skip", "byteskip"})
     if (const std::string text = given(key); !text.empty()) skip = count(text, key);
@@ -501,7 +505,7 @@ Image ImageReader::read_nrrd() {
   if (encoding == "gzip" || encoding == "gz") {
     plain = unpacked(data, data_bytes(image) + static_cast<std::size_t>(std::clamp(skip, 0., 1e9)));
     data = plain;
-  } else if (encoding == "ascii" || encoding == "text" || encoding == "txt") {
+  } else if (ascii) {
     set_text(image, data);
     return image;
   } else if (encoding != "raw") {

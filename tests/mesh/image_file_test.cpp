@@ -370,6 +370,8 @@ TEST_CASE("image: units and origins of NRRD", "[image]") {
   CHECK(image_of(space + "space units: \"pixel\" \"pixel\" \"pixel\"").unit == 0);
   CHECK(image_of(space).unit == 0);
   CHECK(image_of(plain + "units: \"cm\" \"cm\" \"cm\"").unit == Approx(1e-2));
+  CHECK(image_of(space + "units: \"cm\" \"cm\" \"cm\"").unit == Approx(1e-2));
+  CHECK(image_of("Spacings: 1 2 3\nUnits: \"m\" \"m\" \"m\"").unit == 1);  // fields in any letters
   CHECK(image_of(plain + "axis mins: 10 20 30").origin == Vector3(10.5, 21, 31.5));
   CHECK(image_of(plain + "axis mins: 10 20 30\ncenters: cell node node").origin == Vector3(10.5, 20, 30));
   CHECK(image_of(plain + "axis mins: nan nan nan").origin == Vector3::Zero());
