@@ -87,6 +87,10 @@ void read_labels(const Reader& value, ImageSetup& setup) {
     for (Label& label : setup.labels)
       if (label.material && !setup.parts) label = numbers.read(Reader(*label.material), {}, Label(label));
   }
+  for (std::size_t i = 0; i < setup.labels.size(); ++i)
+    for (std::size_t other = 0; other < i; ++other)
+      if (setup.labels[i].number == setup.labels[other].number)
+        value.fail("names the label " + number(setup.labels[i].number) + " twice");
   if (setup.labels.empty()) value.fail("names no label; leave it out where every voxel that is not 0 is body");
 }
 
@@ -746,7 +750,7 @@ void Boxes::report() const {
       context_.remarks.warnings.push_back(
           found[i] == 0
               ? fmt::format("{}: no voxel of the body has the label {}", setup_.file->path(), labels_[i].name)
-              : fmt::format("{}: no box is of the label {}, which {} of the body have: a box is of the label that most "
+              : fmt::format("{}: no box is of the label {}, of which the body has {}: a box is of the label that most "
                             "of its voxels have; write a smaller `spacing`",
                             setup_.file->path(), labels_[i].name,
                             counted(static_cast<std::ptrdiff_t>(found[i]), "voxel")));

@@ -126,6 +126,12 @@ TEST_CASE("image: each label has its Poisson's ratio, whatever the directions of
       CHECK(local_material(scene->specimen.material, middle).poissons_ratio == (cell < 36 ? 0 : 0.4));
     }
   }
+  const auto springs = scene_of(folder, nrrd(kSize, halves),
+                                ", as: lattice, labels: {1: {}, 2: {material: {poissons_ratio: 0.4}}}", "standard");
+  const Run one =
+      run_strategy(springs->specimen, *springs->experiment, springs->stiffness, {.statics = springs->statics});
+  CHECK(std::any_of(one.warnings.begin(), one.warnings.end(),
+                    [](const std::string& said) { return said.find("Poisson's ratio everywhere") != said.npos; }));
   const auto even = scene_of(folder, nrrd(kSize, halves),
                              ", labels: {1: {material: {poissons_ratio: 0.4}}, 2: "
                              "{material: {poissons_ratio: 0.4}}}");
@@ -214,7 +220,7 @@ TEST_CASE("image: a label that is the most frequent of no box is said to be so",
   const auto image = nrrd({4, 4, 4}, [](int x, int y, int z) { return x == 1 && y == 1 && z == 1 ? 2 : 1; });
   const auto warnings = [&](const std::string& keys) { return scene_of(folder, image, keys)->warnings; };
   CHECK_THAT(warnings(", spacing: 2 mm, labels: [1, 2]").front(),
-             Contains("no box is of the label 2, which 1 voxel of the body have") && Contains("`spacing`"));
+             Contains("no box is of the label 2, of which the body has 1 voxel") && Contains("`spacing`"));
   CHECK_THAT(warnings(", labels: [1, 3]").back(), Contains("no voxel of the body has the label 3"));
 }
 
@@ -391,6 +397,7 @@ TEST_CASE("image: what cannot be a body is refused by name", "[image]") {
       refused(", from: [50 mm, 0 mm, 0 mm]"),
       Contains("body.image.from") && Contains("a.nrrd, whose voxels lie from (1, 0.5, 0.5) mm to (5, 3.5, 5.5) mm"));
   CHECK_THAT(refused(", to: [0 mm, 0 mm, 0 mm]"), Contains("body.image.to: leaves no voxel"));
+  CHECK_THAT(refused(", labels: {1: {name: a}, 1.0: {name: b}}"), Contains("labels: names the label 1 twice"));
   CHECK_THAT(refused(", labels: [liver]"), Contains("no label"));
   CHECK_THAT(refused(", labels: [1], threshold: 3"), Contains("labels"));
   CHECK_THAT(refused(", voxel_size: [1 mm, 1 mm, 1 mm]"), Contains("states the size"));
