@@ -1034,16 +1034,12 @@ void warn_of_grey_values(const mesh::Image& image, const ImageSetup& setup, Shap
 }
 
 Body make_body(const ImageSetup& setup, ShapeContext& context) {
-  mesh::Image image = [&] {
-    try {
-      return mesh::load_image(setup.path, [&](mesh::ImageGrid grid) {
-        if (setup.voxel_size) grid.steps = (grid.steps * (*setup.voxel_size / setup.length_unit).asDiagonal()).eval();
-        check_boxes(grid, setup);
-      });
-    } catch (const InputError& error) {
-      setup.file->fail(error.what());
-    }
-  }();
+  mesh::Image image = setup.file->located([&] {
+    return mesh::load_image(setup.path, [&](mesh::ImageGrid grid) {
+      if (setup.voxel_size) grid.steps = (grid.steps * (*setup.voxel_size / setup.length_unit).asDiagonal()).eval();
+      check_boxes(grid, setup);
+    });
+  });
   if (image.has_steps && setup.voxel_size)
     setup.file->fail("the file states the size of its voxels; leave `voxel_size` out");
   if (!image.has_steps && !setup.voxel_size)

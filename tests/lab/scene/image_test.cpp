@@ -424,7 +424,9 @@ TEST_CASE("image: what cannot be a body is refused by name", "[image]") {
              Contains("body.image.file: leaves no voxel of a.nrrd; none of its values is a number"));
   std::string large = "NRRD0004\ntype: double\ndimension: 3\nsizes: 1000 1000 1000\nspacings: 1 1 1\n";
   large += "endian: little\nencoding: gzip\n\n";  // what is packed is not looked at
-  CHECK_THAT(refused_of(large, ""), Contains("makes 1e+09 boxes") && Contains("`spacing`"));
+  CHECK_THAT(refused_of(large, ""),
+             Contains("scene.yaml:2:22: body.image.file: makes 1e+09 boxes") && Contains("`spacing`"));
+  CHECK(refused_of(large, "").find("body.image.file") == refused_of(large, "").rfind("body.image.file"));
   CHECK_THAT(refused_of(large, ", spacing: 4 mm"), Contains("packed data end early"));
   CHECK_THAT(refused_of(large, ", to: [100 mm, 100 mm, 100 mm]"), Contains("packed data end early"));
 }
