@@ -37,7 +37,7 @@ struct NewCommand {
     options.add("--mesh", "FILE", into(scene.mesh), "File of the mesh (dogbone) or of the closed surface (organ)");
     options.add("--image", "FILE", into(scene.mesh), "File of the voxels (scan)");
     options.add("--length-unit", "UNIT", into(scene.length_unit),
-                "Unit of the file's coordinates; default: " + scene.length_unit);
+                "Unit of the file's coordinates; default: what an image states, else mm");
     options.add("--modulus", "E", into(modulus), "Young's modulus; default: " + scene.modulus);
     options.add("--poissons-ratio", "NUMBER", into(scene.poissons_ratio),
                 fmt::format("Poisson's ratio; default: {}", scene.poissons_ratio));
@@ -69,13 +69,15 @@ struct NewCommand {
       scene.specimen = ask("specimen", "strip");
     }
     for (const lab::NewSpecimen& row : lab::new_specimens()) {
-      std::string& missing = row.from_file ? scene.mesh : scene.size;
+      std::string& missing = row.from_file() ? scene.mesh : scene.size;
       if (scene.specimen != row.name || !missing.empty()) continue;
       if (!can_ask)
-        throw InputError(std::string("new ") + row.name +
-                         (row.from_file ? ": give --mesh FILE" : ": give --size, such as '40 x 10 x 4 mm'"));
-      missing = ask(row.from_file ? "file of the mesh or surface" : "size along x, y, z",
-                    row.from_file ? "" : "40 x 10 x 4 mm");
+        throw InputError(fmt::format("new {}: give {}", row.name,
+                                     !row.from_file()                   ? "--size, such as '40 x 10 x 4 mm'"
+                                     : row.file == std::string("image") ? "--image FILE"
+                                                                        : "--mesh FILE"));
+      missing = ask(row.from_file() ? fmt::format("file of the {}", row.file) : "size along x, y, z",
+                    row.from_file() ? "" : "40 x 10 x 4 mm");
       if (modulus.empty()) modulus = ask("Young's modulus", scene.modulus);
     }
     if (!modulus.empty()) scene.modulus = modulus;

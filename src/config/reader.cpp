@@ -301,7 +301,10 @@ const std::vector<int>& Reader::mesh_set() const {
     names.push_back(known);
     if (in_small_letters(known) == in_small_letters(name)) alike.push_back(known);
   }
-  if (names.empty()) fail("the body has no sets: only a `mesh` may, and its file names none");
+  if (names.empty())
+    fail(
+        "the body has no sets: a `mesh` has those that its file names, and an `image` of cells or a lattice its "
+        "labels");
   if (file_->sets.contains(name)) return file_->sets.at(name);
   if (alike.size() != 1) fail("the mesh has no set '" + name + "'" + suggestion(name, names));
   return file_->sets.at(alike[0]);

@@ -8,12 +8,14 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <limits>
 #include <map>
 #include <span>
 #include <vector>
 
 #include "elastin/core/base/error.h"
 #include "elastin/core/base/text.h"
+#include "elastin/core/base/units.h"
 #include "mesh/text_file.h"
 
 namespace elastin::mesh {
@@ -96,7 +98,8 @@ T number_at(const char* data, bool swapped) {
 /// One image file, and the file with its data.
 class ImageReader {
  public:
-  explicit ImageReader(const std::string& path) : path_(path) {}
+  ImageReader(const std::string& path, const std::function<void(const ImageGrid&)>& check)
+      : path_(path), check_(check) {}
   Image read_nifti();
   Image read_nrrd();
   Image read_meta();
@@ -116,40 +119,54 @@ class ImageReader {
   std::string beside(const std::string& name) const {
     return name.starts_with('/') ? name : path_.substr(0, path_.rfind('/') + 1) + name;
   }
-  std::string unpacked(std::string_view packed, std::size_t most) const;
+  std::string unpacked(std::string_view packed, std::size_t wanted, bool whole = true) const;
   Number number_named(std::span<const NumberName> table, const std::string& name) const;
   std::vector<double> numbers(const std::string& text, const std::string& key) const;
   double count(const std::string& text, const std::string& key) const;
   std::vector<std::size_t> sizes(const std::string& text, const std::string& key) const;
+  /// Of `"mm" "mm" "mm"` [m]; 0: none that is known.
+  double unit_of(const std::string& text, const std::string& key) const;
   void set_size(Image& image, std::vector<std::size_t> sizes) const;
   std::size_t data_bytes(const Image& image) const { return image.voxels() * bytes_of(image.number); }
   void set_data(Image& image, std::string_view bytes) const;
   void set_text(Image& image, std::string_view text) const;
 
+  /// Of a header that is read, before its data.
+  void check(const Image& image) const;
+
   std::string path_;
+  const std::function<void(const ImageGrid&)>& check_;
 };
 
-/// What gzip or zlib has packed, at most `most` bytes of it; memory grows with what comes out.
-std::string ImageReader::unpacked(std::string_view packed, std::size_t most) const {
+/// The first `wanted` bytes of what gzip or zlib has packed; memory grows with what comes out. Of the `whole` of it the
+/// checksum is compared, and what more is packed comes along, up to as much again, so that its size can be checked.
+std::string ImageReader::unpacked(std::string_view packed, std::size_t wanted, bool whole) const {
   std::string result;
   z_stream stream{};
   constexpr int any_header = 15 + 32;  // zlib.h: inflateInit2
   if (inflateInit2(&stream, any_header) != Z_OK) fail("zlib cannot start");
   stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(packed.data()));
-  stream.avail_in = static_cast<uInt>(std::min<std::size_t>(packed.size(), UINT32_MAX));
+  const std::size_t most = whole ? 2 * wanted + 1 : wanted;
   int code = Z_OK;
+  bool again = false;  // several may stand one after the other
   while (code == Z_OK && result.size() < most) {
+    const auto used = static_cast<std::size_t>(reinterpret_cast<const char*>(stream.next_in) - packed.data());
+    stream.avail_in = static_cast<uInt>(std::min<std::size_t>(packed.size() - used, UINT32_MAX));
     const std::size_t before = result.size(), more = std::min<std::size_t>(most - before, 1 << 20);
     result.resize(before + more);
     stream.next_out = reinterpret_cast<Bytef*>(result.data() + before);
     stream.avail_out = static_cast<uInt>(more);
     code = inflate(&stream, Z_NO_FLUSH);
     result.resize(before + more - stream.avail_out);
-    if (code == Z_STREAM_END && stream.avail_in > 0 && inflateReset(&stream) == Z_OK) code = Z_OK;
+    if (again && code < 0 && stream.total_out == 0)
+      code = Z_STREAM_END;  // padding, which gzip ignores
+    else if (code == Z_STREAM_END && stream.avail_in > 0 && result.size() < wanted && inflateReset(&stream) == Z_OK)
+      code = Z_OK, again = true;
   }
+  const std::string reason = stream.msg ? std::string(" (") + stream.msg + ")" : "";
   inflateEnd(&stream);
-  if (result.size() < most && code != Z_STREAM_END)
-    fail("its packed data end early or are damaged, after " + std::to_string(result.size()) +
+  if (code != Z_STREAM_END && (code != Z_OK || result.size() < wanted))
+    fail("its packed data end early or are damaged" + reason + ", after " + std::to_string(result.size()) +
          " bytes; copy the file again");
   return result;
 }
@@ -157,7 +174,10 @@ std::string ImageReader::unpacked(std::string_view packed, std::size_t most) con
 Number ImageReader::number_named(std::span<const NumberName> table, const std::string& name) const {
   for (const NumberName& row : table)
     if (row.name == name) return row.number;
-  fail("has numbers of type '" + name + "'; needed: one integer or real number a voxel");
+  std::vector<std::string> read;  // the first name of each
+  for (const NumberName& row : table)
+    if (&row == table.data() || (&row)[-1].number != row.number) read.push_back(row.name);
+  fail("has numbers of type '" + name + "'; those that are read: " + listed(read));
 }
 
 std::vector<double> ImageReader::numbers(const std::string& text, const std::string& key) const {
@@ -203,9 +223,19 @@ void ImageReader::set_size(Image& image, std::vector<std::size_t> sizes) const {
   image.strides = {1, sizes[0], sizes[0] * sizes[1]};
 }
 
+void ImageReader::check(const Image& image) const {
+  const double volume = image.steps.determinant(), sides = image.steps.colwise().norm().prod();
+  if (!image.steps.allFinite() || !image.origin.allFinite() || !(std::abs(volume) > 1e-6 * sides))
+    fail("its voxels have no volume: spacings and directions must be finite, not zero and not in one plane");
+  if (!std::isfinite(image.slope) || !std::isfinite(image.intercept)) fail("its scale of values is not finite");
+  if (check_) check_(image);
+}
+
 void ImageReader::set_data(Image& image, std::string_view bytes) const {
   const std::size_t needed = data_bytes(image);
-  if (bytes.size() < needed)
+  // Some programs pad files; a header that is wrong misses a slice or more.
+  const std::size_t slice = needed / static_cast<std::size_t>(image.size[2]);
+  if (bytes.size() < needed || bytes.size() - needed >= slice)
     fail("has " + std::to_string(bytes.size()) + " bytes of data; its header says " + std::to_string(image.size[0]) +
          " x " + std::to_string(image.size[1]) + " x " + std::to_string(image.size[2]) + " voxels, " +
          std::to_string(needed) + " bytes");
@@ -225,7 +255,7 @@ Image ImageReader::read_nifti() {
   std::string file = load(path_);
   const bool packed = file.size() > 2 && file[0] == '\x1f' && file[1] == '\x8b';
   constexpr std::size_t header_bytes = 540;
-  std::string header = packed ? unpacked(file, header_bytes) : file.substr(0, header_bytes);
+  std::string header = packed ? unpacked(file, header_bytes, false) : file.substr(0, header_bytes);
   if (header.size() < 348) fail("is no NIfTI image: its header of 348 bytes is cut");
   Image image;
   const auto first = number_at<std::int32_t>(header.data(), false);
@@ -260,7 +290,7 @@ Image ImageReader::read_nifti() {
       std::find_if(std::begin(kNifti), std::end(kNifti), [&](const auto& own) { return own.code == code; });
   if (row == std::end(kNifti))
     fail("has NIfTI's data type " + std::to_string(code) + (code == 128 || code == 2304 ? " (colours)" : "") +
-         "; needed: one integer or real number a voxel");
+         "; those that are read: 2, 4, 8, 256, 512, 768, 1024, 1280 (integers), 16, 64 (real numbers)");
   image.number = row->number;
   if (const double slope = real(112, 176); slope != 0 && std::isfinite(slope)) {
     image.slope = slope;
@@ -299,6 +329,7 @@ Image ImageReader::read_nifti() {
   if (!(offset >= 0) || offset > 1e9) fail("its header says that data begin at byte " + number(offset));
   const std::size_t begin = single ? std::max(static_cast<std::size_t>(offset), static_cast<std::size_t>(length))
                                    : static_cast<std::size_t>(offset);
+  check(image);
   std::string own = std::move(file);
   bool own_packed = packed;
   if (!single) {
@@ -317,10 +348,56 @@ std::string trimmed(std::string_view text) {
   return first == std::string_view::npos ? "" : std::string(text.substr(first, last - first + 1));
 }
 
+double ImageReader::unit_of(const std::string& text, const std::string& key) const {
+  std::vector<std::string> names;  // in quotes
+  for (std::size_t at = text.find('"'); at != std::string::npos && names.size() < 3;) {
+    const std::size_t end = std::min(text.find('"', at + 1), text.size());
+    names.push_back(trimmed(text.substr(at + 1, end - at - 1)));
+    at = text.find('"', end + 1);
+  }
+  if (names.empty() || names[0].empty()) return 0;
+  for (const std::string& name : names)
+    if (name != names[0]) fail("its '" + key + "' are " + text + "; needed: the same along all axes");
+  try {
+    return parse_quantity("1 " + names[0], dimension::length).value;
+  } catch (const InputError&) {
+    return 0;  // "pixels", "???"
+  }
+}
+
+std::string small_letters(std::string text) {
+  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::tolower(c); });
+  return text;
+}
+
+/// The directions of x, y and z, both ways round: RAS is NIfTI's space.
+constexpr const char* kDirections[3][2] = {{"right", "left"}, {"anterior", "posterior"}, {"superior", "inferior"}};
+
+/// "LPS" for "left-posterior-superior" and "lps"; another text stays as it is.
+std::string space_letters(const std::string& space) {
+  std::string words, letters;
+  for (int choice = 0; choice < 8; ++choice) {
+    words.clear(), letters.clear();
+    for (int axis = 0; axis < 3; ++axis) {
+      const std::string word = kDirections[axis][choice >> axis & 1];
+      words += (axis ? "-" : "") + word;
+      letters += static_cast<char>(std::toupper(static_cast<unsigned char>(word[0])));
+    }
+    if (small_letters(space) == words || small_letters(space) == small_letters(letters)) return letters;
+  }
+  return space;
+}
+
+/// Whether an axis of a space goes against that of RAS.
+bool against_ras(const std::string& space, std::size_t axis) {
+  return space.size() == 3 && space == space_letters(space) &&
+         std::tolower(static_cast<unsigned char>(space[axis])) == kDirections[axis][1][0];
+}
+
 Image ImageReader::read_nrrd() {
   std::string file = load(path_);
   if (file.compare(0, 4, "NRRD") != 0) fail("is no NRRD image: it does not begin with NRRD");
-  std::map<std::string, std::string> fields;
+  std::map<std::string, std::string> fields, pairs;
   std::size_t at = file.find('\n');
   std::size_t data_at = file.size();
   while (at != std::string::npos && at + 1 < file.size()) {
@@ -333,8 +410,13 @@ Image ImageReader::read_nrrd() {
     }
     if (line[0] == '#') continue;
     const std::size_t colon = line.find(':');
+    if (fields["data file"].starts_with("LIST") || fields["datafile"].starts_with("LIST")) break;  // names of files
     if (colon == std::string::npos) fail("its header has a line without a colon: '" + line.substr(0, 60) + "'");
-    if (line.compare(colon, 2, ":=") != 0) fields[trimmed(line.substr(0, colon))] = trimmed(line.substr(colon + 1));
+    const std::string key = trimmed(line.substr(0, colon));
+    if (line.compare(colon, 2, ":=") == 0)
+      pairs[key] = trimmed(line.substr(colon + 2));
+    else
+      fields[small_letters(key)] = trimmed(line.substr(colon + 1));
   }
   const auto needed = [&](const std::string& key) -> const std::string& {
     const auto found = fields.find(key);
@@ -346,26 +428,36 @@ Image ImageReader::read_nrrd() {
     return found == fields.end() ? std::string() : found->second;
   };
   Image image;
-  image.number = number_named(kNrrd, needed("type"));
-  const std::vector<std::size_t> counts = sizes(needed("sizes"), "sizes");
+  image.number = number_named(kNrrd, small_letters(needed("type")));
+  std::vector<std::size_t> counts = sizes(needed("sizes"), "sizes");
   if (std::to_string(counts.size()) != needed("dimension"))
     fail("its 'dimension' is " + needed("dimension") + ", and its 'sizes' are " + std::to_string(counts.size()));
+  // An axis of one value, of a list or of times, may come first.
+  if (counts.size() == 4 && counts[0] == 1 && given("space directions").starts_with("none")) {
+    counts.erase(counts.begin());
+    fields["space directions"].erase(0, 4);
+  }
   set_size(image, counts);
-  if (bytes_of(image.number) > 1 && given("encoding") != "ascii" && given("encoding") != "text" &&
-      given("encoding") != "txt") {
-    const std::string& endian = needed("endian");
+  const std::string encoding = small_letters(needed("encoding"));
+  const bool ascii = encoding == "ascii" || encoding == "text" || encoding == "txt";
+  if (bytes_of(image.number) > 1 && !ascii) {
+    const std::string endian = small_letters(needed("endian"));
     if (endian != "little" && endian != "big") fail("its 'endian' is '" + endian + "'; needed: little or big");
     image.swapped = (endian == "big") != (std::endian::native == std::endian::big);
   }
   if (const std::string text = given("space directions"); !text.empty()) {
-    const std::vector<double> all = numbers(text, "space directions");
+    const std::vector<double> all = numbers(text.substr(0, text.find("none")), "space directions");
     if (all.size() != 9)
-      fail("its 'space directions' are " + std::to_string(all.size()) + " numbers; needed: three vectors of three");
+      fail("its 'space directions' are '" + text + "'; needed: three vectors of three finite numbers");
     image.steps = Eigen::Map<const Matrix3>(all.data());
+    const bool in_space = !given("space units").empty();
+    image.unit = in_space ? unit_of(given("space units"), "space units") : unit_of(given("units"), "units");
   } else if (const std::string spacings = given("spacings"); !spacings.empty()) {
-    const std::vector<double> all = numbers(spacings, "spacings");
-    if (all.size() < 3) fail("its 'spacings' are '" + spacings + "'; needed: three numbers");
-    image.steps = Vector3(all[0], all[1], all[2]).asDiagonal();
+    const std::vector<double> all = numbers(spacings.substr(0, small_letters(spacings).find("nan")), "spacings");
+    if (!all.empty() && all.size() < 3) fail("its 'spacings' are '" + spacings + "'; needed: three finite numbers");
+    image.has_steps = !all.empty();  // "nan": not known
+    if (image.has_steps) image.steps = Vector3(all[0], all[1], all[2]).asDiagonal();
+    image.unit = unit_of(given("units"), "units");
   } else {
     image.has_steps = false;
   }
@@ -373,9 +465,25 @@ Image ImageReader::read_nrrd() {
     const std::vector<double> all = numbers(text, "space origin");
     if (all.size() != 3) fail("its 'space origin' is '" + text + "'; needed: three numbers");
     image.origin = {all[0], all[1], all[2]};
+  } else if (given("space directions").empty()) {
+    // The outer sides of the first voxels, or their middles where samples are on nodes.       [nrrdOriginCalculate]
+    const std::string mins = given("axis mins") + given("axismins");
+    const std::vector<double> all = numbers(mins.substr(0, small_letters(mins).find("nan")), "axis mins");
+    if (!all.empty() && !image.has_steps)
+      fail("has 'axis mins' without 'spacings'; needed: both, or 'space origin' with 'space directions'");
+    std::string centers = given("centers") + given("centerings");
+    for (int axis = 0; axis < 3 && all.size() >= 3; ++axis) {
+      const bool node = centers.starts_with("node");
+      centers = trimmed(centers.substr(std::min(centers.find(' '), centers.size())));
+      image.origin[axis] = all[axis] + (node ? 0 : image.steps(axis, axis) / 2);
+    }
   }
-  const std::string space = given("space");
-  image.space = space == "left-posterior-superior" ? "LPS" : space == "right-anterior-superior" ? "RAS" : space;
+  image.space = space_letters(given("space"));
+  for (const auto& [key, value] : pairs)
+    if (const std::size_t end = key.find("_LabelValue"); key.starts_with("Segment") && end != key.npos)
+      if (const auto name = pairs.find(key.substr(0, end) + "_Name"); name != pairs.end() && !name->second.empty())
+        image.names.emplace(count(value, key), name->second);
+  check(image);
   std::string other;
   std::string_view data = std::string_view(file).substr(data_at);
   std::string name = given("data file");
@@ -390,7 +498,6 @@ Image ImageReader::read_nrrd() {
     if (const std::string text = given(key); !text.empty())
       for (double lines = count(text, key); lines > 0 && !data.empty(); --lines)
         data.remove_prefix(std::min(data.size(), std::min(data.find('\n'), data.size() - 1) + 1));
-  const std::string encoding = needed("encoding");
   double skip = 0;
   for (const char* key : {"byte skip", "byteskip"})
     if (const std::string text = given(key); !text.empty()) skip = count(text, key);
@@ -398,7 +505,7 @@ Image ImageReader::read_nrrd() {
   if (encoding == "gzip" || encoding == "gz") {
     plain = unpacked(data, data_bytes(image) + static_cast<std::size_t>(std::clamp(skip, 0., 1e9)));
     data = plain;
-  } else if (encoding == "ascii" || encoding == "text" || encoding == "txt") {
+  } else if (ascii) {
     set_text(image, data);
     return image;
   } else if (encoding != "raw") {
@@ -455,13 +562,17 @@ Image ImageReader::read_meta() {
   if (image.has_steps) spacing = three(spacings, "ElementSpacing");
   if (const std::string text = given({"TransformMatrix", "Orientation", "Rotation"}); !text.empty()) {
     const std::vector<double> all = numbers(text, "TransformMatrix");
-    if (all.size() != 9) fail("its 'TransformMatrix' has " + std::to_string(all.size()) + " numbers; needed: nine");
-    image.steps = Eigen::Map<const Matrix3>(all.data());  // an axis after the other
+    const auto axes = static_cast<Eigen::Index>(std::lround(std::sqrt(static_cast<double>(all.size()))));
+    if (axes < 3 || axes * axes != static_cast<Eigen::Index>(all.size()))
+      fail("its 'TransformMatrix' has " + std::to_string(all.size()) + " numbers; needed: nine");
+    // An axis after the other; further ones have one value, as set_size has seen.
+    image.steps = Eigen::Map<const Eigen::MatrixXd>(all.data(), axes, axes).topLeftCorner<3, 3>();
   }
   image.steps = (image.steps * spacing.asDiagonal()).eval();
   if (const std::string text = given({"Offset", "Position", "Origin"}); !text.empty())
     image.origin = three(text, "Offset");
   image.space = "LPS";
+  check(image);
   const std::string name = needed("ElementDataFile");
   if (name == "LIST" || name.find('%') != std::string::npos) fail("has its data in several files; needed: one");
   std::string other;
@@ -512,6 +623,7 @@ Image ImageReader::read_numpy() {
     image.strides = {ny * nz, nz, 1};
   }
   image.has_steps = false;
+  check(image);
   set_data(image, std::string_view(file).substr(begin + length));
   return image;
 }
@@ -562,15 +674,15 @@ double Image::at(int x, int y, int z) const {
     }
     return 0;
   };
-  return slope * value() + intercept;
+  const double own = value();
+  if (slope == 1 && intercept == 0) return own;
+  // Slope and intercept are rounded to single precision: -5 · 0.1 + 0.5 is 0, and not -7e-9.
+  constexpr double rounding = std::numeric_limits<float>::epsilon();
+  const double scaled = slope * own + intercept, whole = std::round(scaled);
+  return std::abs(scaled - whole) <= rounding * (std::abs(slope * own) + std::abs(intercept)) ? whole : scaled;
 }
 
 namespace {
-
-std::string small_letters(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::tolower(c); });
-  return text;
-}
 
 std::string gzipped(std::string_view bytes) {
   z_stream stream{};
@@ -602,7 +714,6 @@ void put(std::string& header, std::size_t at, T value) {
 
 /// `components` numbers a voxel, one component after the other.
 std::string nifti_text(const ImageGrid& grid, ImageContent content, const std::string& data) {
-  const bool mirrored = grid.space == "LPS";
   std::string header(352, '\0');
   put(header, 0, std::int32_t{348});
   const bool vectors = content == ImageContent::displacements;
@@ -624,10 +735,19 @@ std::string nifti_text(const ImageGrid& grid, ImageContent content, const std::s
     for (int column = 0; column < 4; ++column) {
       const double value = column < 3 ? grid.steps(row, column) : grid.origin[row];
       put(header, 280 + 16 * static_cast<std::size_t>(row) + 4 * static_cast<std::size_t>(column),
-          static_cast<float>(mirrored && row < 2 ? -value : value));
+          static_cast<float>(against_ras(grid.space, static_cast<std::size_t>(row)) ? -value : value));
     }
   header.replace(344, 3, "n+1");
   return header + data;
+}
+
+/// As NRRD names it: "left-posterior-superior".
+std::string space_name(const std::string& space) {
+  if (space.size() != 3 || space != space_letters(space)) return space;
+  std::string name;
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    name += std::string(axis ? "-" : "") + kDirections[axis][against_ras(space, axis) ? 1 : 0];
+  return name;
 }
 
 std::string nrrd_text(const ImageGrid& grid, ImageContent content, const std::string& data) {
@@ -638,9 +758,7 @@ std::string nrrd_text(const ImageGrid& grid, ImageContent content, const std::st
   std::string text = "NRRD0004\ntype: ";
   text += content == ImageContent::labels ? "int32" : "float";
   text += vectors ? "\ndimension: 4\n" : "\ndimension: 3\n";
-  text += grid.space == "LPS"   ? "space: left-posterior-superior\n"
-          : grid.space == "RAS" ? "space: right-anterior-superior\n"
-                                : "space dimension: 3\n";
+  text += grid.space.empty() ? "space dimension: 3\n" : "space: " + space_name(grid.space) + "\n";
   text += vectors ? "sizes: 3" : "sizes:";
   for (const int size : grid.size) text += " " + std::to_string(size);
   text += vectors ? "\nkinds: vector domain domain domain\nspace directions: none" : "\nspace directions:";
@@ -667,27 +785,19 @@ std::string image_text(const std::string& path, const ImageGrid& grid, ImageCont
       put(data, 4 * i, values[i]);
     else  // one component after the other
       put(data, 4 * (i / components + i % components * voxels),
-          grid.space == "LPS" && components == 3 && i % 3 < 2 ? -values[i] : values[i]);
+          components == 3 && against_ras(grid.space, i % 3) ? -values[i] : values[i]);
   }
   if (nrrd) return nrrd_text(grid, content, data);
   const std::string text = nifti_text(grid, content, data);
   return packed ? gzipped(text) : text;
 }
 
-Image load_image(const std::string& path) {
+Image load_image(const std::string& path, const std::function<void(const ImageGrid&)>& check) {
   const std::string name = small_letters(path);
   for (const ImageFormat& format : kFormats)
     if (name.ends_with(format.ending)) {
-      ImageReader reader(path);
-      Image image = (reader.*format.read)();
-      const double volume = image.steps.determinant(), sides = image.steps.colwise().norm().prod();
-      if (!image.steps.allFinite() || !image.origin.allFinite() || !(std::abs(volume) > 1e-6 * sides))
-        throw InputError(
-            path +
-            ": its voxels have no volume: spacings and directions must be finite, not zero and not in one plane");
-      if (!std::isfinite(image.slope) || !std::isfinite(image.intercept))
-        throw InputError(path + ": its scale of values is not finite");
-      return image;
+      ImageReader reader(path, check);
+      return (reader.*format.read)();
     }
   throw InputError(path + ": is no image that is read: " + image_endings());
 }

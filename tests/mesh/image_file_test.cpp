@@ -184,6 +184,57 @@ TEST_CASE("image: numbers of every type, and scaled ones", "[image]") {
   CHECK(load_image(write("s.nii", scaled.header + numbers<std::int16_t>())).at(1, 1, 1) == 2 * 111 - 3);
 }
 
+TEST_CASE("image: scaled values are whole numbers but for the rounding of their scale", "[image]") {
+  Nifti scaled(4);
+  scaled.put(112, 0.1F);
+  scaled.put(116, 0.5F);
+  std::string bytes;
+  for (int value = -5; value < 19; ++value) bytes += bytes_of(static_cast<std::int16_t>(value == 18 ? 29995 : value));
+  const Image image = load_image(write("w.nii", scaled.header + bytes));
+  CHECK(image.at(0, 0, 0) == 0);
+  CHECK(image.at(1, 3, 0) == 1);
+  CHECK(image.at(1, 2, 1) == Approx(1.9));
+  CHECK(image.at(2, 3, 1) == 3000);
+}
+
+TEST_CASE("image: every space is written back, and as RAS to NIfTI", "[image]") {
+  const std::string nrrd =
+      "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 3 4 2\nspace directions: (1,0,0) (0,2,0) (0,0,3)\n"
+      "space origin: (5,6,7)\nencoding: raw\n";
+  struct Case {
+    std::string space, letters, name;
+    Vector3 signs;
+  };
+  for (const Case& own : {Case{"right-anterior-superior", "RAS", "right-anterior-superior", {1, 1, 1}},
+                          {"RAS", "RAS", "right-anterior-superior", {1, 1, 1}},
+                          {"left-anterior-superior", "LAS", "left-anterior-superior", {-1, 1, 1}},
+                          {"LAS", "LAS", "left-anterior-superior", {-1, 1, 1}},
+                          {"left-posterior-superior", "LPS", "left-posterior-superior", {-1, -1, 1}},
+                          {"RPS", "RPS", "right-posterior-superior", {1, -1, 1}},
+                          {"left-posterior-inferior", "LPI", "left-posterior-inferior", {-1, -1, -1}},
+                          {"scanner-xyz", "scanner-xyz", "scanner-xyz", {1, 1, 1}},
+                          {"", "", "", {1, 1, 1}}}) {
+    INFO(own.space);
+    const std::string space = own.space.empty() ? "" : "space: " + own.space + "\n";
+    const Image image = load_image(write("space.nrrd", nrrd + space + "\n" + numbers<std::uint8_t>()));
+    CHECK(image.space == own.letters);
+    const std::vector<float> vectors(3 * 24, 1);
+    const auto text = image_text("out.nii", image, ImageContent::displacements, vectors);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      float vector = 0;
+      std::memcpy(&vector, text.data() + 352 + 4 * 24 * axis, 4);
+      CHECK(vector == own.signs[static_cast<int>(axis)]);
+    }
+    const std::vector<float> labels(24, 1);
+    const Image nifti = load_image(write("out.nii", image_text("out.nii", image, ImageContent::labels, labels)));
+    CHECK(nifti.origin == own.signs.cwiseProduct(image.origin));
+    CHECK(nifti.steps == own.signs.asDiagonal() * image.steps);
+    const auto written = image_text("out.nrrd", image, ImageContent::labels, labels);
+    CHECK((written.find("\nspace: " + own.name + "\n") != std::string::npos) == !own.name.empty());
+    CHECK(load_image(write("out.nrrd", written)).space == own.letters);
+  }
+}
+
 TEST_CASE("image: what is broken or odd is named", "[image]") {
   const std::string raw = numbers<std::int16_t>();
   const auto nifti = [&](auto change) {
@@ -194,6 +245,10 @@ TEST_CASE("image: what is broken or odd is named", "[image]") {
   const std::string nrrd = "NRRD0004\ntype: short\ndimension: 3\nsizes: 3 4 2\nspacings: 1 2 3\nendian: little\n";
   const std::string meta = "NDims = 3\nDimSize = 3 4 2\nElementType = MET_SHORT\nElementSpacing = 1 2 3\n";
   const std::string gzip = packed(nifti([](Nifti&) {}));
+  const auto turned_at = [](std::string bytes, std::size_t at) {
+    bytes[at] = static_cast<char>(~bytes[at]);
+    return bytes;
+  };
   const auto npy = [](const std::string& text) {
     return std::string("\x93NUMPY\x01\x00", 8) + bytes_of(static_cast<std::uint16_t>(text.size())) + text;
   };
@@ -227,8 +282,15 @@ TEST_CASE("image: what is broken or odd is named", "[image]") {
            {"e18.nii.gz", gzip.substr(0, 12), "packed data"},
            {"e19.hdr", nifti([](Nifti& n) { n.header.replace(344, 3, "ni1"); }), "cannot open"},
            {"e20.nii", nifti([](Nifti& n) { n.put(112, 1.F), n.put(116, INFINITY); }), "not finite"},
+           {"e21.nii.gz", turned_at(gzip, gzip.size() - 8), "incorrect data check"},
+           {"e22.nii.gz", gzip.substr(0, gzip.size() - 8), "packed data end early"},
+           {"e23.nii", nifti([](Nifti&) {}) + raw, "has 96 bytes of data; its header says 3 x 4 x 2 voxels, 48 bytes"},
+           {"e24.nii.gz", packed(nifti([](Nifti&) {}) + raw), "has 96 bytes of data"},
            {"f1.nrrd", "PNG", "begin with NRRD"},
            {"f2.nrrd", nrrd + "encoding: raw\n\n" + raw.substr(1), "bytes of data"},
+           {"f18.nrrd", nrrd + "encoding: raw\n\n" + raw + raw, "has 96 bytes of data"},
+           {"f19.nrrd", nrrd + "encoding: gzip\n\n" + packed(raw + raw), "has 96 bytes of data"},
+           {"f20.nrrd", nrrd + "encoding: gzip\n\n" + turned_at(packed(raw), packed(raw).size() - 5), "data check"},
            {"f3.nrrd", nrrd + "encoding: bzip2\n\n" + raw, "bzip2"},
            {"f4.nrrd", nrrd + "\n" + raw, "'encoding'"},
            {"f5.nrrd", "NRRD0004\ntype: block\ndimension: 3\nsizes: 3 4 2\nencoding: raw\n\n" + raw, "block"},
@@ -247,31 +309,103 @@ TEST_CASE("image: what is broken or odd is named", "[image]") {
             "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 3 4 2\nspace directions: none (1,0,0) (0,1,0) "
             "(0,0,1)\nencoding: raw\n\n" +
                 raw,
-            "no finite number"},
-           {"f14.nhdr", nrrd + "encoding: raw\ndata file: LIST\n", "several files"},
+            "three vectors of three finite numbers"},
+           {"f14.nhdr", nrrd + "encoding: raw\ndata file: LIST\na.raw\nb.raw\n", "several files"},
+           {"f21.nrrd",
+            "NRRD0004\ntype: short\ndimension: 3\nsizes: 3 4 2\nspacings: 1 2 3\nunits: \"mm\" \"mm\" \"cm\"\nendian: "
+            "little\nencoding: raw\n\n" +
+                raw,
+            "needed: the same along all axes"},
+           {"f22.nrrd",
+            "NRRD0004\ntype: short\ndimension: 3\nsizes: 3 4 2\naxis mins: 1 2 3\nendian: little\nencoding: raw\n\n" +
+                raw,
+            "'axis mins' without 'spacings'"},
            {"f15.nhdr", nrrd + "encoding: raw\ndata file: missing.raw\n", "cannot open"},
            {"f16.nrrd", nrrd + "encoding: raw\nline skip: 1e300\n\n" + raw, "bytes of data"},
            {"f17.nrrd", nrrd + "encoding: raw\nbyte skip: ()\n\n" + raw, "'byte skip'"},
            {"g1.mhd", "no header", "MetaImage"},
            {"g0.mha", meta + "HeaderSize = 1e300\nElementDataFile = LOCAL\n" + raw, "bytes of data"},
            {"g2.mha", meta + "ElementDataFile = LOCAL\n" + raw.substr(2), "bytes of data"},
+           {"g7.mha", meta + "ElementDataFile = LOCAL\n" + raw + raw, "has 96 bytes of data"},
            {"g3.mha", meta + "ElementNumberOfChannels = 3\nElementDataFile = LOCAL\n" + raw, "3 numbers a voxel"},
            {"g4.mha", meta, "'ElementDataFile'"},
            {"g5.mha", "DimSize = 3 4 2\nElementType = MET_SHORT_ARRAY\nElementDataFile = LOCAL\n" + raw,
             "MET_SHORT_ARRAY"},
+           {"g8.mha", "DimSize = 3 4 2\nElementType = MET_LONG\nElementDataFile = LOCAL\n" + raw,
+            "'MET_LONG'; those that are read: MET_CHAR, MET_UCHAR"},
+           {"g9.mha", meta + "TransformMatrix = 1 0 0 0 1\nElementDataFile = LOCAL\n" + raw, "has 5 numbers"},
            {"g6.mha", meta + "TransformMatrix = 1 0 0 1 0 0 0 0 1\nElementDataFile = LOCAL\n" + raw, "no volume"},
            {"h1.npy", "abc", "NumPy"},
            {"h2.npy", npy("{'descr': '<i2', 'fortran_order': False, 'shape': (3, 4, 2, 3), }") + raw, "4 dimensions"},
            {"h3.npy", npy("{'descr': '<c8', 'fortran_order': False, 'shape': (3, 4, 2), }") + raw, "c8"},
+           {"h7.npy", npy("{'descr': '<f2', 'fortran_order': False, 'shape': (3, 4, 2), }") + raw,
+            "'f2'; those that are read: i1, u1, i2, u2"},
            {"h4.npy", npy("{'descr': [('a', '<i2')], 'fortran_order': False, 'shape': (3, 4, 2), }") + raw, "records"},
            {"h5.npy", npy("{'descr': '<i2', 'fortran_order': False, 'shape': (1000, 1000, 1000), }") + raw,
             "bytes of data"},
+           {"h6.npy", npy("{'descr': '<i2', 'fortran_order': True, 'shape': (3, 4, 2), }") + raw + raw, "has 96 bytes"},
            {"i.png", "", "is no image that is read"},
        }) {
     const std::string path = write(own.name, own.bytes), message = message_of(path);
     INFO(own.name << ": " << message);
     CHECK(message.find(own.name) != std::string::npos);
     CHECK(message.find(own.message) != std::string::npos);
+  }
+}
+
+TEST_CASE("image: files may be padded, and packed in several pieces", "[image]") {
+  const std::string raw = numbers<std::int16_t>(), bytes = Nifti(4).header + raw;
+  check_values(load_image(write("p1.nii", bytes + std::string(16, '\0'))));
+  check_values(load_image(write("p2.nii.gz", packed(bytes) + std::string(512, '\0'))));
+  check_values(load_image(write("p3.nii.gz", packed(bytes.substr(0, 370)) + packed(bytes.substr(370)))));
+}
+
+TEST_CASE("image: units and origins of NRRD", "[image]") {
+  const auto image_of = [](const std::string& fields) {
+    return load_image(write("u.nrrd", "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 3 4 2\nencoding: raw\n" + fields +
+                                          "\n\n" + numbers<std::uint8_t>()));
+  };
+  const std::string space = "space: RAS\nspace directions: (1,0,0) (0,2,0) (0,0,3)\n", plain = "spacings: 1 2 3\n";
+  CHECK(image_of(space + "space units: \"um\" \"um\" \"um\"").unit == Approx(1e-6));
+  CHECK(image_of(space + "space units: \"pixel\" \"pixel\" \"pixel\"").unit == 0);
+  CHECK(image_of(space).unit == 0);
+  CHECK(image_of(plain + "units: \"cm\" \"cm\" \"cm\"").unit == Approx(1e-2));
+  CHECK(image_of(space + "units: \"cm\" \"cm\" \"cm\"").unit == Approx(1e-2));
+  CHECK(image_of("Spacings: 1 2 3\nUnits: \"m\" \"m\" \"m\"").unit == 1);  // fields in any letters
+  CHECK(image_of(plain + "axis mins: 10 20 30").origin == Vector3(10.5, 21, 31.5));
+  CHECK(image_of(plain + "axis mins: 10 20 30\ncenters: cell node node").origin == Vector3(10.5, 20, 30));
+  CHECK(image_of(plain + "axis mins: nan nan nan").origin == Vector3::Zero());
+  CHECK(!image_of("spacings: nan nan nan").has_steps);
+}
+
+TEST_CASE("image: a fourth axis of one value counts for nothing", "[image]") {
+  const std::string raw = numbers<std::uint8_t>();
+  const std::string nrrd = "NRRD0004\ntype: uchar\ndimension: 4\nencoding: raw\n";
+  for (const std::string fields :
+       {"sizes: 3 4 2 1\nspace directions: (1,0,0) (0,2,0) (0,0,3) none\n",
+        "sizes: 1 3 4 2\nspace directions: none (1,0,0) (0,2,0) (0,0,3)\n", "sizes: 3 4 2 1\nspacings: 1 2 3 nan\n"}) {
+    INFO(fields);
+    const Image image = load_image(write("four.nrrd", nrrd + fields + "\n" + raw));
+    check_values(image);
+    CHECK(image.steps.diagonal() == Vector3(1, 2, 3));
+  }
+  const Image meta = load_image(
+      write("four.mha",
+            "NDims = 4\nDimSize = 3 4 2 1\nElementType = MET_UCHAR\nElementSpacing = 1 2 3 1\nOffset = 5 6 7 0\n"
+            "TransformMatrix = 0 1 0 0 -1 0 0 0 0 0 1 0 0 0 0 1\nElementDataFile = LOCAL\n" +
+                raw));
+  check_values(meta);
+  CHECK(meta.steps.col(0) == Vector3(0, 1, 0));
+  CHECK(meta.steps.col(1) == Vector3(-2, 0, 0));
+}
+
+TEST_CASE("image: a header is checked before its data are read", "[image]") {
+  for (const std::string name : {"c.nii", "c.nii.gz"}) {
+    Nifti own(64);
+    for (const std::size_t axis : {42, 44, 46}) own.put(axis, std::int16_t{1000});
+    const std::string path = write(name, name == "c.nii" ? own.header : packed(own.header));
+    CHECK_THROWS_WITH(load_image(path, [](const ImageGrid& grid) { throw InputError(std::to_string(grid.voxels())); }),
+                      "1000000000");
   }
 }
 

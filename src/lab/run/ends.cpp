@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <tuple>
 
 #include "core/base/dense.h"
 #include "elastin/core/base/error.h"
@@ -21,7 +22,6 @@ constexpr double kLargestHeight = 0.02;  ///< of the length, by which an end may
 constexpr double kSameArea = 0.01;  ///< relative difference of a plane end from its section that is not worth a note
 
 std::string in_mm(double metres) { return number(1e3 * metres, 3) + " mm"; }
-std::string in_mm2(double area) { return number(1e6 * area, 4) + " mm2"; }
 
 /// Lowest and highest of some molecules along a direction, of all processes.
 std::pair<double, double> heights_of(const Body& body, const std::vector<int>& molecules, const Vector3& direction) {
@@ -72,6 +72,13 @@ double sufficient_depth(const Body& body, const Vector3& direction) {
 }
 
 }  // namespace
+
+std::string area_text(double area) {
+  if (!(area > 0)) return number(area) + " mm2";
+  for (const auto& [unit, name, least] : {std::tuple{1., "m2", 1.}, {1e-6, "mm2", 1e-9}, {1e-12, "um2", 1e-15}})
+    if (area >= least) return number(area / unit, 4) + " " + name;
+  return number(area / 1e-18, 4) + " nm2";
+}
 
 Vector3 longest_axis(const Body& body) {
   const Vector3 middle = middle_of_whole(body);
@@ -127,7 +134,7 @@ void EndFinder::judge_solid(const std::string& name, const Vector3& direction, b
   const auto [bottom, top] = heights_of(body_, face.molecules, direction);
   const double section = section_behind(body_, direction, low, high, bottom), count = count_of(body_, face.molecules);
   const std::string held = "the " + name + " end holds " + counted(static_cast<int>(count), "molecule") + " on " +
-                           in_mm2(face.area) + " of a section of " + in_mm2(section);
+                           area_text(face.area) + " of a section of " + area_text(section);
   if (count < 3 || !(face.area >= kLeastShare * section)) {
     const double depth = sufficient_depth(body_, direction);
     const std::string better = (std::isfinite(depth) ? "write grip_depth: " + in_mm(depth) + ", or " : "") +
@@ -162,7 +169,7 @@ void EndFinder::judge_molecules(const std::string& name, const Vector3& directio
   if (face.area >= kLeastShare * whole) return;
   findings.warnings.push_back(
       "the " + name + " end holds " + counted(static_cast<int>(count_of(body_, face.molecules)), "molecule") + " on " +
-      in_mm2(face.area) + " of the hull's " + in_mm2(whole) + (grip_depth_ > 0 ? "" : ": give a grip_depth"));
+      area_text(face.area) + " of the hull's " + area_text(whole) + (grip_depth_ > 0 ? "" : ": give a grip_depth"));
 }
 
 Points2 hull_of_section(const Body& body, const Face& fixed, const Eigen::Matrix<double, 3, 2>& plane) {

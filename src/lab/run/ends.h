@@ -19,6 +19,9 @@ struct GripSetup {
 /// where it extends as far along another one, to 1 %.
 Vector3 longest_axis(const Body& body);
 
+/// "265.1 mm2": four digits, in the unit that keeps them readable, of an area [m²].
+std::string area_text(double area);
+
 /// Finds the ends of a body, looks at what it caught, and keeps what is to be said of that.
 class EndFinder {
  public:

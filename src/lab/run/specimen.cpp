@@ -217,6 +217,9 @@ std::optional<ElasticTerms> make_elasticity(const Specimen& specimen, const Expe
   note_negative_constants(specimen.body, run);
   if (has_curve(specimen) && !specimen.material.law && !choice.strategy.follows_curve)
     run.warnings.push_back("does not follow the material's curve: it takes its slope at no strain alone");
+  if (specimen.material.field && choice.strategy.kind != StrategyKind::cell_law)
+    run.warnings.push_back(
+        "has the material's own Poisson's ratio everywhere: one by label or place is for laws of cells");
   return elasticity;
 }
 

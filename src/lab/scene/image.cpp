@@ -1,4 +1,4 @@
-#include "mesh/image_file.h"
+#include "mesh/image_values.h"
 
 #include <fmt/format.h>
 
@@ -39,7 +39,7 @@ struct ImageSetup : MeshFile, CellOrder {
   std::vector<Label> labels;
   std::optional<Reader> labels_place;
   std::optional<double> threshold, spacing, smoothing;
-  std::optional<Reader> smoothing_place;
+  std::optional<Reader> smoothing_place, spacing_place, threshold_place, from_place, to_place;
   std::optional<Vector3> voxel_size, from, to;
   ImageCells as = ImageCells::hexahedra;
   int ends = -1;  ///< axis of the image
@@ -87,10 +87,74 @@ void read_labels(const Reader& value, ImageSetup& setup) {
     for (Label& label : setup.labels)
       if (label.material && !setup.parts) label = numbers.read(Reader(*label.material), {}, Label(label));
   }
+  for (std::size_t i = 0; i < setup.labels.size(); ++i)
+    for (std::size_t other = 0; other < i; ++other)
+      if (setup.labels[i].number == setup.labels[other].number)
+        value.fail("names the label " + number(setup.labels[i].number) + " twice");
   if (setup.labels.empty()) value.fail("names no label; leave it out where every voxel that is not 0 is body");
 }
 
-/// Boxes of voxels, as far as they are body.
+/// Voxels along each axis of an image: from `first` to before `last`.
+struct VoxelRange {
+  std::array<int, 3> first{}, last{};
+};
+
+/// Where `from` and `to` may leave voxels.
+VoxelRange cropped(const mesh::ImageGrid& grid, const ImageSetup& setup) {
+  VoxelRange range{{}, grid.size};
+  if (!setup.from && !setup.to) return range;
+  const Vector3 size(grid.size[0], grid.size[1], grid.size[2]);
+  const auto corner = [](int c, const Vector3& low, const Vector3& high) {
+    return Vector3(c & 1 ? high[0] : low[0], c & 2 ? high[1] : low[1], c & 4 ? high[2] : low[2]);
+  };
+  Vector3 low = Vector3::Constant(std::numeric_limits<double>::infinity()), high = -low;
+  for (int c = 0; c < 8; ++c) {
+    const Vector3 place = grid.origin + grid.steps * corner(c, Vector3::Zero(), size - Vector3::Ones());
+    low = low.cwiseMin(place), high = high.cwiseMax(place);
+  }
+  if (setup.from) low = low.cwiseMax(*setup.from / setup.length_unit);
+  if (setup.to) high = high.cwiseMin(*setup.to / setup.length_unit);
+  Vector3 least = size, most = -size;
+  for (int c = 0; c < 8; ++c) {
+    const Vector3 voxel = grid.steps.inverse() * (corner(c, low, high) - grid.origin);
+    least = least.cwiseMin(voxel), most = most.cwiseMax(voxel);
+  }
+  for (int axis = 0; axis < 3; ++axis) {  // a voxel more than rounding could take
+    range.first[axis] = static_cast<int>(std::clamp(std::floor(least[axis] - 0.5), 0., size[axis]));
+    range.last[axis] = static_cast<int>(std::clamp(std::ceil(most[axis] + 1.5), 0., size[axis]));
+  }
+  return range;
+}
+
+/// Voxels of a box along each axis.
+std::array<int, 3> voxels_of_box(const mesh::ImageGrid& grid, const ImageSetup& setup) {
+  std::array<int, 3> voxels{1, 1, 1};
+  for (int axis = 0; axis < 3 && setup.spacing; ++axis) {
+    const double step = setup.length_unit * grid.steps.col(axis).norm();
+    voxels[axis] = std::clamp(static_cast<int>(std::lround(std::min(1e6, *setup.spacing / step))), 1, grid.size[axis]);
+  }
+  return voxels;
+}
+
+/// Throws InputError where an image would make more boxes than memory has room for, before its data are read.
+void check_boxes(const mesh::ImageGrid& grid, const ImageSetup& setup) {
+  constexpr double most = 3e8;  // some 5 GB of memory
+  const VoxelRange range = cropped(grid, setup);
+  const std::array<int, 3> voxels = voxels_of_box(grid, setup);
+  double boxes = 1;
+  for (int axis = 0; axis < 3; ++axis)
+    boxes *= std::max(1., std::floor((range.last[axis] - range.first[axis]) / double(voxels[axis])));
+  const bool all = setup.smoothing || setup.close;  // these work on voxels
+  if (std::max(boxes, all ? static_cast<double>(grid.voxels()) : 0.) > most)
+    setup.file->fail(fmt::format(
+        "makes {:.3g} boxes of {:.3g} voxels; at most {:.3g} are read{}: cut the image to the "
+        "body, or write `from` and `to` or a larger `spacing`",
+        boxes, static_cast<double>(grid.voxels()), most, all ? ", of either with `smoothing` or `holes: close`" : ""));
+}
+
+/// Boxes of voxels, as far as they are body. They begin where the body begins, and end where it ends: its outermost
+/// voxels along each axis lie on outer sides of boxes, the last of which is from half to one and a half times as long
+/// as the others.
 class Boxes {
  public:
   Boxes(const mesh::Image& image, const ImageSetup& setup, ShapeContext& context);
@@ -139,18 +203,58 @@ class Boxes {
   /// Of a voxel; −1: not body.
   int label_of(int x, int y, int z) const;
   int label_of(double value) const;
+  double value_of(int x, int y, int z) const { return image_.at(before_hole(x, y, z), y, z); }
+  /// The voxel itself, or of a closed hole the one before it along x.
+  int before_hole(int x, int y, int z) const {
+    while (!closed_.empty() && closed_[voxel(x, y, z)]) --x;
+    return x;
+  }
+  /// Visits the voxels in range_.
+  template <class Visit>
+  void for_voxels(const Visit& visit) const {
+    for (int z = range_.first[2]; z < range_.last[2]; ++z)
+      for (int y = range_.first[1]; y < range_.last[1]; ++y)
+        for (int x = range_.first[0]; x < range_.last[0]; ++x) visit(x, y, z);
+  }
+  std::size_t box_with(int x, int y, int z) const { return index(box_of_[0][x], box_of_[1][y], box_of_[2][z]); }
+  /// Voxels of a box along an axis.
+  int length(int axis, int box) const { return planes_[axis][box + 1] - planes_[axis][box]; }
   void smooth();
   std::vector<float> blurred(const std::vector<std::int16_t>& labels, int label) const;
+  void find_outline();
+  /// Takes voxels for which `is_kept` is false out of the body.
+  template <class Kept>
+  void keep(const Kept& is_kept) {
+    std::vector<std::int16_t> labels(image_.voxels(), -1);
+    for_voxels([&](int x, int y, int z) {
+      if (is_kept(x, y, z)) labels[voxel(x, y, z)] = static_cast<std::int16_t>(label_of(x, y, z));
+    });
+    relabelled_ = std::move(labels);
+    find_outline();
+  }
+  std::size_t spread(const std::array<int, 3>& from, bool body, std::vector<bool>& reached) const;
+  [[noreturn]] void fail_without_body() const;
+  void lay();
   void fill();
   void close_holes();
+  void keep_largest_piece();
   void find_pieces();
   void cut_ends();
+  void warn_of_rough_end(int side, const std::map<std::size_t, int>& outermost,
+                         const std::map<std::size_t, int>& next) const;
   void find_thin_places() const;
   void report() const;
   void number_corners();
   /// Of a position in boxes.
   Vector3 place(const Vector3& at) const;
   double volume(const std::array<int, 3>& at) const;
+  /// Whether the material of a label states a key of its own; constants of a law state E, too.
+  bool has_own(int label, const std::string& key) const {
+    if (!labels_[label].material) return false;
+    const std::vector<std::string> keys = labels_[label].material->keys();
+    return std::any_of(keys.begin(), keys.end(),
+                       [&](const std::string& own) { return own == key || (own == "law" && key == "youngs_modulus"); });
+  }
   double stiffness(const Box& box) const;
   void set_packing(Body& body) const;
 
@@ -159,8 +263,13 @@ class Boxes {
   ShapeContext& context_;
   bool parts_ = false;  ///< whether each label is a part: where materials differ by more than E, ν and density, and in
                         ///< tetrahedra near ν = ½, whose volumes are kept in bodies of one stiffness
+  double slack_;        ///< by which `from` and `to` may be missed: rounding [m]
+  VoxelRange range_;    ///< the outline of the body
   std::array<int, 3> voxels_{}, counts_{};  ///< voxels of a box, boxes, along each axis
-  std::vector<std::int16_t> smoothed_;      ///< labels of the voxels, x first; empty where they are the image's
+  std::array<std::vector<int>, 3> planes_;  ///< voxels before each plane between boxes, and at both ends
+  std::array<std::vector<int>, 3> box_of_;  ///< of each voxel along the axis
+  std::vector<std::int16_t> relabelled_;    ///< labels of the voxels, x first; empty where they are the image's
+  std::vector<bool> closed_;                ///< voxels of closed holes that are filled; empty without any
   std::vector<Box> boxes_;
   std::vector<Label> labels_;
   std::vector<Material> materials_;         ///< of the labels, where they are parts
@@ -171,21 +280,13 @@ class Boxes {
 };
 
 Boxes::Boxes(const mesh::Image& image, const ImageSetup& setup, ShapeContext& context)
-    : image_(image), setup_(setup), context_(context), labels_(setup.labels) {
-  for (int axis = 0; axis < 3; ++axis) {
-    const double step = setup.length_unit * image.steps.col(axis).norm();
-    voxels_[axis] = setup.spacing ? std::clamp(static_cast<int>(std::lround(std::min(1e6, *setup.spacing / step))), 1,
-                                               image.size[axis])
-                                  : 1;
-    counts_[axis] = (image.size[axis] + voxels_[axis] - 1) / voxels_[axis];
-  }
-  constexpr double most = 3e8;  // some 5 GB of memory
-  if (const double boxes = double(counts_[0]) * counts_[1] * counts_[2];
-      std::max(boxes, setup.smoothing ? static_cast<double>(image.voxels()) : 0.) > most)
-    setup.file->fail(fmt::format(
-        "makes {:.3g} boxes of {:.3g} voxels; at most {:.3g} are read{}: cut the image to the body, or "
-        "write a larger `spacing`",
-        boxes, static_cast<double>(image.voxels()), most, setup.smoothing ? ", of either with `smoothing`" : ""));
+    : image_(image),
+      setup_(setup),
+      context_(context),
+      slack_(1e-6 * setup.length_unit * image.steps.colwise().norm().minCoeff()),
+      range_(cropped(image, setup)),
+      voxels_(voxels_of_box(image, setup)),
+      labels_(setup.labels) {
   if (labels_.empty()) labels_.push_back({0, setup.threshold ? "body" : "not 0"});
   const auto nearly_incompressible = [&](const Label& label) {
     return label.poissons_ratio.value_or(context.material->poissons_ratio) > kLocking;
@@ -213,8 +314,10 @@ Boxes::Boxes(const mesh::Image& image, const ImageSetup& setup, ShapeContext& co
   if (setup.youngs_modulus) modulus_of_ = setup.youngs_modulus->of_value(dimension::pressure, kPositive);
   if (setup.density) density_of_ = setup.density->of_value(dimension::density, kPositive);
   if (setup.smoothing) smooth();
-  fill();
+  find_outline();
   if (setup.close) close_holes();
+  if (setup.largest) keep_largest_piece();
+  lay();
   find_pieces();
   cut_ends();
   find_thin_places();
@@ -223,13 +326,14 @@ Boxes::Boxes(const mesh::Image& image, const ImageSetup& setup, ShapeContext& co
 }
 
 int Boxes::label_of(int x, int y, int z) const {
+  x = before_hole(x, y, z);
   if (setup_.from || setup_.to) {
     const Vector3 place = setup_.length_unit * (image_.origin + image_.steps * Vector3(x, y, z));
-    if ((setup_.from && (place.array() < setup_.from->array()).any()) ||
-        (setup_.to && (place.array() > setup_.to->array()).any()))
+    if ((setup_.from && (place.array() < setup_.from->array() - slack_).any()) ||
+        (setup_.to && (place.array() > setup_.to->array() + slack_).any()))
       return -1;
   }
-  return smoothed_.empty() ? label_of(image_.at(x, y, z)) : smoothed_[voxel(x, y, z)];
+  return relabelled_.empty() ? label_of(image_.at(x, y, z)) : relabelled_[voxel(x, y, z)];
 }
 
 int Boxes::label_of(double value) const {
@@ -286,81 +390,173 @@ void Boxes::smooth() {
   std::vector<float> sorted = body, largest(body.size(), -1);
   std::nth_element(sorted.begin(), sorted.begin() + count - 1, sorted.end(), std::greater());
   const float least = sorted[count - 1];
-  smoothed_.assign(body.size(), -1);
+  relabelled_.assign(body.size(), -1);
   for (int label = 0; label < static_cast<int>(labels_.size()); ++label) {
     const std::vector<float> own = labels_.size() == 1 ? body : blurred(before, label);
     for (std::size_t i = 0; i < own.size(); ++i)
-      if (body[i] >= least && own[i] > largest[i]) largest[i] = own[i], smoothed_[i] = static_cast<std::int16_t>(label);
+      if (body[i] >= least && own[i] > largest[i])
+        largest[i] = own[i], relabelled_[i] = static_cast<std::int16_t>(label);
   }
   std::ptrdiff_t changed = 0, now = 0;
-  for (std::size_t i = 0; i < body.size(); ++i) changed += smoothed_[i] != before[i], now += smoothed_[i] >= 0;
+  for (std::size_t i = 0; i < body.size(); ++i) changed += relabelled_[i] != before[i], now += relabelled_[i] >= 0;
   context_.remarks.notes.push_back(fmt::format(
       "{}: smoothed over {} mm: {} of {} voxels of the body have changed, its volume is {:.4f} times as before",
       setup_.file->text(), number(1e3 * *setup_.smoothing), changed, count,
       static_cast<double>(now) / static_cast<double>(count)));
 }
 
-void Boxes::fill() {
-  boxes_.resize(static_cast<std::size_t>(counts_[0]) * static_cast<std::size_t>(counts_[1]) *
-                static_cast<std::size_t>(counts_[2]));
-  std::vector<int> counts(labels_.size());
+/// Narrows range_ to the voxels that are body.
+void Boxes::find_outline() {
+  VoxelRange outline{range_.last, range_.first};
   bool any = false;
+  for_voxels([&](int x, int y, int z) {
+    if (label_of(x, y, z) < 0) return;
+    any = true;
+    const std::array<int, 3> at{x, y, z};
+    for (int axis = 0; axis < 3; ++axis) {
+      outline.first[axis] = std::min(outline.first[axis], at[axis]);
+      outline.last[axis] = std::max(outline.last[axis], at[axis] + 1);
+    }
+  });
+  if (!any) fail_without_body();
+  range_ = outline;
+}
+
+void Boxes::fail_without_body() const {
+  std::set<double> values;
+  bool has_body = false;
+  for (int z = 0; z < image_.size[2]; ++z)
+    for (int y = 0; y < image_.size[1]; ++y)
+      for (int x = 0; x < image_.size[0]; ++x) {
+        const double value = image_.at(x, y, z);
+        has_body |= label_of(value) >= 0;
+        if (!std::isnan(value) && values.size() < 20) values.insert(value);
+      }
+  if (has_body && (setup_.from || setup_.to)) {
+    const Vector3 last(image_.size[0] - 1, image_.size[1] - 1, image_.size[2] - 1);
+    const auto text = [&](const Vector3& voxel) {
+      const Vector3 place = 1e3 * setup_.length_unit * (image_.origin + image_.steps * voxel);
+      return fmt::format("({}, {}, {}) mm", number(place[0]), number(place[1]), number(place[2]));
+    };
+    (setup_.from ? setup_.from_place : setup_.to_place)
+        ->fail(fmt::format("leaves no voxel of the body in {}, whose voxels lie from {} to {}", setup_.file->text(),
+                           text(Vector3::Zero()), text(last)));
+  }
+  std::vector<std::string> found;
+  for (const double value : values) found.push_back(number(value));
+  (setup_.labels_place      ? *setup_.labels_place
+   : setup_.threshold_place ? *setup_.threshold_place
+                            : *setup_.file)
+      .fail(fmt::format("leaves no voxel of {}; {}{}", setup_.file->text(),
+                        found.empty() ? "none of its values is a number" : "it has the values " + listed(found),
+                        values.size() < 20 ? "" : " …"));
+}
+
+/// Lays boxes over the outline, and fills them.
+void Boxes::lay() {
+  for (int axis = 0; axis < 3; ++axis) {
+    const int first = range_.first[axis], last = range_.last[axis], step = voxels_[axis];
+    std::vector<int>& planes = planes_[axis] = {first};
+    while (2 * (last - planes.back()) >= 3 * step) planes.push_back(planes.back() + step);
+    if (planes.back() < last) planes.push_back(last);
+    counts_[axis] = static_cast<int>(planes.size()) - 1;
+    box_of_[axis].assign(static_cast<std::size_t>(image_.size[axis]), 0);
+    for (int box = 0; box < counts_[axis]; ++box)
+      std::fill(box_of_[axis].begin() + planes[box], box_of_[axis].begin() + planes[box + 1], box);
+  }
+  fill();
+}
+
+void Boxes::fill() {
+  boxes_.assign(static_cast<std::size_t>(counts_[0]) * static_cast<std::size_t>(counts_[1]) *
+                    static_cast<std::size_t>(counts_[2]),
+                {});
+  std::vector<int> counts(labels_.size());
+  double fullest = 0;
   for (std::size_t number = 0; number < boxes_.size(); ++number) {
     const auto [bx, by, bz] = at(number);
     std::fill(counts.begin(), counts.end(), 0);
     int all = 0, body = 0;
     double sum = 0;
-    for (int z = bz * voxels_[2]; z < std::min((bz + 1) * voxels_[2], image_.size[2]); ++z)
-      for (int y = by * voxels_[1]; y < std::min((by + 1) * voxels_[1], image_.size[1]); ++y)
-        for (int x = bx * voxels_[0]; x < std::min((bx + 1) * voxels_[0], image_.size[0]); ++x, ++all) {
+    for (int z = planes_[2][bz]; z < planes_[2][bz + 1]; ++z)
+      for (int y = planes_[1][by]; y < planes_[1][by + 1]; ++y)
+        for (int x = planes_[0][bx]; x < planes_[0][bx + 1]; ++x, ++all) {
           const int label = label_of(x, y, z);
           if (label < 0) continue;
           ++counts[label], ++body;
-          sum += image_.at(x, y, z);
+          sum += value_of(x, y, z);
         }
     const double fraction = static_cast<double>(body) / all;
+    fullest = std::max(fullest, fraction);
     if (!(setup_.fill_fraction ? fraction >= 0.01 : fraction >= 0.5)) continue;
-    any = true;
     boxes_[number].label = static_cast<int>(std::max_element(counts.begin(), counts.end()) - counts.begin());
     boxes_[number].value = static_cast<float>(sum / body);
     if (setup_.fill_fraction) boxes_[number].fraction = static_cast<float>(fraction);
   }
-  if (any) return;
-  std::set<double> values;
-  for (int z = 0; z < image_.size[2]; ++z)
-    for (int y = 0; y < image_.size[1]; ++y)
-      for (int x = 0; x < image_.size[0] && values.size() < 20; ++x)
-        if (const double value = image_.at(x, y, z); !std::isnan(value)) values.insert(value);
-  std::vector<std::string> found;
-  for (const double value : values) found.push_back(number(value));
-  (setup_.labels_place ? *setup_.labels_place : *setup_.file)
-      .fail("leaves no voxel of the image; it has the values " + listed(found) + (values.size() < 20 ? "" : " …"));
+  if (std::none_of(boxes_.begin(), boxes_.end(), [](const Box& box) { return box.label >= 0; }))
+    (setup_.spacing_place ? *setup_.spacing_place : *setup_.file)
+        .fail(fmt::format("leaves no box of {}: the fullest is body by {} %, of which {} % are needed; write a smaller "
+                          "`spacing`{}",
+                          setup_.file->text(), number(100 * fullest, 2), setup_.fill_fraction ? 1 : 50,
+                          setup_.fill_fraction ? "" : ", or `fill_fraction: true`"));
 }
 
-void Boxes::close_holes() {
-  std::vector<char> outside(boxes_.size(), 0);
-  std::vector<std::size_t> next;
+/// Reaches all voxels of the outline that are body, or that are not, from one on over faces. Gives their number.
+std::size_t Boxes::spread(const std::array<int, 3>& from, bool body, std::vector<bool>& reached) const {
+  std::vector<std::array<int, 3>> next;
+  std::size_t count = 0;
   const auto reach = [&](int x, int y, int z) {
-    if (x < 0 || y < 0 || z < 0 || x >= counts_[0] || y >= counts_[1] || z >= counts_[2]) return;
-    const std::size_t box = index(x, y, z);
-    if (outside[box] || boxes_[box].label >= 0) return;
-    outside[box] = 1;
-    next.push_back(box);
+    const std::array<int, 3> at{x, y, z};
+    for (int axis = 0; axis < 3; ++axis)
+      if (at[axis] < range_.first[axis] || at[axis] >= range_.last[axis]) return;
+    if (reached[voxel(x, y, z)] || (label_of(x, y, z) >= 0) != body) return;
+    reached[voxel(x, y, z)] = true, ++count;
+    next.push_back(at);
   };
-  for (std::size_t box = 0; box < boxes_.size(); ++box) {
-    const auto [x, y, z] = at(box);
-    if (x == 0 || y == 0 || z == 0 || x == counts_[0] - 1 || y == counts_[1] - 1 || z == counts_[2] - 1) reach(x, y, z);
-  }
+  reach(from[0], from[1], from[2]);
   while (!next.empty()) {
-    const auto [x, y, z] = at(next.back());
+    const auto [x, y, z] = next.back();
     next.pop_back();
     for (const int step : {-1, 1}) reach(x + step, y, z), reach(x, y + step, z), reach(x, y, z + step);
   }
-  std::size_t closed = 0;
-  for (std::size_t box = 0; box < boxes_.size(); ++box)
-    if (boxes_[box].label < 0 && !outside[box]) boxes_[box] = boxes_[box - 1], boxes_[box].fraction = 1, ++closed;
-  if (closed > 0)
-    context_.remarks.notes.push_back(fmt::format("{}: {} boxes of closed holes filled", setup_.file->text(), closed));
+  return count;
+}
+
+/// Fills voxels that are no body and that no path over faces of such voxels joins to the outside.
+void Boxes::close_holes() {
+  std::vector<bool> outside(image_.voxels()), closed(image_.voxels());
+  const auto ends_at = [&](int axis, int at) { return at == range_.first[axis] || at == range_.last[axis] - 1; };
+  for_voxels([&](int x, int y, int z) {
+    if (ends_at(0, x) || ends_at(1, y) || ends_at(2, z)) spread({x, y, z}, false, outside);
+  });
+  std::size_t count = 0;
+  for_voxels([&](int x, int y, int z) {
+    if (!outside[voxel(x, y, z)] && label_of(x, y, z) < 0) closed[voxel(x, y, z)] = true, ++count;
+  });
+  if (count == 0) return;
+  closed_ = std::move(closed);
+  context_.remarks.notes.push_back(fmt::format("{}: {} of closed holes filled", setup_.file->text(),
+                                               counted(static_cast<std::ptrdiff_t>(count), "voxel")));
+}
+
+/// A speck in a box between others would join them, and boxes would begin at one outside.
+void Boxes::keep_largest_piece() {
+  std::vector<bool> reached(image_.voxels());
+  std::array<int, 3> largest{};
+  std::size_t most = 0, all = 0, pieces = 0;
+  for_voxels([&](int x, int y, int z) {
+    const std::size_t count = spread({x, y, z}, true, reached);
+    if (count == 0) return;
+    if (count > most) most = count, largest = {x, y, z};
+    all += count, ++pieces;
+  });
+  if (pieces < 2) return;
+  std::vector<bool> kept(image_.voxels());
+  spread(largest, true, kept);
+  keep([&](int x, int y, int z) { return kept[voxel(x, y, z)]; });
+  context_.remarks.notes.push_back(
+      fmt::format("{}: {} pieces that share no face, the largest of {} of {} voxels; the others are dropped",
+                  setup_.file->path(), pieces, most, all));
 }
 
 void Boxes::find_pieces() {
@@ -390,6 +586,13 @@ void Boxes::find_pieces() {
   for (std::size_t box = 0; box < boxes_.size(); ++box)
     if (boxes_[box].label >= 0 && sets.set_of(static_cast<int>(box)) != largest->first) boxes_[box].label = -1;
   context_.remarks.notes.push_back(text + "; the others are dropped");
+  if (voxels_ == std::array{1, 1, 1}) return;
+  // What is kept may begin elsewhere than what was dropped.
+  const VoxelRange before = range_;
+  keep([&](int x, int y, int z) { return boxes_[box_with(x, y, z)].label >= 0; });
+  if (range_.first == before.first && range_.last == before.last) return;
+  lay();
+  find_pieces();
 }
 
 /// Of a body that grows wider from a grip on, boxes next to the grip have body next to it, which no support holds, and
@@ -399,32 +602,58 @@ void Boxes::cut_ends() {
   const int axis = setup_.ends, u = (axis + 1) % 3, v = (axis + 2) % 3;
   double before = 0, after = 0;
   for (const int side : {0, 1}) {
-    std::map<std::size_t, int> filled;  // voxels on the outer sides
-    std::array<int, 3> voxel{};
-    const int last = image_.size[axis] - 1;
-    for (int layer = 0; layer <= last && filled.empty(); ++layer) {
-      voxel[axis] = side ? last - layer : layer;
-      for (voxel[v] = 0; voxel[v] < image_.size[v]; ++voxel[v])
-        for (voxel[u] = 0; voxel[u] < image_.size[u]; ++voxel[u]) {
-          const std::size_t box = index(voxel[0] / voxels_[0], voxel[1] / voxels_[1], voxel[2] / voxels_[2]);
+    // Voxels of each box in a layer, counted from the end on.
+    const auto filled_in = [&](int layer) {
+      std::map<std::size_t, int> filled;
+      std::array<int, 3> voxel{};
+      voxel[axis] = side ? range_.last[axis] - 1 - layer : range_.first[axis] + layer;
+      for (voxel[v] = range_.first[v]; voxel[v] < range_.last[v]; ++voxel[v])
+        for (voxel[u] = range_.first[u]; voxel[u] < range_.last[u]; ++voxel[u]) {
+          const std::size_t box = box_with(voxel[0], voxel[1], voxel[2]);
           if (boxes_[box].label >= 0 && label_of(voxel[0], voxel[1], voxel[2]) >= 0) ++filled[box];
         }
-    }
-    ends_[side] = voxel[axis] / voxels_[axis];
+      return filled;
+    };
+    const int layers = range_.last[axis] - range_.first[axis];
+    int outer = 0;
+    std::map<std::size_t, int> filled = filled_in(outer);  // on the outer sides
+    while (filled.empty() && outer + 1 < layers) filled = filled_in(++outer);
+    ends_[side] = box_of_[axis][side ? range_.last[axis] - 1 - outer : range_.first[axis] + outer];
+    warn_of_rough_end(side, filled, outer + 1 < layers ? filled_in(outer + 1) : filled);
     for_body([&](const Box& box, const std::array<int, 3>& at) {
       if (at[axis] != ends_[side]) return;
       const auto found = filled.find(index(at[0], at[1], at[2]));
       Box& own = boxes_[index(at[0], at[1], at[2])];
       before += double{box.fraction} * volume(at);
-      const double part = found == filled.end() ? 0 : double(found->second) / (voxels_[u] * voxels_[v]);
+      const double part = found == filled.end() ? 0 : double(found->second) / (length(u, at[u]) * length(v, at[v]));
       own.fraction = std::min(box.fraction, static_cast<float>(part));
       after += double{own.fraction} * volume(at);
       if (found == filled.end()) own.label = -1;
     });
   }
   context_.remarks.notes.push_back(
-      fmt::format("{}: of the boxes at the ends {:.2g} % is not covered by them and is left out", setup_.file->text(),
-                  100 * (1 - after / before)));
+      fmt::format("{}: of the boxes at the ends {} % is not covered by them and is left out", setup_.file->text(),
+                  number(100 * (1 - after / before), 3)));
+}
+
+/// A speck on an end would be all that a grip holds.
+void Boxes::warn_of_rough_end(int side, const std::map<std::size_t, int>& outermost,
+                              const std::map<std::size_t, int>& next) const {
+  const auto voxels_in = [](const std::map<std::size_t, int>& layer) {
+    int voxels = 0;
+    for (const auto& [box, count] : layer) voxels += count;
+    return voxels;
+  };
+  const int held = voxels_in(outermost), all = voxels_in(next);
+  if (2 * held >= all) return;
+  const char axis = "ijk"[setup_.ends];
+  Eigen::Index along = 0;
+  image_.steps.col(setup_.ends).cwiseAbs().maxCoeff(&along);
+  context_.remarks.warnings.push_back(
+      fmt::format("{}: the outermost layer at `{} {}` has {}, the next {}: the grip holds the outermost one alone; cut "
+                  "it off with `{}`",
+                  setup_.file->path(), side ? "high" : "low", axis, counted(held, "voxel"), all,
+                  (image_.steps(along, setup_.ends) > 0) == (side == 0) ? "from" : "to"));
 }
 
 /// What lies in no cube of two boxes a side, and on none: a step of the surface is no thin place.
@@ -448,8 +677,8 @@ void Boxes::find_thin_places() const {
   if (thin > 0)
     (thin * few > all ? context_.remarks.warnings : context_.remarks.notes)
         .push_back(fmt::format(
-            "{}: the body is thinner than two boxes at {} of {} boxes ({:.2g} %): it bends there as no solid does",
-            setup_.file->path(), thin, all, 100. * static_cast<double>(thin) / static_cast<double>(all)));
+            "{}: the body is thinner than two boxes at {} of {} boxes ({} %): it bends there as no solid does",
+            setup_.file->path(), thin, all, number(100. * static_cast<double>(thin) / static_cast<double>(all), 3)));
 }
 
 void Boxes::number_corners() {
@@ -474,20 +703,24 @@ void Boxes::number_corners() {
 
 Vector3 Boxes::place(const Vector3& at) const {
   Vector3 voxel;
-  for (int axis = 0; axis < 3; ++axis)
-    voxel[axis] = std::min(at[axis] * voxels_[axis], double(image_.size[axis])) - 0.5;
+  for (int axis = 0; axis < 3; ++axis) {
+    const int box = std::min(static_cast<int>(at[axis]), counts_[axis] - 1);
+    voxel[axis] = planes_[axis][box] + (at[axis] - box) * length(axis, box) - 0.5;
+  }
   return setup_.length_unit * (image_.origin + image_.steps * voxel);
 }
 
 double Boxes::volume(const std::array<int, 3>& at) const {
   double voxels = 1;
-  for (int axis = 0; axis < 3; ++axis) voxels *= std::min(voxels_[axis], image_.size[axis] - at[axis] * voxels_[axis]);
+  for (int axis = 0; axis < 3; ++axis) voxels *= length(axis, at[axis]);
   return voxels * std::abs(image_.steps.determinant()) * std::pow(setup_.length_unit, 3);
 }
 
 double Boxes::stiffness(const Box& box) const {
   const double own = (parts_ ? materials_[box.label] : *context_.material).youngs_modulus;
-  const double modulus = modulus_of_ ? modulus_of_(double{box.value}) : labels_[box.label].youngs_modulus.value_or(own);
+  const double modulus = modulus_of_ && !has_own(box.label, "youngs_modulus")
+                             ? modulus_of_(double{box.value})
+                             : labels_[box.label].youngs_modulus.value_or(own);
   return double{box.fraction} * modulus / own;
 }
 
@@ -505,12 +738,22 @@ void Boxes::report() const {
         "{}: sections count whole boxes, {:.3g} times what is filled: give `cross_section` where a modulus is "
         "read",
         setup_.file->path(), whole / filled));
+  std::vector<std::size_t> found(labels_.size(), 0);  // voxels
+  if (std::find(counts.begin(), counts.end(), std::size_t{0}) != counts.end())
+    for_voxels([&](int x, int y, int z) {
+      if (const int label = label_of(x, y, z); label >= 0) ++found[label];
+    });
   std::vector<std::string> texts;
   for (std::size_t i = 0; i < labels_.size(); ++i) {
     texts.push_back(fmt::format("{} ({} boxes, {:.4g} cm3)", labels_[i].name, counts[i], 1e6 * volumes[i]));
     if (counts[i] == 0)
       context_.remarks.warnings.push_back(
-          fmt::format("{}: no voxel of the body has the label {}", setup_.file->path(), labels_[i].name));
+          found[i] == 0
+              ? fmt::format("{}: no voxel of the body has the label {}", setup_.file->path(), labels_[i].name)
+              : fmt::format("{}: no box is of the label {}, of which the body has {}: a box is of the label that most "
+                            "of its voxels have; write a smaller `spacing`",
+                            setup_.file->path(), labels_[i].name,
+                            counted(static_cast<std::ptrdiff_t>(found[i]), "voxel")));
   }
   context_.remarks.notes.push_back(
       fmt::format("{}: {} x {} x {} voxels, {} a box; coordinates as in the file{}; labels: {}; the surface is "
@@ -544,17 +787,19 @@ MoleculeSets Boxes::sets() const {
 
 /// A random close packing of the outline, as far as it lies in the body.
 void Boxes::set_packing(Body& body) const {
-  Vector3 sides;
+  Vector3 first, voxels;
   for (int axis = 0; axis < 3; ++axis)
-    sides[axis] = setup_.length_unit * image_.size[axis] * image_.steps.col(axis).norm();
-  const double distance = setup_.spacing.value_or(2 * std::cbrt(sides.prod() / static_cast<double>(image_.voxels())));
+    first[axis] = range_.first[axis], voxels[axis] = range_.last[axis] - range_.first[axis];
+  const Vector3 steps = setup_.length_unit * image_.steps.colwise().norm().transpose();
+  const Vector3 sides = steps.cwiseProduct(voxels);
+  const double distance = setup_.spacing.value_or(2 * std::cbrt(steps.prod()));
   setup_.file->check_size((sides.array() / distance + 1).prod());
   const Body whole = random_packing(sides, distance, 1.5 * distance, setup_.seed);
   const auto inside = [&](const Vector3& at) {
     std::array<int, 3> box{};
     for (int axis = 0; axis < 3; ++axis)
-      box[axis] = std::clamp(static_cast<int>(at[axis] / sides[axis] * image_.size[axis]) / voxels_[axis], 0,
-                             counts_[axis] - 1);
+      box[axis] = box_of_[axis][std::clamp(range_.first[axis] + static_cast<int>(at[axis] / steps[axis]),
+                                           range_.first[axis], range_.last[axis] - 1)];
     return is_body(box[0], box[1], box[2]);
   };
   std::vector<int> number(whole.size(), -1), kept;
@@ -562,9 +807,7 @@ void Boxes::set_packing(Body& body) const {
     if (inside(whole.rest.col(a))) number[a] = static_cast<int>(kept.size()), kept.push_back(a);
   body.rest.resize(3, static_cast<Eigen::Index>(kept.size()));
   for (std::size_t i = 0; i < kept.size(); ++i) {
-    const Vector3 voxel = whole.rest.col(kept[i]).cwiseQuotient(sides).cwiseProduct(
-                              Vector3(image_.size[0], image_.size[1], image_.size[2])) -
-                          Vector3::Constant(0.5);
+    const Vector3 voxel = first + whole.rest.col(kept[i]).cwiseQuotient(steps) - Vector3::Constant(0.5);
     body.rest.col(static_cast<Eigen::Index>(i)) = setup_.length_unit * (image_.origin + image_.steps * voxel);
   }
   for (const auto& [a, b] : whole.connections.ends)
@@ -665,7 +908,7 @@ void Boxes::set_matter(Body& body) const {
   for_body([&](const Box& box, const std::array<int, 3>& at) {
     const double own = context_.material->density;
     const double of_label = parts_ ? materials_[box.label].density : labels_[box.label].density.value_or(own);
-    const double density = density_of_ ? density_of_(double{box.value}) : of_label;
+    const double density = density_of_ && !has_own(box.label, "density") ? density_of_(double{box.value}) : of_label;
     const double of_box = double{box.fraction} * volume(at) * density / own;
     all += of_box;
     varied |= (factors[index(at[0], at[1], at[2])] = stiffness(box)) != 1;
@@ -726,14 +969,14 @@ void Boxes::set_ratios() const {
 std::function<int(const Vector3&)> Boxes::label_at() const {
   std::vector<std::int16_t> label_of;
   for (const Box& box : boxes_) label_of.push_back(static_cast<std::int16_t>(box.label));
-  return [=, unit = setup_.length_unit, origin = image_.origin, steps = image_.steps.inverse().eval(), voxels = voxels_,
-          counts = counts_](const Vector3& place) {
+  return [=, unit = setup_.length_unit, origin = image_.origin, steps = image_.steps.inverse().eval(), range = range_,
+          box_of = box_of_, counts = counts_](const Vector3& place) {
     const Vector3 voxel = steps * (place / unit - origin);
     std::size_t box = 0;
     for (int axis = 2; axis >= 0; --axis)
       box = box * static_cast<std::size_t>(counts[axis]) +
-            static_cast<std::size_t>(
-                std::clamp(static_cast<int>((voxel[axis] + 0.5) / voxels[axis]), 0, counts[axis] - 1));
+            static_cast<std::size_t>(box_of[axis][static_cast<std::size_t>(
+                std::clamp(voxel[axis] + 0.5, double(range.first[axis]), range.last[axis] - 0.5))]);
     return label_of[box];
   };
 }
@@ -781,14 +1024,22 @@ void Boxes::set_specimen(const Body& body) const {
   }
 }
 
+void warn_of_grey_values(const mesh::Image& image, const ImageSetup& setup, ShapeContext& context) {
+  const mesh::ImageValues values = mesh::values_of(image);
+  if (values.labels) return;
+  context.remarks.warnings.push_back(fmt::format(
+      "{}: the image has grey values, and each voxel that is not 0 is body; a `threshold` states from which "
+      "value on it is, such as {:.3g} by Otsu's rule",
+      setup.file->path(), values.threshold));
+}
+
 Body make_body(const ImageSetup& setup, ShapeContext& context) {
-  mesh::Image image = [&] {
-    try {
-      return mesh::load_image(setup.path);
-    } catch (const InputError& error) {
-      setup.file->fail(error.what());
-    }
-  }();
+  mesh::Image image = setup.file->located([&] {
+    return mesh::load_image(setup.path, [&](mesh::ImageGrid grid) {
+      if (setup.voxel_size) grid.steps = (grid.steps * (*setup.voxel_size / setup.length_unit).asDiagonal()).eval();
+      check_boxes(grid, setup);
+    });
+  });
   if (image.has_steps && setup.voxel_size)
     setup.file->fail("the file states the size of its voxels; leave `voxel_size` out");
   if (!image.has_steps && !setup.voxel_size)
@@ -797,6 +1048,7 @@ Body make_body(const ImageSetup& setup, ShapeContext& context) {
   if (image.unit > 0 && std::abs(image.unit / setup.length_unit - 1) > 1e-6)
     context.remarks.warnings.push_back(setup.file->path() +
                                        ": the file states another unit of length than `length_unit`, which counts");
+  if (setup.labels.empty() && !setup.threshold) warn_of_grey_values(image, setup, context);
   Boxes boxes(image, setup, context);
   Body body = boxes.body();
   MoleculeSets sets = boxes.sets();
@@ -822,6 +1074,7 @@ Shape image_shape() {
                  [](const Reader& value, S& setup, const Frame&) { read_labels(value, setup); }),
           Key<S>(key::quantity("threshold", &S::threshold, dimension::none, "grey value from which on a voxel is body"))
               .otherwise("none")
+              .place(&S::threshold_place)
               .refused_for([](const S& setup) {
                 return setup.threshold && !setup.labels.empty() ? "does not go with `labels`" : "";
               }),
@@ -835,7 +1088,8 @@ Shape image_shape() {
           key::vector("voxel_size", &S::voxel_size, dimension::length, "of files that do not state it", kPositive),
           key::quantity("spacing", &S::spacing, dimension::length,
                         "side of the boxes, rounded to whole voxels; distance of the molecules of a packing", kPositive)
-              .otherwise("a voxel; of a packing two"),
+              .otherwise("a voxel; of a packing two")
+              .place(&S::spacing_place),
           key::flag("fill_fraction", &S::fill_fraction,
                     "whether a box is as stiff and heavy as the part of its voxels that is body; otherwise it is body "
                     "where half of it is"),
@@ -862,12 +1116,15 @@ Shape image_shape() {
           key::choice("pieces", &S::largest, {{"all", false}, {"largest", true}},
                       "which pieces that share faces are kept"),
           key::choice("holes", &S::close, {{"keep", false}, {"close", true}}, "whether closed holes are filled"),
-          key::vector("from", &S::from, dimension::length, "lowest coordinates of voxels that are read"),
-          key::vector("to", &S::to, dimension::length, "highest coordinates of voxels that are read"),
+          key::vector("from", &S::from, dimension::length, "lowest coordinates of voxels that are read")
+              .place(&S::from_place),
+          key::vector("to", &S::to, dimension::length, "highest coordinates of voxels that are read")
+              .place(&S::to_place),
           key::later({"youngs_modulus", "formula of `value`", "Pa", "> 0", "the material's",
-                      "E from the grey value: `2 kPa * (value / 100)^2`"},
+                      "E from the grey value, of labels that state none of their own: `2 kPa * (value / 100)^2`"},
                      &S::youngs_modulus),
-          key::later({"density", "formula of `value`", "kg/m³", "> 0", "the material's", "density from the grey value"},
+          key::later({"density", "formula of `value`", "kg/m³", "> 0", "the material's",
+                      "density from the grey value, of labels that state none of their own"},
                      &S::density),
           seed_key(&S::seed)},
       make_body);

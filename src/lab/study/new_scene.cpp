@@ -8,6 +8,8 @@
 #include <cmath>
 #include <filesystem>
 #include <map>
+#include <optional>
+#include <set>
 
 #include "core/base/named.h"
 #include "core/simulation/warnings.h"
@@ -16,7 +18,7 @@
 #include "elastin/mesh/mesh_file.h"
 #include "lab/run/ends.h"
 #include "lab/run/specimen.h"
-#include "mesh/image_file.h"
+#include "mesh/image_values.h"
 
 namespace elastin::lab {
 namespace {
@@ -142,17 +144,24 @@ struct Row {
 constexpr const char* kSprings = "lloyd, \"calibrated:van_gelder\"";
 
 constexpr std::array kRows{
-    Row{{"strip", "a block, clamped at both ends and pulled", false}, kStrip, kSprings},
-    Row{{"dogbone", "a mesh, clamped at both ends and pulled, read between two planes", true}, kDogbone, kSprings},
-    Row{{"indentation", "a block under a rigid sphere", false}, kIndentation, "patch"},
-    Row{{"organ", "a closed surface, filled, under a rigid sphere", true}, kOrgan, "patch"},
-    Row{{"scan", "an image of voxels, clamped at both ends and pulled", true}, kScan, ""}};
+    Row{{"strip", "a block, clamped at both ends and pulled", ""}, kStrip, kSprings},
+    Row{{"dogbone", "a mesh, clamped at both ends and pulled, read between two planes", "mesh"}, kDogbone, kSprings},
+    Row{{"indentation", "a block under a rigid sphere", ""}, kIndentation, "patch"},
+    Row{{"organ", "a closed surface, filled, under a rigid sphere", "closed surface"}, kOrgan, "patch"},
+    Row{{"scan", "an image of voxels, clamped at both ends and pulled", "image"}, kScan, ""}};
 
 /// "12.5 mm": three digits, in the unit that keeps them readable.
 std::string length_text(double metres) {
   for (const auto& [factor, unit] : {std::pair{1., "m"}, {1e-3, "mm"}, {1e-6, "um"}})
     if (metres >= factor * 0.9995) return fmt::format("{:.3g} {}", metres / factor, unit);
   return fmt::format("{:.3g} nm", metres / 1e-9);
+}
+
+/// Of a length unit [m] that a file states; "mm" where it states none.
+std::string unit_name(double metres) {
+  for (const auto& [factor, unit] : {std::pair{1., "m"}, {1e-2, "cm"}, {1e-6, "um"}, {1e-9, "nm"}})
+    if (std::abs(metres / factor - 1) < 1e-6) return unit;
+  return "mm";
 }
 
 /// "40 x 10 x 4 mm" in metres; a side without a unit has that of the last.
@@ -233,49 +242,63 @@ void add_bar(Words& words, const Body& body, const Vector3& sides) {
   add(words, "gauge", length_text(0.375 * length) + ", " + length_text(0.625 * length));
 }
 
-void add_scan(Words& words, const NewScene& wanted) {
-  const mesh::Image image = mesh::load_image(wanted.mesh);
+/// In quotes, as YAML reads it.
+std::string in_quotes(const std::string& text) {
+  std::string result = "\"";
+  for (const char c : text) {
+    if (c == '"' || c == '\\') result += '\\';
+    result += c;
+  }
+  return result + "\"";
+}
+
+/// What is body: lines of the scene.
+std::string labels_text(const mesh::Image& image, const mesh::ImageValues& values) {
+  constexpr std::size_t most = 20;
+  if (!values.labels)
+    return fmt::format(
+        "    threshold: {:.3g}          # grey value from which on a voxel is body: Otsu's. Set it to yours\n",
+        values.threshold);
+  if (values.counts.size() > most)
+    return fmt::format("    # {} labels: every value but 0 is body; `labels: [{:g}]` would be one of them alone\n",
+                       values.counts.size(), values.counts.begin()->first);
+  std::string text = "    labels:\n";
+  std::set<std::string> names;
+  for (const auto& [value, count] : values.counts) {
+    const auto own = image.names.find(value);
+    std::string name = own == image.names.end() ? fmt::format("label_{:g}", value) : own->second;
+    if (!names.insert(name).second) name += fmt::format(" {:g}", value);
+    text += fmt::format(
+        "      {:g}: {{name: {}}}   # {} voxels; with `material: {{youngs_modulus: 20 kPa}}` stiffer than "
+        "the others\n",
+        value, own == image.names.end() ? name : in_quotes(name), count);
+  }
+  return text;
+}
+
+void add_scan(Words& words, const NewScene& wanted, const mesh::Image& image) {
   if (!image.has_steps)
     throw InputError(wanted.mesh +
                      ": does not state the size of its voxels; write the scene by hand, with `voxel_size`");
-  const auto visit = [&](const auto& work) {
-    for (int z = 0; z < image.size[2]; ++z)
-      for (int y = 0; y < image.size[1]; ++y)
-        for (int x = 0; x < image.size[0]; ++x) work(image.at(x, y, z), Vector3(x, y, z));
-  };
-  constexpr std::size_t most_labels = 20;
-  std::map<double, int> counts;
-  double largest = 0;
-  visit([&](double value, const Vector3&) {
-    if (std::isnan(value) || value == 0) return;
-    largest = std::max(largest, value);
-    if (counts.size() <= most_labels) ++counts[value];
-  });
-  const bool segmented = counts.size() <= most_labels;
-  std::string labels = segmented ? "    labels:\n" : "";
-  if (!segmented)
-    labels = fmt::format("    threshold: {:g}          # grey value from which on a voxel is body. Set it to yours\n",
-                         largest / 2);
-  for (const auto& [value, count] : counts)
-    if (segmented)
-      labels += fmt::format(
-          "      {:g}: {{name: label_{:g}}}   # {} voxels; with `material: {{youngs_modulus: 20 kPa}}` "
-          "stiffer than the others\n",
-          value, value, count);
+  const mesh::ImageValues values = mesh::values_of(image);
   const double unit = parse_quantity("1 " + wanted.length_unit, dimension::length).value;
   Vector3 low = Vector3::Constant(1e300), high = -low;
   double voxels = 0;
-  visit([&](double value, const Vector3& at) {
-    if (!(segmented ? value != 0 : value >= largest / 2)) return;
-    const Vector3 place = unit * (image.steps * at), half = unit * image.steps.cwiseAbs().rowwise().sum() / 2;
-    low = low.cwiseMin(place - half), high = high.cwiseMax(place + half);
-    ++voxels;
-  });
+  for (int z = 0; z < image.size[2]; ++z)
+    for (int y = 0; y < image.size[1]; ++y)
+      for (int x = 0; x < image.size[0]; ++x) {
+        const double value = image.at(x, y, z);
+        if (std::isnan(value) || !(values.labels ? value != 0 : value >= values.threshold)) continue;
+        const Vector3 place = unit * (image.steps * Vector3(x, y, z)),
+                      half = unit * image.steps.cwiseAbs().rowwise().sum() / 2;
+        low = low.cwiseMin(place - half), high = high.cwiseMax(place + half);
+        ++voxels;
+      }
   if (voxels == 0) throw InputError(wanted.mesh + ": all its voxels are 0");
   Eigen::Index longest = 0;
   const double length = (high - low).maxCoeff(&longest),
                voxel = std::abs(image.steps.determinant()) * std::pow(unit, 3);
-  add(words, "labels", labels);
+  add(words, "labels", labels_text(image, values));
   add(words, "axis", std::string(1, "xyz"[longest]));
   add(words, "length", length_text(length));
   const double spacing = std::cbrt(voxel * std::max(1., voxels / kMostNewMolecules));
@@ -285,11 +308,10 @@ void add_scan(Words& words, const NewScene& wanted) {
   add(words, "spacing", length_text(spacing));
   add(words, "grip", length_text(0.15 * length));
   add(words, "displacement", length_text(0.03 * length));
-  add(words, "section", fmt::format("{:.4g} mm2", 1e6 * voxels * voxel / length));
+  add(words, "section", area_text(voxels * voxel / length));
 }
 
 void add_specimen(Words& words, const NewScene& wanted, bool from_file) {
-  if (wanted.specimen == "scan") return add_scan(words, wanted);
   Body body;
   if (from_file) body = body_of(wanted);
   const Vector3 sides =
@@ -324,13 +346,17 @@ const std::vector<NewSpecimen>& new_specimens() {
   return specimens;
 }
 
-std::string new_scene_text(const NewScene& wanted, const std::string& folder) {
+std::string new_scene_text(const NewScene& given, const std::string& folder) {
+  NewScene wanted = given;
   named(new_specimens(), wanted.specimen, "new: no specimen '" + wanted.specimen + "'");
   const auto row =
       std::find_if(kRows.begin(), kRows.end(), [&](const Row& r) { return wanted.specimen == r.specimen.name; });
   parse_quantity(wanted.modulus, dimension::pressure);
   if (!(wanted.poissons_ratio >= 0 && wanted.poissons_ratio < 0.5))
     throw InputError(fmt::format("--poissons-ratio: {} is not from 0 to below 0.5", wanted.poissons_ratio));
+  std::optional<mesh::Image> image;
+  if (wanted.specimen == "scan") image = mesh::load_image(wanted.mesh);
+  if (wanted.length_unit.empty()) wanted.length_unit = image ? unit_name(image->unit) : "mm";
   Words words;
   const bool soft_volume = wanted.poissons_ratio > kLocking;
   add(words, "modulus", wanted.modulus);
@@ -340,9 +366,12 @@ std::string new_scene_text(const NewScene& wanted, const std::string& folder) {
   if (*row->springs) add(words, "springs", row->springs);
   add(words, "size", wanted.size);
   add(words, "unit", wanted.length_unit);
-  if (row->specimen.from_file)
+  if (row->specimen.from_file())
     add(words, "mesh", std::filesystem::proximate(wanted.mesh, folder.empty() ? "." : folder).string());
-  add_specimen(words, wanted, row->specimen.from_file);
+  if (image)
+    add_scan(words, wanted, *image);
+  else
+    add_specimen(words, wanted, row->specimen.from_file());
   const std::string material = fmt::vformat(kMaterial, words);
   add(words, "material", material);
   return fmt::vformat(row->text, words);

@@ -78,14 +78,15 @@ struct NewScene {
   std::string specimen;            ///< of new_specimens()
   std::string size;                ///< "40 x 10 x 4 mm": of a block, along x, y, z
   std::string mesh;                ///< file of a mesh or a surface
-  std::string length_unit = "mm";  ///< of the file's coordinates
+  std::string length_unit = "";    ///< of the file's coordinates; empty: what an image states, else mm
   std::string modulus = "10 kPa";  ///< E
   double poissons_ratio = 0.45;    ///< from 0 to below 0.5
 };
 
 struct NewSpecimen {
   const char *name, *summary;
-  bool from_file;  ///< has a `mesh`; otherwise a `size`
+  const char* file;  ///< what `mesh` names: "image"; empty: it has a `size`
+  bool from_file() const { return *file != 0; }
 };
 
 /// What scenes can be begun with.

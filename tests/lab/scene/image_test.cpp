@@ -126,6 +126,12 @@ TEST_CASE("image: each label has its Poisson's ratio, whatever the directions of
       CHECK(local_material(scene->specimen.material, middle).poissons_ratio == (cell < 36 ? 0 : 0.4));
     }
   }
+  const auto springs = scene_of(folder, nrrd(kSize, halves),
+                                ", as: lattice, labels: {1: {}, 2: {material: {poissons_ratio: 0.4}}}", "standard");
+  const Run one =
+      run_strategy(springs->specimen, *springs->experiment, springs->stiffness, {.statics = springs->statics});
+  CHECK(std::any_of(one.warnings.begin(), one.warnings.end(),
+                    [](const std::string& said) { return said.find("Poisson's ratio everywhere") != said.npos; }));
   const auto even = scene_of(folder, nrrd(kSize, halves),
                              ", labels: {1: {material: {poissons_ratio: 0.4}}, 2: "
                              "{material: {poissons_ratio: 0.4}}}");
@@ -194,6 +200,44 @@ TEST_CASE("image: a formula of the grey value is E at each box", "[image]") {
   CHECK(modulus(*scene) == Approx(1.6e3).epsilon(1e-6));  // 2 / (1/1 + 1/4)
 }
 
+TEST_CASE("image: a label keeps E and density of its own beside a formula of the grey value", "[image]") {
+  const TemporaryFolder folder;
+  // The formula makes 10 kPa and 1000 kg/m³ of label 1, and would make 20 kPa and 2000 kg/m³ of label 2.
+  for (const char* law : {"", ", law: yeoh, terms: [10 kPa], bulk_modulus: 13333.333333333334 Pa"}) {
+    INFO(law);
+    const std::string own = *law ? law + 2 : "youngs_modulus: 40 kPa";
+    const auto scene = scene_of(folder, nrrd(kSize, halves),
+                                ", youngs_modulus: 10 kPa * value, density: 1000 kg/m3 * value, labels: {1: {}, 2: "
+                                "{material: {" +
+                                    own + ", density: 4000 kg/m3}}}");
+    CHECK(scene->specimen.body.mass.sum() == Approx(144e-9 * 2500));
+    CHECK(modulus(*scene) == Approx(16e3).epsilon(1e-3));  // 2 / (1/10 + 1/40) kPa
+  }
+}
+
+TEST_CASE("image: a label that is the most frequent of no box is said to be so", "[image]") {
+  const TemporaryFolder folder;
+  const auto image = nrrd({4, 4, 4}, [](int x, int y, int z) { return x == 1 && y == 1 && z == 1 ? 2 : 1; });
+  const auto warnings = [&](const std::string& keys) { return scene_of(folder, image, keys)->warnings; };
+  CHECK_THAT(warnings(", spacing: 2 mm, labels: [1, 2]").front(),
+             Contains("no box is of the label 2, of which the body has 1 voxel") && Contains("`spacing`"));
+  CHECK_THAT(warnings(", labels: [1, 3]").back(), Contains("no voxel of the body has the label 3"));
+}
+
+TEST_CASE("image: grey values without a threshold are warned of, labels are not", "[image]") {
+  const TemporaryFolder folder;
+  const auto warned = [&](const std::string& image, const std::string& keys = "") {
+    const auto scene = scene_of(folder, image, keys);
+    const auto found = std::find_if(scene->warnings.begin(), scene->warnings.end(),
+                                    [](const std::string& said) { return said.find("Otsu") != said.npos; });
+    return found == scene->warnings.end() ? "" : *found;
+  };
+  const auto grey = nrrd({6, 6, 6}, [](int x, int y, int z) { return x < 3 ? -1000 : 40 + (7 * y + 11 * z + x) % 41; });
+  CHECK_THAT(warned(grey), Contains("body.image.file: the image has grey values") && Contains("such as -480 by Otsu"));
+  CHECK(warned(grey, ", threshold: 0").empty());
+  CHECK(warned(nrrd({6, 6, 6}, [](int x, int y, int z) { return x / 2 + 3 * (y / 2) + 9 * (z / 2) + 1; })).empty());
+}
+
 TEST_CASE("image: lattice and packing of the voxels run as springs", "[image]") {
   const TemporaryFolder folder;
   const auto lattice = scene_of(folder, nrrd(kSize, halves), ", as: lattice", "lattice");
@@ -207,7 +251,7 @@ TEST_CASE("image: lattice and packing of the voxels run as springs", "[image]") 
 TEST_CASE("image: larger boxes, and the part of them that is body", "[image]") {
   const TemporaryFolder folder;
   // Of two voxels along y one is body: half of the section.
-  const std::string image = nrrd({4, 4, 4}, [](int, int y, int) { return y % 2; });
+  const std::string image = nrrd({4, 4, 4}, [](int, int y, int) { return y % 3 == 0; });
   const auto whole = scene_of(folder, image, ", spacing: 2 mm");
   CHECK(whole->specimen.body.size() == 5 * 3 * 3);
   CHECK(whole->specimen.body.mass.sum() == Approx(128e-6));
@@ -240,6 +284,74 @@ TEST_CASE("image: boxes next to a grip are as full as their sides at its plane",
     const auto rig = scene->experiment->rig(model);
     CHECK(model.supports.size() == (order == 1 ? 3 * 3 + 5 * 3 : 5 * 5 + 9 * 5));
   }
+}
+
+TEST_CASE("image: boxes begin and end where the body does", "[image]") {
+  const TemporaryFolder folder;
+  // A bar of 8 mm × 8 mm × 14 mm, inside of the image or filling it, in boxes of 4 mm: along z 4, 4, 4 and 2 mm.
+  const auto inside = [](int x, int y, int z) { return x > 0 && x < 5 && y > 1 && y < 10 && z > 2 && z < 17; };
+  const std::string padded = nrrd({6, 12, 20}, inside), filled = nrrd({6, 12, 20}, [](int, int, int) { return 1; });
+  const std::string crop = ", from: [2 mm, 2 mm, 3 mm], to: [10 mm, 10 mm, 17 mm]";
+  for (const auto& [image, keys] :
+       {std::pair{padded, std::string()}, {padded, std::string(", ends: k")}, {padded, crop}, {filled, crop}})
+    for (const char* as : {"hexahedra", "tetrahedra", "lattice", "hexahedra, order: 2", "tetrahedra, order: 2"}) {
+      INFO(keys << " " << as);
+      const auto scene = scene_of(folder, image, keys + ", spacing: 4 mm, fill_fraction: true, as: " + as,
+                                  std::string(as) == "lattice" ? "lattice" : "neo_hookean");
+      const Body& body = scene->specimen.body;
+      if (std::string(as).find("order") == std::string::npos) CHECK(body.size() == 3 * 3 * 5);
+      CHECK(body.rest.row(2).minCoeff() == Approx(3e-3));
+      CHECK(body.rest.row(2).maxCoeff() == Approx(17e-3));
+      CHECK(body.mass.sum() == Approx(896e-6));
+      if (std::string(as) != "lattice") CHECK(modulus(*scene) == Approx(10e3).epsilon(1e-6));
+    }
+}
+
+TEST_CASE("image: ends of a body that is no whole number of boxes wide are full", "[image]") {
+  const TemporaryFolder folder;
+  const auto scene = scene_of(folder, nrrd({5, 10, 20}, [](int, int, int) { return 1; }),
+                              ", spacing: 4 mm, fill_fraction: true, ends: k");
+  CHECK(scene->specimen.body.mass.sum() == Approx(2e-3));
+  CHECK(modulus(*scene) == Approx(10e3).epsilon(1e-6));
+}
+
+TEST_CASE("image: boxes of the largest piece begin where that does", "[image]") {
+  const TemporaryFolder folder;
+  const auto image = nrrd({6, 8, 20}, [](int x, int y, int z) { return z > 4 || (z == 0 && x == 0 && y == 0); });
+  const auto scene = scene_of(folder, image, ", spacing: 4 mm, fill_fraction: true, pieces: largest");
+  const Body& body = scene->specimen.body;
+  CHECK(body.rest.row(2).minCoeff() == Approx(5e-3));
+  CHECK(body.mass.sum() == Approx(12 * 8 * 15e-6));
+  CHECK(modulus(*scene) == Approx(10e3).epsilon(1e-6));
+}
+
+TEST_CASE("image: an end of a few voxels is warned of, with the key that cuts it off", "[image]") {
+  const TemporaryFolder folder;
+  const auto warning = [&](const std::string& image, const std::string& keys) {
+    const auto scene = scene_of(folder, image, ", spacing: 4 mm, fill_fraction: true, ends: k" + keys);
+    const auto found = std::find_if(scene->warnings.begin(), scene->warnings.end(),
+                                    [](const std::string& said) { return said.find("outermost layer") != said.npos; });
+    return found == scene->warnings.end() ? "" : *found;
+  };
+  const auto bump = [](int x, int y, int z) { return z > 0 || (x == 1 && y == 1); };
+  CHECK_THAT(warning(nrrd({4, 8, 12}, bump), ""),
+             Contains("body.image.file") && Contains("`low k` has 1 voxel, the next 32") && Contains("`from`"));
+  CHECK(warning(nrrd({4, 8, 12}, bump), ", from: [0 mm, 0 mm, 1 mm]").empty());
+  CHECK_THAT(warning(nrrd({4, 8, 12}, bump, "(2,0,0) (0,1,0) (0,0,-1)"), ""), Contains("`low k`") && Contains("`to`"));
+}
+
+TEST_CASE("image: closed holes smaller than a box are filled", "[image]") {
+  const TemporaryFolder folder;
+  const auto pores = nrrd({6, 12, 12}, [](int x, int y, int z) {
+    return x % 3 == 1 && y % 4 == 1 && z % 4 == 1 ? 0 : z < 8 ? 100 : 200;
+  });
+  const std::string keys = ", spacing: 4 mm, fill_fraction: true, youngs_modulus: 1 Pa * value";
+  const double whole = 12 * 12 * 12e-6;
+  CHECK(scene_of(folder, pores, keys)->specimen.body.mass.sum() == Approx(whole * (1 - 18. / 864)));
+  const auto closed = scene_of(folder, pores, keys + ", holes: close");
+  CHECK(closed->specimen.body.mass.sum() == Approx(whole));
+  CHECK(modulus(*closed) == Approx(120).epsilon(1e-6));  // 3 / (2/100 + 1/200); values of the holes, 0, count nowhere
+  CHECK_THAT(closed->notes.front(), Contains("18 voxels of closed holes filled"));
 }
 
 TEST_CASE("image: a wall of one box is thin, a step of the surface is not", "[image]") {
@@ -280,6 +392,12 @@ TEST_CASE("image: what cannot be a body is refused by name", "[image]") {
     return std::string();
   };
   CHECK_THAT(refused(", labels: [7]"), Contains("leaves no voxel") && Contains("1 and 2"));
+  CHECK_THAT(refused(", threshold: 5"), Contains("body.image.threshold") && Contains("a.nrrd") && Contains("1 and 2"));
+  CHECK_THAT(
+      refused(", from: [50 mm, 0 mm, 0 mm]"),
+      Contains("body.image.from") && Contains("a.nrrd, whose voxels lie from (1, 0.5, 0.5) mm to (5, 3.5, 5.5) mm"));
+  CHECK_THAT(refused(", to: [0 mm, 0 mm, 0 mm]"), Contains("body.image.to: leaves no voxel"));
+  CHECK_THAT(refused(", labels: {1: {name: a}, 1.0: {name: b}}"), Contains("labels: names the label 1 twice"));
   CHECK_THAT(refused(", labels: [liver]"), Contains("no label"));
   CHECK_THAT(refused(", labels: [1], threshold: 3"), Contains("labels"));
   CHECK_THAT(refused(", voxel_size: [1 mm, 1 mm, 1 mm]"), Contains("states the size"));
@@ -288,4 +406,27 @@ TEST_CASE("image: what cannot be a body is refused by name", "[image]") {
   CHECK_THAT(refused(", as: lattice, order: 2"), Contains("`as: hexahedra`"));
   CHECK_THAT(refused(", ends: k"), Contains("`fill_fraction: true`"));
   CHECK_THAT(refused(", smoothing: 30 mm"), Contains("more than 20 voxels"));
+  const auto refused_of = [&](const std::string& text, const std::string& keys) {
+    try {
+      scene_of(folder, text, keys);
+    } catch (const InputError& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  const auto sparse = nrrd({4, 8, 8}, [](int x, int y, int z) { return (x + y + z) % 4 == 0; });
+  CHECK_THAT(refused_of(sparse, ", spacing: 4 mm"),
+             Contains("body.image.spacing: leaves no box of a.nrrd: the fullest is body by 25 %, of which 50 %"));
+  CHECK_THAT(refused_of("NRRD0004\ntype: float\ndimension: 3\nsizes: 2 2 2\nspacings: 1 1 1\nendian: little\nencoding: "
+                        "raw\n\n" +
+                            std::string(32, '\xff'),
+                        ""),
+             Contains("body.image.file: leaves no voxel of a.nrrd; none of its values is a number"));
+  std::string large = "NRRD0004\ntype: double\ndimension: 3\nsizes: 1000 1000 1000\nspacings: 1 1 1\n";
+  large += "endian: little\nencoding: gzip\n\n";  // what is packed is not looked at
+  CHECK_THAT(refused_of(large, ""),
+             Contains("scene.yaml:2:22: body.image.file: makes 1e+09 boxes") && Contains("`spacing`"));
+  CHECK(refused_of(large, "").find("body.image.file") == refused_of(large, "").rfind("body.image.file"));
+  CHECK_THAT(refused_of(large, ", spacing: 4 mm"), Contains("packed data end early"));
+  CHECK_THAT(refused_of(large, ", to: [100 mm, 100 mm, 100 mm]"), Contains("packed data end early"));
 }

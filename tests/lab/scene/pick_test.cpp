@@ -94,7 +94,7 @@ TEST_CASE("what picks nothing is refused with the body's extent", "[scene][pick]
   CHECK_THAT(refusal("{sphere: {center: [9 mm, 9 mm, 9 mm], radius: 1 mm}}"), Contains("did you mean 'centre'?"));
   CHECK_THAT(refusal("{}"), Contains("names no place: give box, plane, sphere, side, nearest, rim, set or body"));
   CHECK_THAT(refusal("{rim: true}"), Contains("no molecule lies there") || Contains("is of bodies of triangles"));
-  CHECK_THAT(refusal("{set: TOP}"), Contains("x.set: the body has no sets"));
+  CHECK_THAT(refusal("{set: TOP}"), Contains("x.set: the body has no sets") && Contains("`image` of cells"));
   CHECK_THAT(refusal("{body: bone}"), Contains("x.body: is one of several `bodies`; the scene has one"));
   CHECK_THAT(refusal("[125]"), Contains("x[0]: '125' is not a whole number of at least 0 and at most 124"));
 }

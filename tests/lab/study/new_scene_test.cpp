@@ -39,8 +39,8 @@ TEST_CASE("what new writes runs", "[new][slow]") {
                                        : name == "scan" ? "scans/waist.nrrd"
                                                         : "tension/dogbone.msh");
     CAPTURE(name);
-    CHECK(exit_code(folder,
-                    "new " + name + (row.from_file ? " --mesh '" + file + "'" : " --size '24 x 12 mm x 12 mm'")) == 0);
+    CHECK(exit_code(folder, "new " + name +
+                                (row.from_file() ? " --mesh '" + file + "'" : " --size '24 x 12 mm x 12 mm'")) == 0);
     CHECK(exit_code(folder, "compare " + name + ".yaml --reference none --quiet") == 0);  // each of its strategies
     CHECK(exit_code(folder, "new " + name + " --size '1 x 1 x 1 m' --mesh '" + file + "'") == 2);  // already exists
   }
@@ -73,6 +73,34 @@ TEST_CASE("calibration is offered to specimens that measure what a rule can be c
     CHECK(suited == std::any_of(scene->strategies.begin(), scene->strategies.end(),
                                 [](const StrategyChoice& choice) { return choice.name.calibrated; }));
   }
+}
+
+TEST_CASE("a scene of an image has its labels or a threshold, and its unit", "[new][scan]") {
+  const TemporaryFolder folder;
+  // 30 × 4 × 4 voxels.
+  const auto text = [&](const std::string& fields, const auto& value) {
+    std::string image = "NRRD0004\ntype: float\ndimension: 3\nsizes: 30 4 4\n" + fields + "encoding: ascii\n\n";
+    for (int i = 0; i < 480; ++i) image += std::to_string(value(i)) + " ";
+    return new_scene_text({"scan", "", folder.write("a.nrrd", image)}, folder.path(""));
+  };
+  const std::string plain = "spacings: 1 1 1\n";
+  CHECK_THAT(text(plain, [](int i) { return i % 30 / 10; }), Contains("1: {name: label_1}   # 160 voxels") &&
+                                                                 Contains("2: {name: label_2}") &&
+                                                                 Contains("length_unit: mm"));
+  CHECK_THAT(text(plain + "Segment0_LabelValue:=1\nSegment0_Name:=left lobe\nSegment1_Name:=tumour\n"
+                          "Segment1_LabelValue:=2\nSegment2_Name:=left lobe\nSegment2_LabelValue:=3\n",
+                  [](int i) { return i % 30 / 10 + 1; }),
+             Contains("1: {name: \"left lobe\"}") && Contains("2: {name: \"tumour\"}") &&
+                 Contains("3: {name: \"left lobe 3\"}"));
+  const std::string many = text(plain, [](int i) { return i % 30 + 1; });  // each a plane of voxels
+  CHECK_THAT(many, Contains("# 30 labels: every value but 0 is body") && !Contains("threshold"));
+  CHECK_THAT(many, Contains("cross_section: 16 mm2"));
+  // Air of -1000 and tissue of 40 to 80: Otsu's threshold lies half-way between them.
+  const std::string grey = text(plain, [](int i) { return i % 30 < 15 ? -1000 : 40 + i * 7 % 41; });
+  CHECK_THAT(grey, Contains("threshold: -480 ") && Contains("cross_section: 16 mm2") && Contains(": 15 mm"));
+  CHECK_THAT(text("space: RAS\nspace directions: (1,0,0) (0,1,0) (0,0,1)\nspace units: \"um\" \"um\" \"um\"\n",
+                  [](int) { return 1; }),
+             Contains("length_unit: um") && Contains("cross_section: 16 um2"));
 }
 
 TEST_CASE("a slip in what new is given names what is allowed", "[new]") {

@@ -12,6 +12,7 @@
 #include "elastin/core/model/parts.h"
 #include "elastin/core/model/share.h"
 #include "lab/run/common_measures.h"
+#include "lab/run/ends.h"
 #include "lab/run/section.h"
 
 namespace elastin::lab {
@@ -212,12 +213,6 @@ class Tension final : public StaticExperiment {
   std::string solid() const {
     return body_.tetrahedra.empty() && !body_.triangles.empty() ? "a membrane law, refined"
                                                                 : "the solid itself (neo_hookean, refined)";
-  }
-
-  static std::string area_text(double area) {
-    char text[32];
-    std::snprintf(text, sizeof text, "%.4g mm2", 1e6 * area);
-    return text;
   }
 
   /// Molecules within one mean connection of mid height (between the gauge planes, if any): theirs is the lateral
