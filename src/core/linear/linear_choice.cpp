@@ -28,8 +28,8 @@ double digits_of(double tolerance) { return std::max(1., -std::log10(tolerance))
 /// What an iteration with a grid hierarchy takes of a molecule, in products of a factorisation: 100 to 1000 on springs
 /// and hexahedra of one size, for the products of a factor with little fill take least.
 constexpr double kProductsOfIteration = 300;
-/// What an iteration without one takes, less than is measured, 7 to 9: tried on a bundle of fibres, they take half as long
-/// as its factor at most.
+/// What an iteration without one counts for, twice what is measured: tried on a bundle of fibres, they take half as
+/// long as its factor at most.
 constexpr double kProductsOfPlainIteration = 16;
 /// How many iterations are tried for each connection from end to end: fibres that are all alike are to conjugate
 /// gradients a single one, which takes as many as it has connections.
