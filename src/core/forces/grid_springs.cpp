@@ -26,7 +26,7 @@ constexpr auto kOffsets = [] {
 
 /// Places are rounded, so lengths that should be alike are not quite [m], nor are constants made from them.
 double length_error(const Body& body) {
-  return 4 * std::numeric_limits<double>::epsilon() * body.rest.cwiseAbs().maxCoeff();
+  return body.size() == 0 ? 0 : 4 * std::numeric_limits<double>::epsilon() * body.rest.cwiseAbs().maxCoeff();
 }
 
 }  // namespace

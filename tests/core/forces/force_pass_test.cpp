@@ -142,6 +142,7 @@ TEST_CASE("springs on a grid: other springs are left to the list of connections"
   const Body body = cubic_lattice({4, 3, 3}, 0.01, {true, true, false});
   const VectorX constants = uneven_constants(body);
   REQUIRE(GridSprings::make(body, constants, body.connections.rest_length.data()));
+  CHECK(!GridSprings::make(Body(), VectorX(), nullptr));  // as engines ask whether they suit a law
   CHECK(!GridSprings::make(without_grid(body), constants, body.connections.rest_length.data()));
   Body other = body;
   other.grid = {{3, 4, 4}};  // another number of molecules
