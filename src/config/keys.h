@@ -419,9 +419,7 @@ Key<Setup> choice(std::string name, Member Setup::*member,
   };
   return {{std::move(name), words_text(names_of(words, [](const auto& word) { return word.first; })), "", "",
            default_of(member, word_of), std::move(text)},
-          [=, words = std::move(words)](const Reader& value, Setup& setup, const Frame&) {
-            setup.*member = value.choice(words);
-          }};
+          [=](const Reader& value, Setup& setup, const Frame&) { setup.*member = value.choice(words); }};
 }
 
 template <class Setup, class Member>

@@ -129,7 +129,7 @@ std::pair<bool, std::string> multigrid_is_worth_it(const Model& model, double to
   return {worth_it, size + (worth_it ? ": conjugate gradients alone would take many iterations" : " are not many")};
 }
 
-LinearChoice choose_linear_solver(const Tangent& tangent, LinearMethod requested, double tolerance) {
+LinearChoice choose_linear_solver(const Tangent& tangent, const LinearMethod& requested, double tolerance) {
   const Model& model = tangent.model();
   const Body& body = model.body();
   if (requested->make) return {requested, ""};

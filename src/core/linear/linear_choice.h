@@ -23,7 +23,7 @@ std::pair<bool, std::string> multigrid_is_worth_it(const Model& model, double to
 /// gradients, with a grid hierarchy of the body where they would take many iterations without. Those are some ten for
 /// each connection from end to end of the body at 1e-8, in proportion to the digits required (measured: cubes, rods
 /// 100 times as long as thick); with the picture some 15 of about four times the cost, and building it costs 20.
-LinearChoice choose_linear_solver(const Tangent& tangent, LinearMethod requested, double tolerance);
+LinearChoice choose_linear_solver(const Tangent& tangent, const LinearMethod& requested, double tolerance);
 
 /// Multigrid that gives way to a factorisation where that is quicker than the iterations that are still to come: of
 /// thin and porous bodies, near ν = ½. Their numbers decide, not clocks, so that results are the same everywhere.
