@@ -94,7 +94,7 @@ bool GridRows::fill(const Body& body, int numbers, const Acts& acts, const Set& 
     } while (!leads_there(b));
     Direction& own = directions_[direction];
     if (std::exchange(own.last, a) == a) return false;
-    set(c, direction, own.now.data() + a % length_);
+    if (!set(c, direction, own.now.data() + a % length_)) return false;
   }
   finish_row(now / length_, alike);
   reach_ = 0;
@@ -189,7 +189,11 @@ std::optional<GridSprings> GridSprings::make(const Body& body, const VectorX& co
   };
   const bool filled = rows.fill(
       body, 2, [&](int c) { return constants[c] != 0; },
-      [&](int c, int, double* numbers) { numbers[0] = constants[c], numbers[rows.length()] = rest_lengths[c]; }, alike);
+      [&](int c, int, double* numbers) {
+        numbers[0] = constants[c], numbers[rows.length()] = rest_lengths[c];
+        return true;
+      },
+      alike);
   return filled ? std::optional(std::move(result)) : std::nullopt;
 }
 
@@ -203,14 +207,13 @@ void GridSprings::add_forces(const Positions& positions, Positions& forces, Work
 bool GridLinks::set(const Body& body, const Positions& positions, const VectorX& slopes) {
   const double error = length_error(body);
   double shortest = std::numeric_limits<double>::infinity();
-  bool regular = true;
   std::array<bool, GridRows::kDirections> known{};
   const auto set = [&](int c, int direction, double* numbers) {
     numbers[0] = 2 * slopes[c];
     const auto [a, b] = std::minmax(body.connections.ends[c][0], body.connections.ends[c][1]);
     const Vector3 d = positions.col(b) - positions.col(a);
     if (!std::exchange(known[direction], true)) d_[direction] = d, shortest = std::min(shortest, d.norm());
-    regular = (d - d_[direction]).cwiseAbs().maxCoeff() <= error;
+    return (d - d_[direction]).cwiseAbs().maxCoeff() <= error;
   };
   const auto alike = [&](const double* one, const double* other) {
     for (int i = 0; i < rows_.length(); ++i)
@@ -218,8 +221,7 @@ bool GridLinks::set(const Body& body, const Positions& positions, const VectorX&
     return true;
   };
   return rows_.fill(
-             body, 1, [&](int c) { return slopes[c] != 0 || !regular; }, set, alike) &&
-         regular;
+      body, 1, [&](int c) { return slopes[c] != 0; }, set, alike);
 }
 
 void GridLinks::add_changes(const Positions& motion, Positions& forces, Workspace& workspace) const {

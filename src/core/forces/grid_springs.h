@@ -29,10 +29,9 @@ class GridRows {
   };
 
   /// False where the body is no grid, or a connection with a force is not between neighbours on it, or there twice.
-  ///
   /// @param numbers of each connection, which stand `length` apart from each other
   /// @param acts acts(c) says whether connection c has a force
-  /// @param set set(c, direction, numbers) sets those of connection c, which leads in this direction
+  /// @param set set(c, direction, numbers) sets those of connection c, which leads in this direction; false ends it all
   /// @param alike alike(one, other) says whether two rows' numbers are, so that they share them and stay in the cache
   template <class Acts, class Set, class Alike>
   bool fill(const Body& body, int numbers, const Acts& acts, const Set& set, const Alike& alike);
