@@ -142,6 +142,14 @@ bool has_curve(const Specimen& specimen) {
                                                 [](const Material& material) { return material.curve.has_value(); });
 }
 
+/// Whether some molecule's place has another Poisson's ratio than the material.
+bool ratio_varies(const Specimen& specimen) {
+  const Material& material = specimen.material;
+  for (int a = 0; material.field && a < specimen.body.size(); ++a)
+    if (local_material(material, specimen.body.rest.col(a)).poissons_ratio != material.poissons_ratio) return true;
+  return false;
+}
+
 /// Why one factor on all springs has no meaning here, or "".
 std::string calibration_of_parts_unsuited(const Specimen& specimen) {
   if (specimen.body.parts.empty()) return "";
@@ -217,7 +225,7 @@ std::optional<ElasticTerms> make_elasticity(const Specimen& specimen, const Expe
   note_negative_constants(specimen.body, run);
   if (has_curve(specimen) && !specimen.material.law && !choice.strategy.follows_curve)
     run.warnings.push_back("does not follow the material's curve: it takes its slope at no strain alone");
-  if (specimen.material.field && choice.strategy.kind != StrategyKind::cell_law)
+  if (choice.strategy.kind != StrategyKind::cell_law && ratio_varies(specimen))
     run.warnings.push_back(
         "has the material's own Poisson's ratio everywhere: one by label or place is for laws of cells");
   return elasticity;
