@@ -757,10 +757,13 @@ void Boxes::report() const {
   }
   context_.remarks.notes.push_back(
       fmt::format("{}: {} x {} x {} voxels, {} a box; coordinates as in the file{}; labels: {}; the surface is "
-                  "stepped, and stresses there are not to be read",
+                  "stepped, and stresses there are not to be read{}",
                   setup_.file->text(), image_.size[0], image_.size[1], image_.size[2],
                   fmt::format("{} x {} x {}", voxels_[0], voxels_[1], voxels_[2]),
-                  image_.space.empty() ? "" : " (" + image_.space + ")", listed(texts)));
+                  image_.space.empty() ? "" : " (" + image_.space + ")", listed(texts),
+                  voxels_ == std::array{1, 1, 1} ? ""
+                                                 : "; a computed reference is that of these boxes: a smaller `spacing` "
+                                                   "shows what the image's finer voxels change"));
 }
 
 MoleculeSets Boxes::sets() const {
