@@ -43,7 +43,7 @@ class Multigrid {
   BoxMembers members_;
   std::vector<std::unique_ptr<BoxLevel>> levels_;
   std::vector<LevelWorkspace> workspaces_;
-  BoxLevel::Vectors of_boxes_;  ///< of the finest grid, from the molecules
+  BoxLevel::Vectors of_boxes_;                ///< of the finest grid, from the molecules
   std::unique_ptr<CoarsestSolver> coarsest_;  ///< once it was asked whether it is positive
   bool thin_ = false, searches_ = false;
 };

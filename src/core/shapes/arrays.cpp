@@ -10,6 +10,7 @@
 #include "core/shapes/surfaces.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/base/text.h"
+#include "elastin/core/model/material.h"
 #include "elastin/core/model/rest.h"
 #include "elastin/core/model/share.h"
 #include "elastin/core/shapes/shapes.h"

@@ -29,7 +29,8 @@ std::vector<MeasureColumns> columns_of(const std::vector<Record>& records) {
   const bool failed = !any(solved);
   std::vector<MeasureColumns> columns;
   for (const MainMeasure& measure : records.front().main_measures) {
-    const auto& [name, prescribed, strain] = measure;
+    const std::string& name = measure.name;
+    const double prescribed = measure.prescribed;
     const MeasureInfo& info = records.front().measure(name);
     const std::string to_reference = name + "_to_reference";
     if (!failed && !any([&](const Record& r) { return std::isfinite(r.run.measures.get(info.name)); })) continue;

@@ -8,6 +8,7 @@
 
 #include "elastin/core/model/share.h"
 #include "elastin/core/parallel/threads.h"
+#include "lab/report/comparison.h"
 #include "lab/report/table.h"
 
 namespace elastin::lab {
@@ -260,7 +261,8 @@ double over_scatter(const Run& run, const Reference& reference) {
     return std::abs(run.measures.get(reference.measure) / reference.value - 1) / reference.scatter;
   double sum = 0;
   const double slack = 1e-6 * std::abs(reference.points.back()[0]);  // of a last load step that is rounded
-  for (const auto& [at, value, deviation] : reference.points) {
+  for (const auto& [place, value, deviation] : reference.points) {
+    const double at = place;  // clang 14 captures no structured binding
     double from = 0, shown = 0;
     const auto to = std::find_if(run.curve.begin(), run.curve.end(), [&](const CurvePoint& point) {
       const double x = along(point, reference.along), y = along(point, reference.measure);

@@ -103,11 +103,12 @@ SceneLoad read_load(Reader reader, const elastin::Table<LoadKind>& loads, const 
   const auto in_time = reader.find("in_time");
   reader.finish();
   if (found.size() != 1) reader.fail("a load is one of " + names + "; write each as an item of its own");
-  const auto& [value, kind] = found.front();
+  const Reader value = found.front().first;
+  const std::shared_ptr<const LoadKind> kind = found.front().second;
   LoadValues values = read_values(value, *kind, body, rotation);
   values = value.located([&] { return checked_values(*kind, body, std::move(values)); });
   const bool acts_at_rest = kind->acts_at_rest(values);
-  const auto add = [kind = kind, values, material](Model& model) { kind->add(model, values, &material); };
+  const auto add = [kind, values, material](Model& model) { kind->add(model, values, &material); };
   if (!in_time && kind->name == kFace) return {{add}, acts_at_rest};
   if (!in_time) return {{add, std::pair(kind->name, values)}, acts_at_rest};
   const TimeFunction function = read_time_function(*in_time);
