@@ -106,9 +106,10 @@ Points2 hull_of_whole(const Body& body, const Eigen::Matrix<double, 3, 2>& plane
 Face end_face(const Body& body, const Vector3& direction, double depth) {
   const VectorX height = body.rest.transpose() * direction;
   const double low = least_over(body, height.minCoeff()), high = largest_over(body, height.maxCoeff());
-  const double reach = std::max(depth, 1e-6 * (high - low));
+  const double reach = depth + 1e-6 * (high - low);  // layers of a lattice lie just at a round depth
   if (!(high - low > 2 * reach)) throw InputError("the body has no length along the axis beyond its grips");
-  std::vector<int> molecules = molecules_above(body, height, high - reach);
+  const double end = depth > 0 && body.outline.cols() > 0 ? (body.outline.transpose() * direction).maxCoeff() : high;
+  std::vector<int> molecules = molecules_above(body, height, std::min(end, high) - reach);
   const bool cells = any_over(body, !body.tetrahedra.empty() || !body.triangles.empty());
   if (depth > 0 || !cells || is_plane_end(body, molecules, direction))
     return face_of(body, std::move(molecules), direction);

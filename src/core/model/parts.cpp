@@ -77,12 +77,23 @@ std::vector<CellBlock> blocks_of(const Body& whole, const Part& part) {
   return {first, first + part.blocks.count};
 }
 
+/// A body without an outline is bounded by its molecules.
+void append_outline(Body& whole, const Body& body) {
+  if (whole.outline.cols() + body.outline.cols() == 0) return;
+  const Positions& before = whole.outline.cols() > 0 ? whole.outline : whole.rest;
+  const Positions& added = body.outline.cols() > 0 ? body.outline : body.rest;
+  Positions outline(3, before.cols() + added.cols());
+  outline << before, added;
+  whole.outline = std::move(outline);
+}
+
 }  // namespace
 
 void add_part(Body& whole, const Body& body, Part what) {
   for (const Part& other : whole.parts)
     if (other.name == what.name) throw InputError("there is a body '" + what.name + "' already");
   append_stiffness(whole, body);
+  append_outline(whole, body);
   what.first = whole.size(), what.count = body.size();
   if (whole.parts.empty()) whole.assumed_density = body.assumed_density;
   if (body.assumed_density != whole.assumed_density) whole.assumed_density = 0;

@@ -131,6 +131,7 @@ class ShareBuilder {
   Body elements() const {
     Body result;
     result.rest = body_.rest(Eigen::all, molecules_);
+    result.outline = body_.outline;
     if (body_.mass.size()) result.mass = body_.mass(molecules_);
     if (body_.radius.size()) result.radius = body_.radius(molecules_);
     const std::vector<int> connections = keep(body_.connections.ends, result.connections.ends);

@@ -33,7 +33,7 @@ inline auto members(Body& body) {
   return std::tie(body.rest, body.mass, body.radius, body.connection_stiffness, body.cell_stiffness,
                   body.connections.rest_length, body.connections.ends, body.connections.cell_sides, body.triangles,
                   body.cables, body.tetrahedra, body.blocks, body.cubes, body.grid, body.voronoi, body.parts, body.ties,
-                  body.between, body.assumed_density);
+                  body.between, body.assumed_density, body.outline);
 }
 
 template <class Archive>

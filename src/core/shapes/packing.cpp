@@ -104,6 +104,7 @@ void add_jitter(Body& body, double amount, std::uint64_t seed) {
 
 void rotate(Body& body, const Matrix3& rotation) {
   body.rest = (rotation * body.rest).eval();
+  body.outline = (rotation * body.outline).eval();
   if (!body.unstressed) return;
   Rest turned = *body.unstressed;
   turned.metric = [R = rotation, own = body.unstressed](const Vector3& place, const Vector3& middle) -> Matrix3 {

@@ -50,7 +50,9 @@ ExperimentInfo with_keys(ExperimentInfo info, Keys<Setup> keys, Make make) {
 template <class Setup>
 Key<Setup> grip_depth_key(double Setup::*member) {
   return key::quantity("grip_depth", member, dimension::length,
-                       "molecules that are so near to the furthest one of an end belong to it", kPositive)
+                       "molecules that are so near to the furthest one of an end, or to the furthest voxel of an "
+                       "image, belong to it",
+                       kPositive)
       .otherwise("the whole end: its plane, or, where it is rough or tilted, the sides of the cells that look outward");
 }
 

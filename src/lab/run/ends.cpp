@@ -147,7 +147,9 @@ void EndFinder::judge_solid(const std::string& name, const Vector3& direction, b
   }
   if (picked || grip_depth_ > 0 || !face.tilted.isZero(0) || std::abs(face.area / section - 1) > kSameArea)
     findings.notes.push_back(held + (top - bottom > 1e-6 * (high - low)
-                                         ? ", up to " + in_mm(top - bottom) + " behind the furthest one"
+                                         ? ", up to " + in_mm(top - bottom) +
+                                               (body_.outline.cols() > 0 ? " behind the furthest corner of a box"
+                                                                         : " behind the furthest one")
                                          : ""));
   if (face.tilted.isZero(0)) return;
   const double tilt = std::acos(std::clamp(face.tilted.dot(direction), -1., 1.)) * 180 / std::numbers::pi;

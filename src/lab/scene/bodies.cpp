@@ -57,6 +57,7 @@ void read_one(Reader item, const elastin::Table<MaterialLaw>& laws, Specimen& sp
   const Vector3 before = body.rest.col(0);
   rotate(body, setup.turn);
   body.rest.colwise() += setup.at;
+  body.outline.colwise() += setup.at;
   rotate(turned, setup.turn);
   const Vector3 moved = body.rest.col(0) - setup.turn * before;
   if (turned.around) turned.around->point += moved;

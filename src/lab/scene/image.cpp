@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "core/base/disjoint_sets.h"
+#include "core/geometry/tributary.h"
 #include "core/shapes/orders.h"
 #include "core/simulation/warnings.h"
 #include "elastin/core/base/text.h"
@@ -166,6 +167,8 @@ class Boxes {
   /// Gives the specimen the image's grid and the materials of parts.
   void set_specimen(const Body& body) const;
   MoleculeSets sets() const;
+  /// Middles of the outermost sides of the body's voxels, as Body::outline, as far as their convex hull needs them.
+  Positions outline() const;
 
  private:
   void set_shades(BodyImage& own) const;
@@ -755,15 +758,13 @@ void Boxes::report() const {
                             setup_.file->path(), labels_[i].name,
                             counted(static_cast<std::ptrdiff_t>(found[i]), "voxel")));
   }
-  context_.remarks.notes.push_back(
-      fmt::format("{}: {} x {} x {} voxels, {} a box; coordinates as in the file{}; labels: {}; the surface is "
-                  "stepped, and stresses there are not to be read{}",
-                  setup_.file->text(), image_.size[0], image_.size[1], image_.size[2],
-                  fmt::format("{} x {} x {}", voxels_[0], voxels_[1], voxels_[2]),
-                  image_.space.empty() ? "" : " (" + image_.space + ")", listed(texts),
-                  voxels_ == std::array{1, 1, 1} ? ""
-                                                 : "; a computed reference is that of these boxes: a smaller `spacing` "
-                                                   "shows what the image's finer voxels change"));
+  context_.remarks.notes.push_back(fmt::format(
+      "{}: {} x {} x {} voxels, {} a box; coordinates as in the file{}; labels: {}; the surface is "
+      "stepped, and stresses there are not to be read{}",
+      setup_.file->text(), image_.size[0], image_.size[1], image_.size[2],
+      fmt::format("{} x {} x {}", voxels_[0], voxels_[1], voxels_[2]),
+      image_.space.empty() ? "" : " (" + image_.space + ")", listed(texts),
+      voxels_ == std::array{1, 1, 1} ? "" : "; a computed reference has smaller boxes, down to the image's voxels"));
 }
 
 MoleculeSets Boxes::sets() const {
@@ -786,6 +787,43 @@ MoleculeSets Boxes::sets() const {
     members.erase(std::unique(members.begin(), members.end()), members.end());
   }
   return sets;
+}
+
+Positions Boxes::outline() const {
+  const auto is_voxel = [&](int x, int y, int z) {
+    return boxes_[box_with(x, y, z)].label >= 0 && label_of(x, y, z) >= 0;
+  };
+  // Of each layer of voxels, the points in its middle and those on either side of it, in halves of voxels.
+  std::vector<std::vector<std::array<int, 2>>> layers(2 * static_cast<std::size_t>(image_.size[2]) + 1);
+  for (int z = range_.first[2]; z < range_.last[2]; ++z)
+    for (int y = range_.first[1]; y < range_.last[1]; ++y) {
+      int first = range_.first[0], last = range_.last[0] - 1;
+      while (first <= last && !is_voxel(first, y, z)) ++first;
+      while (last > first && !is_voxel(last, y, z)) --last;
+      if (first > last) continue;
+      const auto middle = 2 * static_cast<std::size_t>(z) + 1;
+      for (const int x : {first, last}) {
+        for (const int side : {-1, 1}) {
+          layers[middle].push_back({2 * x + side, 2 * y});
+          layers[middle].push_back({2 * x, 2 * y + side});
+        }
+        for (const std::size_t layer : {middle - 1, middle + 1}) layers[layer].push_back({2 * x, 2 * y});
+      }
+    }
+  std::vector<Vector3> kept;
+  for (std::size_t layer = 0; layer < layers.size(); ++layer) {
+    Points2 points(2, static_cast<Eigen::Index>(layers[layer].size()));
+    for (Eigen::Index i = 0; i < points.cols(); ++i)
+      points.col(i) << layers[layer][static_cast<std::size_t>(i)][0], layers[layer][static_cast<std::size_t>(i)][1];
+    if (points.cols() == 0) continue;
+    const Points2 hull = convex_hull(points);
+    for (const auto& point : (hull.cols() < 3 ? points : hull).colwise())  // on one line there is no hull
+      kept.emplace_back(point[0] / 2, point[1] / 2, (static_cast<double>(layer) - 1) / 2);
+  }
+  Positions result(3, static_cast<Eigen::Index>(kept.size()));
+  for (Eigen::Index i = 0; i < result.cols(); ++i)
+    result.col(i) = setup_.length_unit * (image_.origin + image_.steps * kept[static_cast<std::size_t>(i)]);
+  return result;
 }
 
 /// A random close packing of the outline, as far as it lies in the body.
@@ -1017,6 +1055,7 @@ void Boxes::set_specimen(const Body& body) const {
     const int label = at(place);
     return label < 0 ? 0 : numbers[label];
   };
+  if (voxels_ != std::array{1, 1, 1} && setup_.as != ImageCells::packing) own->finer_spacing = *setup_.spacing / 2;
   set_shades(*own);
   specimen->image = std::move(own);
   if (!parts_) return;
@@ -1060,6 +1099,7 @@ Body make_body(const ImageSetup& setup, ShapeContext& context) {
   boxes.set_matter(body);
   boxes.set_ratios();
   boxes.set_specimen(body);
+  if (setup.as != ImageCells::packing) body.outline = boxes.outline();
   return body;
 }
 

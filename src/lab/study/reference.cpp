@@ -18,10 +18,12 @@
 #include "core/simulation/warnings.h"
 #include "core/solve/newton.h"
 #include "elastin/core/base/error.h"
+#include "elastin/core/model/embedded_surface.h"
 #include "elastin/core/shapes/arrays.h"
 #include "hull/delaunay.h"
 #include "lab/report/comparison.h"
 #include "lab/report/files.h"
+#include "lab/run/body_image.h"
 #include "lab/run/load_path.h"
 #include "lab/run/specimen.h"
 #include "lab/study/journal.h"
@@ -30,7 +32,7 @@ namespace elastin::lab {
 namespace {
 
 /// Another method to compute a reference takes another number, so that older files are not read back.
-constexpr int kVersion = 4;
+constexpr int kVersion = 5;
 /// Of the unbalanced force: far below any uncertainty that a scene may request.
 constexpr double kTolerance = 1e-7;
 /// How much longer a body takes with twice as many cells along each side.
@@ -182,6 +184,19 @@ bool solve_from(const Positions& guess, const Scene& scene, const StrategyChoice
   return true;
 }
 
+/// Where points come to that move with the body as far as they lie in it; nothing where they cannot.
+Positions moved_with(const Body& body, const Positions& positions, const Positions& points) {
+  if (positions.cols() != body.size()) return {};
+  try {
+    const EmbeddedSurface surface(body, points, {});
+    std::vector<float> moved(static_cast<std::size_t>(points.size()));
+    surface.draw(positions, moved, {});
+    return Eigen::Map<const Eigen::Matrix3Xf>(moved.data(), 3, points.cols()).cast<double>();
+  } catch (const InputError&) {
+    return {};
+  }
+}
+
 /// `stop` is called between iterations; a body that it ends has a trouble.
 Level solve_level(Scene& scene, const StrategyChoice& choice, const Positions& guess, double spacing,
                   const std::function<void(const std::string&)>& progress, const std::function<bool()>& stop) {
@@ -227,7 +242,10 @@ std::vector<std::string> measures_of(const Scene& scene, const std::vector<Level
   return changing.empty() ? finite : changing;
 }
 
-std::vector<Reference> limits_of(const Scene& scene, const std::vector<Level>& levels, const std::string& strategy) {
+/// `of_image`: whether the bodies have shapes of their own, each nearer to an image's; they show no order, and the last
+/// one is the nearest, by the last change if that is of order 1.
+std::vector<Reference> limits_of(const Scene& scene, const std::vector<Level>& levels, const std::string& strategy,
+                                 bool of_image) {
   if (levels.size() < 2) return {};
   std::vector<Reference> references;
   const std::vector<std::string> names = measures_of(scene, levels);
@@ -243,7 +261,9 @@ std::vector<Reference> limits_of(const Scene& scene, const std::vector<Level>& l
   for (const std::string& name : names) {
     std::vector<std::pair<double, double>> rows;
     for (const Level& level : levels) rows.emplace_back(level.spacing, level.measures.get(name));
-    const Extrapolation found = limit_of(rows);
+    const double last = rows.back().second;
+    const Extrapolation found =
+        of_image ? Extrapolation{last, std::abs(last - rows[rows.size() - 2].second), std::nan("")} : limit_of(rows);
     const double uncertainty = found.uncertainty / std::abs(found.value);
     if (!std::isfinite(uncertainty)) continue;
     // What is next to nothing has no relative error worth telling.
@@ -282,10 +302,7 @@ class Sequence {
     // A fill without cells of its own is carved as one with them.
     for (const char* change : {"", "body.fill.cells=delaunay"}) {
       if (*change != 0) overrides_.emplace_back(change);
-      first_ = load_scene_on(scene.source, catalog_, overrides_, [&](Body& body, const Material& material) {
-        filled_ = body.voronoi && body.tetrahedra.empty();
-        if (!filled_) body_ = body = domain_of(body, material);
-      });
+      load();
       if (!filled_) break;
     }
     law_ = own_law(scene, catalog, body_);
@@ -296,6 +313,8 @@ class Sequence {
   ComputedReferences solve(const std::function<void(const std::string&)>& progress, const std::function<bool()>& stop);
 
  private:
+  /// Reads the scene, and makes its body the first one or, of an image that has voxels for it, a finer one.
+  void load();
   std::unique_ptr<Scene> scene_on_body();
   /// Reports the solution on this body, with what is known of it before; says at once that it begins.
   std::function<void(const std::string&)> of_level(const std::function<void(const std::string&)>& progress,
@@ -316,10 +335,20 @@ class Sequence {
   std::unique_ptr<Scene> first_;
   Body body_;  // as the scene describes it: not turned
   bool filled_ = false;
+  double finer_spacing_ = 0;  ///< [m] of the boxes of an image, for the next body
+  bool of_image_ = false;     ///< whether the bodies after the first are made of the image anew
   std::string law_;
   Positions guess_;
   std::vector<Level> levels_;
 };
+
+void Sequence::load() {
+  first_ = load_scene_on(scene_.source, catalog_, overrides_, [&](Body& body, const Material& material) {
+    filled_ = body.voronoi && body.tetrahedra.empty();
+    if (!filled_) body_ = body = domain_of(body, material);
+  });
+  finer_spacing_ = first_->specimen.image ? first_->specimen.image->finer_spacing : 0;
+}
 
 std::unique_ptr<Scene> Sequence::scene_on_body() {
   if (first_) return std::move(first_);
@@ -336,11 +365,12 @@ std::function<void(const std::string&)> Sequence::of_level(const std::function<v
 }
 
 std::string Sequence::limit() const {
+  if (of_image_ && finer_spacing_ == 0) return "the image's voxels are no smaller";
   const int children = is_solid(body_) ? 8 : 4;
   if (static_cast<double>(count_cells(body_)) * children > scene_.computed.most_cells)
-    return fmt::format("at most {} cells", scene_.computed.most_cells);
+    return fmt::format("at most {} cells (computed.most_cells)", scene_.computed.most_cells);
   if (levels_.back().seconds * kGrowth > scene_.computed.seconds)
-    return "at most " + readable_seconds(scene_.computed.seconds);
+    return "at most " + readable_seconds(scene_.computed.seconds) + " (computed.seconds)";
   return "";
 }
 
@@ -381,6 +411,14 @@ std::vector<Reference> Sequence::limits_by_order(const Scene& scene, const Strat
 }
 
 void Sequence::refine() {
+  if (finer_spacing_ > 0) {
+    const Body coarse = std::move(body_);
+    overrides_.push_back(fmt::format("body.image.spacing={:.17g} m", finer_spacing_));
+    load();
+    of_image_ = true;
+    guess_ = moved_with(coarse, levels_.back().positions, body_.rest);
+    return;
+  }
   Body finer = refined(body_);
   guess_ = Positions();
   if (const Positions& found = levels_.back().positions; found.cols() == body_.size()) {
@@ -414,11 +452,11 @@ ComputedReferences Sequence::solve(const std::function<void(const std::string&)>
       levels_.pop_back();
       break;
     }
-    result.references = limits_of(*scene, levels_, law_);
+    result.references = limits_of(*scene, levels_, law_, of_image_);
     if (known(scene_, result.references, levels_, scene_.computed.uncertainty)) break;
     if (const std::string why = limit(); !why.empty()) {
       if (levels_.size() == 1) result.references = limits_by_order(*scene, choice, progress, stop);
-      result.trouble = why + " (computed.most_cells, computed.seconds)";
+      result.trouble = why;
       break;
     }
     if (stop && stop()) break;

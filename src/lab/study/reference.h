@@ -40,9 +40,10 @@ bool wants_computed_references(const Scene& scene, const std::string& option);
 
 /// Solves the scene's own problem with the material's own law on finer and finer cells: those of the body, each halved
 /// along its sides again and again; in the cubes of a lattice and between the molecules of a packing tetrahedra that
-/// are made for it. From what the main measures are there follow their limits (see limit_of). It ends where all that
-/// have a unit are known to the uncertainty that the scene states, or at its limits of size and time. Each body begins
-/// where the one before it led to, as long as nothing depends on the load path.
+/// are made for it; of an image smaller boxes, down to its voxels. From what the main measures are there follow their
+/// limits (see limit_of). It ends where all that have a unit are known to the uncertainty that the scene states, or at
+/// its limits of size and time. Each body begins where the one before it led to, as long as nothing depends on the load
+/// path.
 /// @param overrides as the scene was loaded with; @param progress called before each body; may be empty.
 ComputedReferences compute_references(const Scene& scene, const Catalog& catalog,
                                       const std::vector<std::string>& overrides, ReferenceStore& store,

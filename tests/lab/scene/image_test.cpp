@@ -307,6 +307,48 @@ TEST_CASE("image: boxes begin and end where the body does", "[image]") {
     }
 }
 
+TEST_CASE("image: a grip is as deep as is stated behind the voxels' end, and not behind boxes that stand out over it",
+          "[image]") {
+  const TemporaryFolder folder;
+  // A bar of 48 mm × 16 mm × 12 mm, turned about z in the image, held over 6 mm at each end and pulled by 0.36 mm.
+  for (const double degrees : {0., 20., 30., 45., 75.}) {
+    const double angle = degrees * std::acos(-1.) / 180, c = std::cos(angle), s = std::sin(angle);
+    const std::string image = nrrd(
+        {64, 64, 12},
+        [&](int i, int j, int) {
+          const double x = i - 31.5, y = j - 31.5;
+          return std::abs(x * c + y * s) < 24 && std::abs(y * c - x * s) < 8;
+        },
+        "(1,0,0) (0,1,0) (0,0,1)");
+    const auto force = [&](const std::string& keys) {
+      INFO(keys << " " << degrees);
+      folder.write("a.nrrd", image);
+      const auto scene = load_scene(
+          folder.write("scene.yaml",
+                       "body: {image: {file: a.nrrd, length_unit: mm, fill_fraction: true" + keys +
+                           "}}\nmaterial: {youngs_modulus: 10 kPa, poissons_ratio: 0}\nstiffness: neo_hookean\n"
+                           "experiment: {kind: tension, axis: [" +
+                           std::to_string(c) + ", " + std::to_string(s) +
+                           ", 0], grip_depth: 6 mm, displacement: 0.36 mm, cross_section: 192 mm2, "
+                           "fixed_grip: clamped, loaded_grip: clamped}\n"
+                           "solver: {displacements: small}\nreference: none\n"),
+          kCatalog);
+      const Body& body = scene->specimen.body;
+      const Vector3 axis(c, s, 0);
+      const VectorX heights = body.outline.transpose() * axis;
+      CHECK(heights.maxCoeff() - heights.minCoeff() == Approx(48e-3).margin(1.1e-3));
+      prepare(scene->specimen, scene->stiffness.strategy);
+      const Run run = run_strategy(scene->specimen, *scene->experiment, scene->stiffness, {.statics = scene->statics});
+      REQUIRE(run.outcome == Outcome::converged);
+      return run.measures.get("force");
+    };
+    const double exact = 10e3 * 192e-6 * 0.36 / 36;
+    CHECK(force(", spacing: 1 mm") == Approx(exact).epsilon(0.08));
+    // Layers of boxes lie up to a box within the grips' planes.
+    CHECK(force(", spacing: 3 mm") == Approx(exact).epsilon(0.12));
+  }
+}
+
 TEST_CASE("image: ends of a body that is no whole number of boxes wide are full", "[image]") {
   const TemporaryFolder folder;
   const auto scene = scene_of(folder, nrrd({5, 10, 20}, [](int, int, int) { return 1; }),

@@ -185,6 +185,28 @@ TEST_CASE("a block sheared with free sides is compared with the solid, but for a
   CHECK(no_reference(*affine).empty());
 }
 
+TEST_CASE("the reference of a scan has boxes down to the image's voxels", "[reference][image][slow]") {
+  // A ball of 24 voxels; boxes of 4 voxels that are body or not are far from it.
+  const Written ball(
+      "body: {image: {file: ball.nrrd, length_unit: mm, spacing: 4 mm}}\n"
+      "material: {youngs_modulus: 10 kPa, poissons_ratio: 0.3}\nstiffness: neo_hookean\n"
+      "experiment: {kind: tension, axis: z, grip_depth: 5 mm, displacement: 0.1 mm, fixed_grip: clamped, "
+      "loaded_grip: clamped, cross_section: 400 mm2}\nsolver: {displacements: small}\nreference: computed\n");
+  std::string image = "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 26 26 26\nspacings: 1 1 1\nencoding: ascii\n\n";
+  for (int voxel = 0; voxel < 26 * 26 * 26; ++voxel) {
+    const double x = voxel % 26 - 12.5, y = voxel / 26 % 26 - 12.5, z = voxel / 676 - 12.5;
+    image += x * x + y * y + z * z < 144 ? "1 " : "0 ";
+  }
+  ball.folder.write("ball.nrrd", image);
+  const ComputedReferences coarse = ball.compute(), voxels = ball.compute({"body.image.spacing=1 mm"});
+  const Reference &own = of(coarse, "effective_modulus"), &fine = of(voxels, "effective_modulus");
+  INFO(own.source << " " << own.value << " ± " << own.uncertainty << "; " << fine.source << " " << fine.value);
+  CHECK_THAT(own.source, Contains("hexahedra of 27 nodes") && !Contains("order "));
+  CHECK(own.value == Approx(fine.value).epsilon(own.uncertainty + fine.uncertainty));
+  CHECK(own.uncertainty < 0.1);
+  CHECK(coarse.references.size() == voxels.references.size());
+}
+
 TEST_CASE("keys of a computed reference are read, and slips named", "[reference][scene][slow]") {
   const Written scene(block(kBar, kRubber, "displacement: 0.1 mm, " + kClamped,
                             "reference: {computed: {uncertainty: 0.5 %, most_cells: 5000, seconds: 20 s, strategy: "

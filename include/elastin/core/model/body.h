@@ -113,6 +113,9 @@ struct Body {
   /// Of a body whose cells were refined, or made of second order, what each of its last molecules lies between.
   /// What holds an end of the body holds those of them that lie between others that it holds. Empty of other bodies.
   std::vector<MoleculeBetween> between;
+  /// Points that what the body stands for reaches to [m], where its cells stand out over that, as boxes do over the
+  /// voxels that fill them in part: an end to a depth is counted from these. Empty where the molecules say it.
+  Positions outline;
   /// Where the body is unstressed, if not at rest: see elastin/core/model/rest.h.
   std::shared_ptr<const Rest> unstressed;
   /// Where the body is one process's share of a whole that several have among them; see elastin/core/model/share.h.
