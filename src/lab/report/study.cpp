@@ -197,16 +197,21 @@ Table study_table(const std::vector<Record>& records, const Ranking& ranking) {
     head.push_back(label);
     head.push_back(ranking.measures.size() > 1 ? "error of " + label : "error");
   }
-  // A ratio has no error that ranks, but a target, which may be what the study changes.
-  std::vector<std::string> ratios;
+  // A ratio has no error that ranks, but a target, which may be what the study changes. Where nothing has an error,
+  // what was measured stands alone.
+  std::vector<std::pair<std::string, bool>> others;  // and whether it has a target
   for (const MainMeasure& main : records.front().main_measures) {
-    const auto shown = [&](const Record& record) {
-      return std::isfinite(record.error(main.name)) && record.measure(main.name).unit == dimension::none;
-    };
+    const auto any = [&](const auto& holds) { return std::any_of(records.begin(), records.end(), holds); };
     const bool ranks = std::find(ranking.measures.begin(), ranking.measures.end(), main.name) != ranking.measures.end();
-    if (ranks || std::none_of(records.begin(), records.end(), shown)) continue;
-    ratios.push_back(main.name);
-    head.insert(head.end(), {records.front().measure(main.name).label(), "its target"});
+    const bool target = any([&](const Record& record) {
+      return std::isfinite(record.error(main.name)) && record.measure(main.name).unit == dimension::none;
+    });
+    const bool alone = ranking.measures.empty() &&
+                       any([&](const Record& record) { return std::isfinite(record.run.measures.get(main.name)); });
+    if (ranks || (!target && !alone)) continue;
+    others.emplace_back(main.name, target);
+    head.push_back(records.front().measure(main.name).label());
+    if (target) head.emplace_back("its target");
   }
   head.insert(head.end(), {"iterations", "build", "solve", "least", "median", "solver", ""});
   Table table(head);
@@ -225,10 +230,10 @@ Table study_table(const std::vector<Record>& records, const Ranking& ranking) {
       row.push_back(number_cell(readable(run.measures.get(name), record.measure(name)), run.measures.get(name)));
       row.push_back(number_cell(percent(error), std::abs(error), tone_of_error(error)));
     }
-    for (const std::string& name : ratios) {
+    for (const auto& [name, has_target] : others) {
       const double value = run.measures.get(name), target = value - record.error(name);
       row.push_back(number_cell(value_text(value, record.measure(name)), value));
-      row.push_back(number_cell(value_text(target, record.measure(name)), target, Tone::faint));
+      if (has_target) row.push_back(number_cell(value_text(target, record.measure(name)), target, Tone::faint));
     }
     row.push_back(number_cell(run.suited ? fmt::format("{} / {}", run.newton_iterations, run.linear_iterations) : "",
                               run.linear_iterations));

@@ -123,6 +123,15 @@ TEST_CASE("a study of Poisson's ratio shows what was measured", "[targets]") {
   CHECK_THAT(text, Contains("Poisson's ratio") && Contains("its target") && Contains("0.2000") && Contains("0.3000"));
 }
 
+TEST_CASE("a study of what has nothing to compare with shows what was measured", "[targets]") {
+  const std::vector<Record> records{record_of(
+      *scene_of("{kind: tension, axis: x, strain: 0.1, fixed_grip: clamped, loaded_grip: clamped}", "neo_hookean"))};
+  REQUIRE(records.front().errors.empty());
+  const std::string text = study_table(records, rank_strategies(records)).text(false),
+                    modulus = readable(records.front().run.measures.get("effective_modulus"), dimension::pressure);
+  CHECK_THAT(text, Contains(" E ") && Contains(modulus) && Contains("Poisson's ratio") && !Contains("error"));
+}
+
 TEST_CASE("what is nearer and faster than the recommended strategy is named, with the reason", "[targets]") {
   std::vector<Record> records;
   for (const char* name : {"standard", "neo_hookean"}) {

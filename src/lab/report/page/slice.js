@@ -1,4 +1,4 @@
-// The image that a body was made of, in a plane across an axis, with the outline of the body there.
+// The image that a body was made of, in a plane across an axis, with the outlines of the body there.
 'use strict';
 
 /** Where the faces of a body cross the plane across an axis at a place [m]: two points a line, two numbers a point. */
@@ -38,14 +38,17 @@ function draw_slice(canvas, image, body, positions, axis, at) {
       pixels.data.set([value, value, value, 255], 4 * (x + width * y));
     }
   paper.putImageData(pixels, 0, 0);
-  paper.strokeStyle = '#ff8a3d';
-  paper.lineWidth = 1.5;
-  paper.beginPath();
-  for (const [a, b, c, d] of outline_at(body.surface, positions, axis, at)) {
-    paper.moveTo((a - left) / metres, (top - b) / metres);
-    paper.lineTo((c - left) / metres, (top - d) / metres);
+  for (const [places, colour, thickness] of [[body.rest, '#5aa9ff', 1], [positions, '#ff8a3d', 1.5]]) {
+    paper.strokeStyle = colour;
+    paper.lineWidth = thickness;
+    paper.beginPath();
+    for (const [a, b, c, d] of outline_at(body.surface, places, axis, at)) {
+      paper.moveTo((a - left) / metres, (top - b) / metres);
+      paper.lineTo((c - left) / metres, (top - d) / metres);
+    }
+    paper.stroke();
   }
-  paper.stroke();
   canvas.setAttribute('role', 'img');
-  canvas.setAttribute('aria-label', `The image at ${'xyz'[axis]} = ${with_prefix(at, 'm')}, with the outline of the body in orange`);
+  canvas.title = `The image at ${'xyz'[axis]} = ${with_prefix(at, 'm')}, with the outline of the body: at rest in blue, with its displacements as shown in orange`;
+  canvas.setAttribute('aria-label', canvas.title);
 }
