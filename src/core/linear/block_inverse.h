@@ -19,7 +19,7 @@ class BlockInverses {
   void compute(double scale, const std::vector<Matrix3>& blocks, const std::vector<Support>& supports);
   int size() const { return static_cast<int>(blocks_.size()); }
   /// Of a force [N]; [m].
-  Vector3 times(int molecule, const Vector3& force) const {
+  [[gnu::always_inline]] Vector3 times(int molecule, const Vector3& force) const {
     const auto& [xx, xy, xz, yy, yz, zz] = blocks_[molecule];
     const Vector3 f = flexibility_ * force;
     return {xx * f.x() + xy * f.y() + xz * f.z(), xy * f.x() + yy * f.y() + yz * f.z(),
