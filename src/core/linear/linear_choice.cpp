@@ -28,12 +28,13 @@ double digits_of(double tolerance) { return std::max(1., -std::log10(tolerance))
 /// What an iteration with a grid hierarchy takes of a molecule, in products of a factorisation: 100 to 1000 on springs
 /// and hexahedra of one size, for the products of a factor with little fill take least.
 constexpr double kProductsOfIteration = 300;
-/// What an iteration without one counts for, twice what is measured: tried on a bundle of fibres, they take half as
-/// long as its factor at most.
-constexpr double kProductsOfPlainIteration = 16;
+/// What an iteration without one counts for, on a bundle of fibres: with so many of springs, or so many of cells, they
+/// take about as long as its factor, for which cells have first to be summed up.
+constexpr double kProductsOfPlain = 16, kProductsOfPlainOfCells = 6;
 /// How many iterations are tried for each connection from end to end: fibres that are all alike are to conjugate
-/// gradients a single one, which takes as many as it has connections.
-constexpr double kTriedAcross = 2;
+/// gradients a single one, which takes as many as it has connections. Until then the residual hardly falls, so that no
+/// pace tells; near a Poisson's ratio of 1/2 cells take four and a half.
+constexpr double kTriedAcross = 2, kTriedAcrossOfCells = 5;
 /// Numbers of the largest factor that is tried: 1.2 GB.
 constexpr double kMostNumbers = 1e8;
 
@@ -90,8 +91,10 @@ class MultigridOrDirect final : public LinearSolver, public KeepsCoarsePicture {
 
  private:
   int plain_iterations() const {
-    return static_cast<int>(std::min(kTriedAcross * connections_across(*body_),
-                                     cost_->products / (kProductsOfPlainIteration * body_->size())));
+    const bool cells = !body_->blocks.empty();
+    return static_cast<int>(
+        std::min((cells ? kTriedAcrossOfCells : kTriedAcross) * connections_across(*body_),
+                 cost_->products / ((cells ? kProductsOfPlainOfCells : kProductsOfPlain) * body_->size())));
   }
 
   bool indefinite_ = false;  ///< whether the stiffness has had negative modes
