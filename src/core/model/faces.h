@@ -28,11 +28,10 @@ struct Face {
 };
 
 /// The molecules furthest along `direction` (unit), and those at most `depth` [m] behind them or, where it has one,
-/// behind the body's outline. Of a refined body
-/// (Body::between) those of the body that it came from, and what lies between two of them. Without a depth those in the
-/// end plane, to 1e-6 of the body's length; of a body of cells whose end is no plane across the direction (it is rough,
-/// tilted, rounded) the corners of the sides that are its end, see end_sides. Throws InputError if that is the whole
-/// body.
+/// behind the body's outline. Of a refined body (Body::between) those of the body that it came from, and what lies
+/// between two of them. Without a depth those in the end plane, to 1e-6 of the body's length; of a body of cells whose
+/// end is no plane across the direction (it is rough, tilted, rounded) the corners of the sides that are its end, see
+/// end_sides. Throws InputError if that is the whole body.
 Face end_face(const Body& body, const Vector3& direction, double depth);
 
 /// These molecules, ascending, as a face that is seen along `direction` (unit).
