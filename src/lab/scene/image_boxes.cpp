@@ -543,7 +543,9 @@ void ImageBoxes::report() const {
       setup_.file->text(), image_.size[0], image_.size[1], image_.size[2],
       fmt::format("{} x {} x {}", voxels_[0], voxels_[1], voxels_[2]),
       image_.space.empty() ? "" : " (" + image_.space + ")", listed(texts),
-      voxels_ == std::array{1, 1, 1} ? "" : "; a computed reference has smaller boxes, down to the image's voxels"));
+      voxels_ == std::array{1, 1, 1}
+          ? ""
+          : "; a computed reference has smaller boxes, down to the image's voxels as far as its time allows"));
 }
 
 }  // namespace elastin::lab

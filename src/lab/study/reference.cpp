@@ -37,6 +37,8 @@ constexpr int kVersion = 5;
 constexpr double kTolerance = 1e-7;
 /// How much longer a body takes with twice as many cells along each side.
 constexpr double kGrowth = 12;
+/// The same of boxes of an image, which begin where the larger ones came to rest: 2 to 8 are measured.
+constexpr double kGrowthOfImage = 6;
 
 /// Of the body's cells, "hexahedra of 27 nodes".
 std::string kind_of_cells(const Body& body) {
@@ -325,6 +327,8 @@ class Sequence {
                                          const std::function<bool()>& stop);
   /// Why there is no finer body to solve, or "".
   std::string limit() const;
+  /// How long the next body may take [s].
+  double seconds_to_come() const { return (finer_spacing_ > 0 ? kGrowthOfImage : kGrowth) * levels_.back().seconds; }
   /// How long the next body may take, and how well the measures are known by those before it: for progress reports.
   std::string outlook(const std::vector<Reference>& references) const;
   void refine();
@@ -369,7 +373,7 @@ std::string Sequence::limit() const {
   const int children = is_solid(body_) ? 8 : 4;
   if (static_cast<double>(count_cells(body_)) * children > scene_.computed.most_cells)
     return fmt::format("at most {} cells (computed.most_cells)", scene_.computed.most_cells);
-  if (levels_.back().seconds * kGrowth > scene_.computed.seconds)
+  if (seconds_to_come() > scene_.computed.seconds)
     return "at most " + readable_seconds(scene_.computed.seconds) + " (computed.seconds)";
   return "";
 }
@@ -380,7 +384,7 @@ std::string Sequence::outlook(const std::vector<Reference>& references) const {
   for (const Reference& reference : references)
     if (scene_.measures->at(reference.measure).unit != dimension::none)
       least_known = std::max(least_known, reference.uncertainty);
-  return fmt::format(", up to {}{}", readable_seconds(kGrowth * levels_.back().seconds),
+  return fmt::format(", up to {}{}", readable_seconds(seconds_to_come()),
                      least_known > 0 ? fmt::format(" (known to {:.2g} %, target {:.2g} %)", 100 * least_known,
                                                    100 * scene_.computed.uncertainty)
                                      : "");
@@ -466,7 +470,10 @@ ComputedReferences Sequence::solve(const std::function<void(const std::string&)>
     result.trouble = "interrupted";
   else if (!result.references.empty())
     result.trouble.clear();
-  for (Reference& reference : result.references) reference.seconds = watch.seconds();
+  for (Reference& reference : result.references) {
+    reference.seconds = watch.seconds();
+    if (finer_spacing_ > 0) reference.source += ", of boxes larger than the image's voxels";
+  }
   return result;
 }
 
