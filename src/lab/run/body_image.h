@@ -15,7 +15,7 @@ struct BodyImage : mesh::ImageGrid {
   std::array<int, 3> shown{};                          ///< voxels along each axis of the image as pages show it
   /// `spacing` [m] with which the body has about half as large boxes; 0 where boxes are voxels, or there are none.
   double finer_spacing = 0;
-  std::vector<std::uint8_t> shades;                    ///< of these, from the lowest value to the highest, x fastest
+  std::vector<std::uint8_t> shades;  ///< of these, from the lowest value to the highest, x fastest
 };
 
 }  // namespace elastin::lab
