@@ -922,8 +922,9 @@ class Tension(Experiment):
     default: the end).
     loaded: molecules that are held in place of the loaded end (list of molecules, or [pick](#picked-molecules);
     default: the end).
-    grip_depth [m]: molecules that are so near to the furthest one of an end belong to it (quantity; default: the
-    whole end: its plane, or, where it is rough or tilted, the sides of the cells that look outward).
+    grip_depth [m]: molecules that are so near to the furthest one of an end, or to the furthest voxel of an image,
+    belong to it (quantity; default: the whole end: its plane, or, where it is rough or tilted, the sides of the
+    cells that look outward).
     load_steps: equal steps in which the load grows (whole; default: 1).
     cycle: parts of the load that are reached one after the other, each in `load_steps`: [1, 0, 1] (list of numbers;
     default: [1])."""
@@ -948,8 +949,9 @@ class Biaxial(Experiment):
     axis: first direction, in which the body is stretched (direction; default: x).
     across: second direction, perpendicular to it (direction; default: y).
     strain: nominal strain along both, or along each; the first is not 0 (number, or two numbers; default: needed).
-    grip_depth [m]: molecules that are so near to the furthest one of an end belong to it (quantity; default: the
-    whole end: its plane, or, where it is rough or tilted, the sides of the cells that look outward).
+    grip_depth [m]: molecules that are so near to the furthest one of an end, or to the furthest voxel of an image,
+    belong to it (quantity; default: the whole end: its plane, or, where it is rough or tilted, the sides of the
+    cells that look outward).
     load_steps: equal steps in which the load grows (whole; default: 1)."""
     def __init__(self, *, axis: Any = None, across: Any = None, strain: Any = None, grip_depth: Any = None, load_steps:
                  Any = None) -> None: ...
@@ -960,8 +962,9 @@ class Planar(Experiment):
     axis: first direction, in which the body is stretched (direction; default: x).
     across: second direction, perpendicular to it (direction; default: y).
     strain: nominal strain along `axis`; not 0 (number; default: needed).
-    grip_depth [m]: molecules that are so near to the furthest one of an end belong to it (quantity; default: the
-    whole end: its plane, or, where it is rough or tilted, the sides of the cells that look outward).
+    grip_depth [m]: molecules that are so near to the furthest one of an end, or to the furthest voxel of an image,
+    belong to it (quantity; default: the whole end: its plane, or, where it is rough or tilted, the sides of the
+    cells that look outward).
     load_steps: equal steps in which the load grows (whole; default: 1)."""
     def __init__(self, *, axis: Any = None, across: Any = None, strain: Any = None, grip_depth: Any = None, load_steps:
                  Any = None) -> None: ...
@@ -982,8 +985,9 @@ class Shear(Experiment):
     default: the end).
     loaded: molecules that are held in place of the loaded end (list of molecules, or [pick](#picked-molecules);
     default: the end).
-    grip_depth [m]: molecules that are so near to the furthest one of an end belong to it (quantity; default: the
-    whole end: its plane, or, where it is rough or tilted, the sides of the cells that look outward).
+    grip_depth [m]: molecules that are so near to the furthest one of an end, or to the furthest voxel of an image,
+    belong to it (quantity; default: the whole end: its plane, or, where it is rough or tilted, the sides of the
+    cells that look outward).
     load_steps: equal steps in which the load grows (whole; default: 1)."""
     def __init__(self, *, axis: Any = None, direction: Any = None, displacement: Any = None, strain: Any = None, angle:
                  Any = None, sides: Any = None, cross_section: Any = None, fixed: Any = None, loaded: Any = None,
@@ -999,8 +1003,9 @@ class Torsion(Experiment):
     default: the end).
     loaded: molecules that are held in place of the loaded end (list of molecules, or [pick](#picked-molecules);
     default: the end).
-    grip_depth [m]: molecules that are so near to the furthest one of an end belong to it (quantity; default: the
-    whole end: its plane, or, where it is rough or tilted, the sides of the cells that look outward).
+    grip_depth [m]: molecules that are so near to the furthest one of an end, or to the furthest voxel of an image,
+    belong to it (quantity; default: the whole end: its plane, or, where it is rough or tilted, the sides of the
+    cells that look outward).
     load_steps: equal steps in which the load grows (whole; default: 1)."""
     def __init__(self, *, axis: Any = None, angle: Any = None, fixed: Any = None, loaded: Any = None, grip_depth: Any =
                  None, load_steps: Any = None) -> None: ...
@@ -1010,8 +1015,9 @@ class Hydrostatic(Experiment):
     strain: strain of each side; negative compresses; not 0 (number; default: needed).
     sides: whether six smooth walls carry the strain, or the whole surface follows it (sliding, affine; default:
     sliding).
-    grip_depth [m]: molecules that are so near to the furthest one of an end belong to it (quantity; default: the
-    whole end: its plane, or, where it is rough or tilted, the sides of the cells that look outward).
+    grip_depth [m]: molecules that are so near to the furthest one of an end, or to the furthest voxel of an image,
+    belong to it (quantity; default: the whole end: its plane, or, where it is rough or tilted, the sides of the
+    cells that look outward).
     load_steps: equal steps in which the load grows (whole; default: 1)."""
     def __init__(self, *, strain: Any = None, sides: Any = None, grip_depth: Any = None, load_steps: Any =
                  None) -> None: ...
@@ -1029,8 +1035,9 @@ class Bending(Experiment):
     default: the end).
     loaded: molecules that are held in place of the loaded end (list of molecules, or [pick](#picked-molecules);
     default: the end).
-    grip_depth [m]: molecules that are so near to the furthest one of an end belong to it (quantity; default: the
-    whole end: its plane, or, where it is rough or tilted, the sides of the cells that look outward).
+    grip_depth [m]: molecules that are so near to the furthest one of an end, or to the furthest voxel of an image,
+    belong to it (quantity; default: the whole end: its plane, or, where it is rough or tilted, the sides of the
+    cells that look outward).
     load_steps: equal steps in which the load grows (whole; default: 1)."""
     def __init__(self, *, axis: Any = None, direction: Any = None, gravity: Any = None, force: Any = None, fixed: Any =
                  None, loaded: Any = None, grip_depth: Any = None, load_steps: Any = None) -> None: ...
@@ -1048,8 +1055,9 @@ class Inflation(Experiment):
 
 class MaterialExperiment(Experiment):
     """Six small strains of the surface: the body's 6 × 6 stiffness matrix and its isotropic means.
-    grip_depth [m]: molecules that are so near to the furthest one of an end belong to it (quantity; default: the
-    whole end: its plane, or, where it is rough or tilted, the sides of the cells that look outward)."""
+    grip_depth [m]: molecules that are so near to the furthest one of an end, or to the furthest voxel of an image,
+    belong to it (quantity; default: the whole end: its plane, or, where it is rough or tilted, the sides of the
+    cells that look outward)."""
     def __init__(self, *, grip_depth: Any = None) -> None: ...
 
 class Bubble(Experiment):
@@ -1082,8 +1090,9 @@ class Indentation(Experiment):
     bottom: how the far end is fixed (clamped, sliding; default: clamped).
     fixed: molecules that are held in place of the far end (list of molecules, or [pick](#picked-molecules); default:
     the end).
-    grip_depth [m]: molecules that are so near to the furthest one of an end belong to it (quantity; default: the
-    whole end: its plane, or, where it is rough or tilted, the sides of the cells that look outward).
+    grip_depth [m]: molecules that are so near to the furthest one of an end, or to the furthest voxel of an image,
+    belong to it (quantity; default: the whole end: its plane, or, where it is rough or tilted, the sides of the
+    cells that look outward).
     symmetry: normals of planes through the origin that cut the body, each perpendicular to the others (list of
     directions; default: none).
     load_steps: equal steps in which the load grows (whole; default: 1)."""
@@ -1101,8 +1110,9 @@ class Press(Experiment):
     move: what is moved (a body's name, or [pick](#picked-molecules); default: the near end).
     fix: what is fixed (a body's name, or [pick](#picked-molecules); default: the far end, or rigid bodies).
     grip: how both are fixed across the axis (clamped, sliding; default: clamped).
-    grip_depth [m]: molecules that are so near to the furthest one of an end belong to it (quantity; default: the
-    whole end: its plane, or, where it is rough or tilted, the sides of the cells that look outward).
+    grip_depth [m]: molecules that are so near to the furthest one of an end, or to the furthest voxel of an image,
+    belong to it (quantity; default: the whole end: its plane, or, where it is rough or tilted, the sides of the
+    cells that look outward).
     load_steps: equal steps in which the load grows (whole; default: 1)."""
     def __init__(self, *, axis: Any = None, displacement: Any = None, strain: Any = None, force: Any = None, move: Any =
                  None, fix: Any = None, grip: Any = None, grip_depth: Any = None, load_steps: Any = None) -> None: ...
@@ -1182,8 +1192,9 @@ class Shake(Experiment):
     default: the end).
     loaded: molecules that are held in place of the loaded end (list of molecules, or [pick](#picked-molecules);
     default: the end).
-    grip_depth [m]: molecules that are so near to the furthest one of an end belong to it (quantity; default: the
-    whole end: its plane, or, where it is rough or tilted, the sides of the cells that look outward)."""
+    grip_depth [m]: molecules that are so near to the furthest one of an end, or to the furthest voxel of an image,
+    belong to it (quantity; default: the whole end: its plane, or, where it is rough or tilted, the sides of the
+    cells that look outward)."""
     def __init__(self, *, axis: Any = None, direction: Any = None, amplitude: Any = None, strain: Any = None, frequency:
                  Any = None, fixed: Any = None, loaded: Any = None, grip_depth: Any = None) -> None: ...
 
