@@ -22,7 +22,8 @@ namespace {
 std::string calibrated_unsuited(const Strategy& rule, const Body& body) {
   std::string why = rule.unsuited(body);
   if (why.empty() && !body.parts.empty()) why = "several bodies are calibrated together in a scene's experiment alone";
-  if (why.empty() && body.connection_stiffness.size()) why = "a body with regions has no one modulus to calibrate to";
+  if (why.empty() && body.connection_stiffness.size())
+    why = "a body with regions, or with boxes that are filled in part, has no one modulus to calibrate to";
   return why;
 }
 

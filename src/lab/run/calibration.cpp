@@ -236,7 +236,8 @@ std::string calibrated_measure(const StaticExperiment& experiment, const Materia
 }
 
 std::string calibration_unsuited(const Experiment& experiment, const Specimen& specimen) {
-  if (specimen.body.connection_stiffness.size()) return "a body with regions has no one modulus to calibrate to";
+  if (specimen.body.connection_stiffness.size())
+    return "a body with regions, or with boxes that are filled in part, has no one modulus to calibrate to";
   const StaticExperiment* at_rest = calibration_of(experiment, specimen);
   if (at_rest && (calibration_target(*at_rest, specimen.material) || calibrated_reference(*at_rest, specimen)))
     return "";
