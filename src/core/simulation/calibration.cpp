@@ -364,7 +364,7 @@ FittedSprings fitted_to_moduli(const Strategy& rule, const Body& body, const Mat
 
 /// The strategy NAME:rule whose springs `fit` makes.
 Strategy fitted_by(const Strategy& rule, bool StrategyName::*property, const std::string& summary,
-                   decltype(Strategy::fit) fit) {
+                   const decltype(Strategy::fit)& fit) {
   StrategyName parsed(rule.name);
   parsed.*property = true;
   const std::string name = parsed.text(), word = property == &StrategyName::fitted ? "fitted" : "calibrated";
