@@ -35,15 +35,15 @@ void parallel_for(int count, Work&& work, int threshold = kParallelThreshold) {
   });
 }
 
-/// Σ term(i) over 0 … count−1 in a fixed order: bitwise identical on any number of threads, and no allocation. Value is
-/// a number, or a small vector where several sums share a pass.
+/// Σ term(begin, end) over the blocks of kSumBlock items (the last one may be smaller) of 0 … count−1 in a fixed order:
+/// bitwise identical on any number of threads, and no allocation. Value is a number, or a small vector where several
+/// sums share a pass.
 template <class Value = double, class Term>
-Value ordered_sum(int count, Term&& term, Value zero = Value(0), int threshold = kParallelThreshold) {
+Value ordered_sum_of_blocks(int count, Term&& term, Value zero = Value(0), int threshold = kParallelThreshold) {
   const int blocks = (count + kSumBlock - 1) / kSumBlock;
-  const auto block_sum = [&](int block) {
-    Value sum = zero;
-    for (int i = block * kSumBlock, end = std::min(count, i + kSumBlock); i < end; ++i) sum += term(i);
-    return sum;
+  const auto block_sum = [&](int block) -> Value {
+    const int begin = block * kSumBlock;
+    return term(begin, std::min(count, begin + kSumBlock));
   };
   if (blocks == 1) return block_sum(0);
   Value total = zero;
@@ -62,6 +62,19 @@ Value ordered_sum(int count, Term&& term, Value zero = Value(0), int threshold =
     for (int block = 0; block < some; ++block) total += sums[block];
   }
   return total;
+}
+
+/// Σ term(i) over 0 … count−1, likewise.
+template <class Value = double, class Term>
+Value ordered_sum(int count, Term&& term, Value zero = Value(0), int threshold = kParallelThreshold) {
+  return ordered_sum_of_blocks<Value>(
+      count,
+      [&](int begin, int end) {
+        Value sum = zero;
+        for (int i = begin; i < end; ++i) sum += term(i);
+        return sum;
+      },
+      zero, threshold);
 }
 
 /// Calls range(begin, end) over disjoint ranges that cover 0 … count−1.
