@@ -226,15 +226,20 @@ double Model::load_energy(const State& state) const {
   return energy;
 }
 
-VectorX Model::force_densities(const Positions& positions, const NodalForces::StateVisitor& visit) const {
+VectorX Model::edge_force_densities(const Positions& positions) const {
   VectorX force_densities = VectorX::Zero(body_->connections.size());
   Workspace workspace;
-  for (const auto& term : all_elements_.empty() ? elasticity_ : all_elements_) {
+  for (const auto& term : all_elements_.empty() ? elasticity_ : all_elements_)
     if (const auto* edges = dynamic_cast<const EdgeDensities*>(term.get()))
       edges->add_force_densities(positions, force_densities, workspace);
+  return force_densities;
+}
+
+VectorX Model::force_densities(const Positions& positions, const NodalForces::StateVisitor& visit) const {
+  VectorX force_densities = edge_force_densities(positions);
+  for (const auto& term : all_elements_.empty() ? elasticity_ : all_elements_)
     if (const auto* nodal = dynamic_cast<const NodalForces*>(term.get()))
       nodal->show(positions, force_densities, visit);
-  }
   return force_densities;
 }
 

@@ -78,7 +78,7 @@ struct CellGeometry {
 
 /// visit(nodes, geometry) of each cell in turn.
 template <class Visit>
-void for_each_cell(const Body& body, const Positions& positions, const Visit& visit) {
+void for_each_cell(const Body& body, const Positions& positions, Visit&& visit) {
   const OwnSimplices own(body);
   const auto visit_own = [&](const auto& simplices, std::size_t count) {
     for (std::size_t i = 0; i < count; ++i) {
@@ -118,31 +118,29 @@ OwnSimplices::OwnSimplices(const Body& body)
 std::vector<CellState> cell_states(const Body& body, const Snapshot& shot) {
   const std::size_t own = OwnSimplices(body).size();
   std::vector<CellState> states = shot.block_states;
-  const bool of_law = !states.empty();  // whose states the blocks' cells have, and which shows force densities, too
+  const bool of_law = !states.empty();  // which shows its own force densities, too
   states.insert(states.begin(), own, CellState{});
   states.resize(own + cells_in_blocks(body));
-  const std::size_t found = of_law ? own : states.size();
-  if (found == 0) return states;
-  const bool any_force = shot.force_densities.size() && shot.force_densities.cwiseAbs().maxCoeff() > 0;
+  const VectorX& densities = of_law ? shot.edge_force_densities : shot.force_densities;
+  const bool any_force = densities.size() && densities.cwiseAbs().maxCoeff() > 0;
+  if (of_law && own == 0 && !any_force) return states;
   const SideFinder sides(any_force ? body.connections : Connections{});
   VectorX shared = VectorX::Zero(body.connections.size());  // rest size of all cells on a side
-  std::size_t number = 0;
   for_each_cell(body, shot.positions, [&](std::span<const int> nodes, const CellGeometry& geometry) {
-    if (number++ < found) visit_sides(nodes, sides, [&](int side, int, int) { shared[side] += geometry.rest_size; });
+    visit_sides(nodes, sides, [&](int side, int, int) { shared[side] += geometry.rest_size; });
   });
-  number = 0;
-  for_each_cell(body, shot.positions, [&](std::span<const int> nodes, const CellGeometry& geometry) {
-    if (number >= found) return;
-    CellState& state = states[number++];
-    state.strain = geometry.strain;
-    visit_sides(nodes, sides, [&](int side, int a, int b) {
-      const Vector3 d = shot.positions.col(b) - shot.positions.col(a);
-      if (shared[side] > 0 && geometry.size > 0)
-        state.stress +=
-            geometry.rest_size / shared[side] / geometry.size * shot.force_densities[side] * d * d.transpose();
-    });
-    if (!state.stress.allFinite()) state.stress.setZero();
-  });
+  for_each_cell(body, shot.positions,
+                [&, number = std::size_t{0}](std::span<const int> nodes, const CellGeometry& geometry) mutable {
+                  CellState& state = states[number++];
+                  if (state.strain.isZero(0)) state.strain = geometry.strain;
+                  visit_sides(nodes, sides, [&](int side, int a, int b) {
+                    const Vector3 d = shot.positions.col(b) - shot.positions.col(a);
+                    if (shared[side] > 0 && geometry.size > 0)
+                      state.stress +=
+                          geometry.rest_size / shared[side] / geometry.size * densities[side] * d * d.transpose();
+                  });
+                  if (!state.stress.allFinite()) state.stress.setZero();
+                });
   return states;
 }
 

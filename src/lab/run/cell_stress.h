@@ -15,8 +15,8 @@ struct OwnSimplices {
 };
 
 /// The state of each triangle and tetrahedron (OwnSimplices), then of each cell of the blocks. Where laws are at work
-/// on blocks their cells have the state that these found. All others have the virial of the force densities q [N/m] of
-/// their sides, whatever rule or law they come from:
+/// on blocks their cells have the state that these found. To this comes, of all cells, the virial of the force
+/// densities q [N/m] of their sides, whatever rule or law they come from:
 ///   σ = Σ_ab w_ab q_ab d dᵀ / v,  d = x_b − x_a, v the present volume (or area),
 /// w the cell's part of the rest volume of all cells that have a and b, so that Σ v σ = Σ q d dᵀ of the body holds
 /// exactly where every connection has a cell. It says how the force densities are spread, and is smoother than the

@@ -77,7 +77,10 @@ Snapshot snapshot_of(const Model& model, const State& state, double at, int numb
         CellState& sum = shot.block_states[first + static_cast<std::size_t>(cell)];  // fibres add theirs
         sum.strain = own.strain, sum.stress += own.stress;
       });
-  if (!shot.block_states.empty()) shot.elastic_forces = model.elastic_forces(state.positions);
+  if (!shot.block_states.empty()) {
+    shot.elastic_forces = model.elastic_forces(state.positions);
+    shot.edge_force_densities = model.edge_force_densities(state.positions);
+  }
   if (const contact::Contact* contact = contact_of(model)) {
     contact::ContactReport report = contact->report(state);
     shot.contact_forces = std::move(report.forces);

@@ -95,7 +95,8 @@ struct Snapshot {
   Positions contact_forces = {};              ///< [N]; empty without contact
   VectorX contact_pressure = {};              ///< [Pa]
   std::vector<contact::Pose> obstacles = {};  ///< where they were
-  std::vector<CellState> block_states = {};   ///< of the cells of the body's blocks, one after the other
+  std::vector<CellState> block_states = {};   ///< of laws in the cells of the body's blocks, one after the other
+  VectorX edge_force_densities = {};          ///< [N/m]; where there are such states, those of springs and simplices
   Positions elastic_forces = {};              ///< [N]; only where the body has blocks
 };
 

@@ -23,6 +23,7 @@
 #include "lab/report/page.h"
 #include "lab/report/table.h"
 #include "lab/run/cell_stress.h"
+#include "lab/run/contact_measures.h"
 #include "lab/study/request.h"
 #include "support/temporary_folder.h"
 #include "support/vtu_arrays.h"
@@ -434,8 +435,7 @@ TEST_CASE("cells of any shape show the stress that balances the grips, of laws a
                "1 1 1 1 1 1 1 1 1 1 1 1 1 1 1 1 1 1 1 1 1 1 1 1\n");
   const auto scene = load_scene(
       folder.write("block.yaml", "body: {" + body +
-                                     "}\nmaterial: {youngs_modulus: 10 kPa, poissons_ratio: "
-                                     "0.3}\nstiffness: \"" +
+                                     "}\nmaterial: {youngs_modulus: 10 kPa, poissons_ratio: 0.3}\nstiffness: \"" +
                                      stiffness + "\"\nexperiment: {kind: tension, axis: z, displacement: 0.4 mm}\n"),
       built_in_catalog());
   const Run run = run_of(*scene);
@@ -465,6 +465,39 @@ TEST_CASE("cells of any shape show the stress that balances the grips, of laws a
   CHECK(virial == Approx(run.measures.get("force") * 4.4e-3).epsilon(1e-6));
   CHECK(strain == Approx((1.1 * 1.1 - 1) / 2).epsilon(0.05));
   CHECK_THAT(states_view(*scene, make_record(*scene, run)), Contains("\"stresses\""));
+}
+
+TEST_CASE("cells show the stress of springs and of a law together", "[files]") {
+  const TemporaryFolder folder;
+  const auto scene =
+      load_scene(folder.write("block.yaml",
+                              "body: {lattice: {kind: cubic, molecules: [3, 4, 5], spacing: 1 mm, order: 2}}\n"
+                              "material: {youngs_modulus: 10 kPa, poissons_ratio: 0.3}\nstiffness: neo_hookean\n"
+                              "experiment: {kind: tension, axis: z, displacement: 0.4 mm}\n"),
+                 built_in_catalog());
+  const Body& body = scene->specimen.body;
+  Model model(body);
+  for (const char* strategy : {"neo_hookean", "standard"})
+    model.add(built_in_catalog().find(strategy).make(body, scene->specimen.material, {}));
+  State state = state_at_rest(body);
+  const Matrix3 F = (Matrix3() << 1.1, 0.05, 0, 0, 0.95, 0.02, 0.1, 0, 1.2).finished();
+  state.positions = F * body.rest;
+  const std::vector<CellState> states = cell_states(body, snapshot_of(model, state, 0, 0));
+  const double each = F.determinant() * 24e-9 / static_cast<double>(states.size());
+  Matrix3 sum = Matrix3::Zero();
+  for (const CellState& cell : states) {
+    sum += each * cell.stress;
+    CHECK((cell.strain - (F.transpose() * F - Matrix3::Identity()) / 2).norm() < 1e-9);
+  }
+  // What is uniform has the virial of the forces on the molecules, -f x, as volume times stress.
+  const Matrix3 virial = -model.elastic_forces(state.positions) * state.positions.transpose();
+  CHECK((sum - virial).norm() < 1e-9 * virial.norm());
+  const Matrix3 of_law = -[&] {
+    Model alone(body);
+    alone.add(built_in_catalog().find("neo_hookean").make(body, scene->specimen.material, {}));
+    return Matrix3(alone.elastic_forces(state.positions) * state.positions.transpose());
+  }();
+  CHECK((virial - of_law).norm() > 0.1 * virial.norm());
 }
 
 TEST_CASE("states are written as one file a load step and a collection that names them", "[files]") {

@@ -97,6 +97,8 @@ class Model {
   VectorX force_densities(
       const Positions& positions,
       const NodalForces::StateVisitor& visit = [](const CellBlock&, int, const CellState&) {}) const;
+  /// The same of springs and simplices alone.
+  VectorX edge_force_densities(const Positions& positions) const;
   /// Elastic force on each molecule [N].
   Positions elastic_forces(const Positions& positions) const;
   /// Whether the loads' tangents are symmetric.
