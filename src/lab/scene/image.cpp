@@ -76,6 +76,8 @@ Body make_body(const ImageSetup& setup, ShapeContext& context) {
   if (!image.has_steps && !setup.voxel_size)
     setup.file->fail("the file does not state the size of its voxels; write `voxel_size: [1 mm, 1 mm, 1 mm]`");
   if (setup.voxel_size) image.steps = (image.steps * (*setup.voxel_size / setup.length_unit).asDiagonal()).eval();
+  if (!image.contradiction.empty())
+    context.remarks.warnings.push_back(setup.file->path() + ": " + image.contradiction);
   if (image.unit > 0 && std::abs(image.unit / setup.length_unit - 1) > 1e-6)
     context.remarks.warnings.push_back(setup.file->path() +
                                        ": the file states another unit of length than `length_unit`, which counts");
