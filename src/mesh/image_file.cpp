@@ -24,6 +24,7 @@ namespace {
 using Number = Image::Number;
 
 constexpr double kMostVoxels = 2147483647;
+constexpr const char* kSeveralFiles = "has its data in several files; needed: one, as .nrrd and .mha have it";
 
 struct NumberName {
   const char* name;
@@ -65,11 +66,11 @@ constexpr NumberName kNrrd[] = {{"signed char", Number::int8},
                                 {"uint64_t", Number::uint64},
                                 {"float", Number::float32},
                                 {"double", Number::float64}};
-constexpr NumberName kMeta[] = {{"MET_CHAR", Number::int8},       {"MET_UCHAR", Number::uint8},
-                                {"MET_SHORT", Number::int16},     {"MET_USHORT", Number::uint16},
-                                {"MET_INT", Number::int32},       {"MET_UINT", Number::uint32},
-                                {"MET_LONG_LONG", Number::int64}, {"MET_ULONG_LONG", Number::uint64},
-                                {"MET_FLOAT", Number::float32},   {"MET_DOUBLE", Number::float64}};
+constexpr NumberName kMeta[] = {
+    {"MET_CHAR", Number::int8},         {"MET_UCHAR", Number::uint8},   {"MET_SHORT", Number::int16},
+    {"MET_USHORT", Number::uint16},     {"MET_INT", Number::int32},     {"MET_UINT", Number::uint32},
+    {"MET_LONG", Number::int32},        {"MET_ULONG", Number::uint32},  {"MET_LONG_LONG", Number::int64},
+    {"MET_ULONG_LONG", Number::uint64}, {"MET_FLOAT", Number::float32}, {"MET_DOUBLE", Number::float64}};
 constexpr NumberName kNumpy[] = {{"i1", Number::int8},    {"u1", Number::uint8},  {"b1", Number::uint8},
                                  {"i2", Number::int16},   {"u2", Number::uint16}, {"i4", Number::int32},
                                  {"u4", Number::uint32},  {"i8", Number::int64},  {"u8", Number::uint64},
@@ -272,7 +273,8 @@ Image ImageReader::read_nifti() {
   const std::string magic = header.substr(second ? 4 : 344, 3);
   const bool single = magic == "n+1" || magic == "n+2";
   if (!single && magic != "ni1" && magic != "ni2")
-    fail("is no NIfTI image: its header lacks the mark n+1, ni1, n+2 or ni2");
+    fail("is no NIfTI image: its header lacks the mark n+1, ni1, n+2 or ni2" +
+         std::string(path_.ends_with(".hdr") ? "; where it is Analyze 7.5, convert it to NIfTI" : ""));
   const auto dim = [&](std::size_t i) {
     return second ? number_at<std::int64_t>(header.data() + 16 + 8 * i, image.swapped)
                   : std::int64_t{whole(40 + 2 * i)};
@@ -304,6 +306,16 @@ Image ImageReader::read_nifti() {
   const int qform = second ? number_at<std::int32_t>(header.data() + 344, image.swapped) : whole(252);
   const int sform = second ? number_at<std::int32_t>(header.data() + 348, image.swapped) : whole(254);
   const auto pixdim = [&](std::size_t i) { return real(76 + 4 * i, 104 + 8 * i); };
+  const auto of_qform = [&] {  // [nifti1.h, method 2]
+    const double b = real(256, 352), c = real(260, 360), d = real(264, 368);
+    const double a = std::sqrt(std::max(0., 1 - b * b - c * c - d * d));
+    const double flip = pixdim(0) < 0 ? -1 : 1;
+    Matrix3 turn;
+    turn << a * a + b * b - c * c - d * d, 2 * (b * c - a * d), 2 * (b * d + a * c), 2 * (b * c + a * d),
+        a * a + c * c - b * b - d * d, 2 * (c * d - a * b), 2 * (b * d - a * c), 2 * (c * d + a * b),
+        a * a + d * d - c * c - b * b;
+    return Matrix3(turn * Vector3(pixdim(1), pixdim(2), flip * pixdim(3)).asDiagonal());
+  };
   if (sform > 0) {
     for (std::size_t r = 0; r < 3; ++r) {
       const auto in_row = [&](std::size_t c) { return real(280 + 16 * r + 4 * c, 400 + 32 * r + 8 * c); };
@@ -311,14 +323,19 @@ Image ImageReader::read_nifti() {
       image.steps.row(k) << in_row(0), in_row(1), in_row(2);
       image.origin[k] = in_row(3);
     }
-  } else if (qform > 0) {  // [nifti1.h, method 2]
-    const double b = real(256, 352), c = real(260, 360), d = real(264, 368);
-    const double a = std::sqrt(std::max(0., 1 - b * b - c * c - d * d));
-    const double flip = pixdim(0) < 0 ? -1 : 1;
-    image.steps << a * a + b * b - c * c - d * d, 2 * (b * c - a * d), 2 * (b * d + a * c), 2 * (b * c + a * d),
-        a * a + c * c - b * b - d * d, 2 * (c * d - a * b), 2 * (b * d - a * c), 2 * (c * d + a * b),
-        a * a + d * d - c * c - b * b;
-    image.steps = (image.steps * Vector3(pixdim(1), pixdim(2), flip * pixdim(3)).asDiagonal()).eval();
+    const Vector3 own = image.steps.colwise().norm(), stated = Vector3(pixdim(1), pixdim(2), pixdim(3)).cwiseAbs();
+    const auto sides = [](const Vector3& of) {
+      return number(of[0], 4) + " x " + number(of[1], 4) + " x " + number(of[2], 4);
+    };
+    const bool sized = (stated.array() > 0).all() && (own.array() > 0).all();
+    if (sized && ((own - stated).array().abs() > 0.01 * stated.array()).any())
+      image.contradiction = "its 'sform' makes voxels of " + sides(own) + ", and its 'pixdim' of " + sides(stated) +
+                            "; the 'sform' counts";
+    else if (sized && qform > 0 &&
+             ((image.steps - of_qform()).colwise().norm().array() > 0.02 * own.transpose().array()).any())
+      image.contradiction = "its 'sform' turns or mirrors the axes otherwise than its 'qform'; the 'sform' counts";
+  } else if (qform > 0) {
+    image.steps = of_qform();
     image.origin = {real(268, 376), real(272, 384), real(276, 392)};
   } else {
     image.steps = Vector3(pixdim(1), pixdim(2), pixdim(3)).asDiagonal();
@@ -340,6 +357,12 @@ Image ImageReader::read_nifti() {
   if (own_packed) own = unpacked(own, begin + data_bytes(image));
   set_data(image, std::string_view(own).substr(std::min(begin, own.size())));
   return image;
+}
+
+/// A line of a header in a message; of another file's bytes none are shown.
+std::string quoted(const std::string& line) {
+  const bool text = std::all_of(line.begin(), line.end(), [](char c) { return c >= ' ' && c <= '~'; });
+  return text ? "'" + line.substr(0, 60) + "'" : "bytes that are no text";
 }
 
 /// "a: b" and "a:=b", "a = b": without blanks around.
@@ -411,7 +434,7 @@ Image ImageReader::read_nrrd() {
     if (line[0] == '#') continue;
     const std::size_t colon = line.find(':');
     if (fields["data file"].starts_with("LIST") || fields["datafile"].starts_with("LIST")) break;  // names of files
-    if (colon == std::string::npos) fail("its header has a line without a colon: '" + line.substr(0, 60) + "'");
+    if (colon == std::string::npos) fail("its header has a line without a colon: " + quoted(line));
     const std::string key = trimmed(line.substr(0, colon));
     if (line.compare(colon, 2, ":=") == 0)
       pairs[key] = trimmed(line.substr(colon + 2));
@@ -466,17 +489,26 @@ Image ImageReader::read_nrrd() {
     if (all.size() != 3) fail("its 'space origin' is '" + text + "'; needed: three numbers");
     image.origin = {all[0], all[1], all[2]};
   } else if (given("space directions").empty()) {
-    // The outer sides of the first voxels, or their middles where samples are on nodes.       [nrrdOriginCalculate]
-    const std::string mins = given("axis mins") + given("axismins");
-    const std::vector<double> all = numbers(mins.substr(0, small_letters(mins).find("nan")), "axis mins");
-    if (!all.empty() && !image.has_steps)
-      fail("has 'axis mins' without 'spacings'; needed: both, or 'space origin' with 'space directions'");
+    // The outer sides of the first and last voxels, or their middles where samples are on nodes. [nrrdOriginCalculate]
+    const auto limits = [&](const std::string& key, const std::string& other) {
+      const std::string limit = given(key) + given(other);
+      std::vector<double> all = numbers(limit.substr(0, small_letters(limit).find("nan")), key);
+      if (!all.empty() && all.size() < 3) fail("its '" + key + "' are '" + limit + "'; needed: three finite numbers");
+      return all;
+    };
+    const std::vector<double> mins = limits("axis mins", "axismins"), maxs = limits("axis maxs", "axismaxs");
+    if (!mins.empty() && !image.has_steps && maxs.empty())
+      fail(
+          "has 'axis mins' without 'axis maxs' or 'spacings'; needed: both, or 'space origin' with 'space directions'");
     std::string centers = given("centers") + given("centerings");
-    for (int axis = 0; axis < 3 && all.size() >= 3; ++axis) {
+    for (int axis = 0; axis < 3 && !mins.empty(); ++axis) {
       const bool node = centers.starts_with("node");
       centers = trimmed(centers.substr(std::min(centers.find(' '), centers.size())));
-      image.origin[axis] = all[axis] + (node ? 0 : image.steps(axis, axis) / 2);
+      const int steps = image.size[axis] - (node ? 1 : 0);
+      if (!image.has_steps) image.steps(axis, axis) = (maxs[axis] - mins[axis]) / std::max(1, steps);
+      image.origin[axis] = mins[axis] + (node ? 0 : image.steps(axis, axis) / 2);
     }
+    image.has_steps |= !mins.empty();
   }
   image.space = space_letters(given("space"));
   for (const auto& [key, value] : pairs)
@@ -488,8 +520,7 @@ Image ImageReader::read_nrrd() {
   std::string_view data = std::string_view(file).substr(data_at);
   std::string name = given("data file");
   if (name.empty()) name = given("datafile");
-  if (name.compare(0, 4, "LIST") == 0 || name.find('%') != std::string::npos)
-    fail("has its data in several files; needed: one");
+  if (name.compare(0, 4, "LIST") == 0 || name.find('%') != std::string::npos) fail(kSeveralFiles);
   if (!name.empty()) {
     other = load(beside(name));
     data = other;
@@ -527,8 +558,7 @@ Image ImageReader::read_meta() {
     at = std::min(end + 1, file.size());
     const std::size_t equals = line.find('=');
     if (line.empty()) continue;
-    if (equals == std::string::npos)
-      fail("is no MetaImage: its header has a line without '=': '" + line.substr(0, 60) + "'");
+    if (equals == std::string::npos) fail("is no MetaImage: its header has a line without '=': " + quoted(line));
     fields[trimmed(line.substr(0, equals))] = trimmed(line.substr(equals + 1));
   }
   const auto given = [&](std::initializer_list<const char*> keys) {
@@ -574,7 +604,7 @@ Image ImageReader::read_meta() {
   image.space = "LPS";
   check(image);
   const std::string name = needed("ElementDataFile");
-  if (name == "LIST" || name.find('%') != std::string::npos) fail("has its data in several files; needed: one");
+  if (name == "LIST" || name.find('%') != std::string::npos) fail(kSeveralFiles);
   std::string other;
   std::string_view data = std::string_view(file).substr(at);
   if (name != "LOCAL" && name != "local") {

@@ -30,6 +30,7 @@ class Image : public ImageGrid {
   double slope = 1, intercept = 0;       ///< value = slope · number + intercept
   std::array<std::size_t, 3> strides{};  ///< in numbers
   std::string data;                      ///< strides fit into it
+  std::string contradiction;             ///< of its header, and which side of it counts; empty without one
   std::map<double, std::string> names;   ///< of labels, where the file states them: a segmentation of 3D Slicer
 
   double at(int x, int y, int z) const;

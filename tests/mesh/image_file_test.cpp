@@ -112,6 +112,20 @@ TEST_CASE("image: the same voxels from every format", "[image]") {
       CHECK(image.steps.col(2) == Vector3(0, 0, 3));
     }
   }
+  SECTION("what contradicts the sform is stated") {
+    Nifti nifti(4);
+    const auto stated = [&] { return load_image(write("s.nii", nifti.header + raw)).contradiction; };
+    nifti.put(254, std::int16_t{1});
+    const float rows[] = {1, 0, 0, 5, 0, 2, 0, 6, 0, 0, 3, 7};
+    for (std::size_t i = 0; i < 12; ++i) nifti.put(280 + 4 * i, rows[i]);
+    CHECK(stated() == "");
+    nifti.put(252, std::int16_t{1});
+    CHECK(stated() == "");
+    nifti.put(76, -1.F);  // the qform reverses the third axis
+    CHECK(stated() == "its 'sform' turns or mirrors the axes otherwise than its 'qform'; the 'sform' counts");
+    nifti.put(80, 0.5F);
+    CHECK(stated() == "its 'sform' makes voxels of 1 x 2 x 3, and its 'pixdim' of 0.5 x 2 x 3; the 'sform' counts");
+  }
   SECTION("quaternions turn by 90 degrees about z") {
     Nifti nifti(4);
     nifti.put(252, std::int16_t{1});
@@ -319,11 +333,20 @@ TEST_CASE("image: what is broken or odd is named", "[image]") {
            {"f22.nrrd",
             "NRRD0004\ntype: short\ndimension: 3\nsizes: 3 4 2\naxis mins: 1 2 3\nendian: little\nencoding: raw\n\n" +
                 raw,
-            "'axis mins' without 'spacings'"},
+            "'axis mins' without 'axis maxs'"},
+           {"f23.nrrd",
+            "NRRD0004\ntype: short\ndimension: 3\nsizes: 3 4 2\naxis mins: 1 2 3\naxis maxs: 4 5\nendian: "
+            "little\nencoding: raw\n\n" +
+                raw,
+            "its 'axis maxs' are '4 5'; needed: three finite numbers"},
+           {"f24.nrrd", "NRRD0004\n\x89PNG\n", "a line without a colon: bytes that are no text"},
            {"f15.nhdr", nrrd + "encoding: raw\ndata file: missing.raw\n", "cannot open"},
            {"f16.nrrd", nrrd + "encoding: raw\nline skip: 1e300\n\n" + raw, "bytes of data"},
            {"f17.nrrd", nrrd + "encoding: raw\nbyte skip: ()\n\n" + raw, "'byte skip'"},
-           {"g1.mhd", "no header", "MetaImage"},
+           {"g1.mhd", "no header", "MetaImage: its header has a line without '=': 'no header'"},
+           {"g10.mha", "\x89PNG\r\n", "bytes that are no text"},
+           {"g11.mhd", meta + "ElementDataFile = LIST\na.raw\n",
+            "several files; needed: one, as .nrrd and .mha have it"},
            {"g0.mha", meta + "HeaderSize = 1e300\nElementDataFile = LOCAL\n" + raw, "bytes of data"},
            {"g2.mha", meta + "ElementDataFile = LOCAL\n" + raw.substr(2), "bytes of data"},
            {"g7.mha", meta + "ElementDataFile = LOCAL\n" + raw + raw, "has 96 bytes of data"},
@@ -331,8 +354,8 @@ TEST_CASE("image: what is broken or odd is named", "[image]") {
            {"g4.mha", meta, "'ElementDataFile'"},
            {"g5.mha", "DimSize = 3 4 2\nElementType = MET_SHORT_ARRAY\nElementDataFile = LOCAL\n" + raw,
             "MET_SHORT_ARRAY"},
-           {"g8.mha", "DimSize = 3 4 2\nElementType = MET_LONG\nElementDataFile = LOCAL\n" + raw,
-            "'MET_LONG'; those that are read: MET_CHAR, MET_UCHAR"},
+           {"g8.mha", "DimSize = 3 4 2\nElementType = MET_STRING\nElementDataFile = LOCAL\n" + raw,
+            "'MET_STRING'; those that are read: MET_CHAR, MET_UCHAR"},
            {"g9.mha", meta + "TransformMatrix = 1 0 0 0 1\nElementDataFile = LOCAL\n" + raw, "has 5 numbers"},
            {"g6.mha", meta + "TransformMatrix = 1 0 0 1 0 0 0 0 1\nElementDataFile = LOCAL\n" + raw, "no volume"},
            {"h1.npy", "abc", "NumPy"},
@@ -374,6 +397,14 @@ TEST_CASE("image: units and origins of NRRD", "[image]") {
   CHECK(image_of("Spacings: 1 2 3\nUnits: \"m\" \"m\" \"m\"").unit == 1);  // fields in any letters
   CHECK(image_of(plain + "axis mins: 10 20 30").origin == Vector3(10.5, 21, 31.5));
   CHECK(image_of(plain + "axis mins: 10 20 30\ncenters: cell node node").origin == Vector3(10.5, 20, 30));
+  for (const std::string centers : {"", "\ncenters: cell node node"}) {
+    const Vector3 last = centers.empty() ? Vector3(13, 28, 36) : Vector3(13, 26, 33);
+    const Image image = image_of("axis mins: 10 20 30\naxis maxs: " + std::to_string(last[0]) + " " +
+                                 std::to_string(last[1]) + " " + std::to_string(last[2]) + centers);
+    CHECK(image.has_steps);
+    CHECK(image.steps.diagonal() == Vector3(1, 2, 3));
+    CHECK(image.origin == (centers.empty() ? Vector3(10.5, 21, 31.5) : Vector3(10.5, 20, 30)));
+  }
   CHECK(image_of(plain + "axis mins: nan nan nan").origin == Vector3::Zero());
   CHECK(!image_of("spacings: nan nan nan").has_steps);
 }

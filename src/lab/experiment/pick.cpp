@@ -98,11 +98,20 @@ Keys<PickSetup> keys_of_places() {
                      "end in a plane its whole end"),
       key::vector("nearest", &S::nearest, dimension::length, "the molecule nearest to this point"),
       key::flag("rim", &S::rim, "the free edge of a body of triangles").place(&S::rim_place),
-      Key<S>({"set", "text", "", "", "none",
-              "a set of the mesh file, by its name or, where the file has none, its number: a physical group of Gmsh, "
-              "`*NSET` or `*ELSET` of Abaqus, a group of I-DEAS, a property of Nastran; of several bodies the sets of "
-              "this name in all their files"},
-             [](const Reader& value, S& setup, const Frame&) { setup.set = value.mesh_set(); }),
+      Key<S>(
+          {"set", "text, or list of texts", "", "", "none",
+           "a set of the mesh file, by its name or, where the file has none, its number: a physical group of Gmsh, "
+           "`*NSET` or `*ELSET` of Abaqus, a group of I-DEAS, a property of Nastran; of several bodies the sets of "
+           "this name in all their files; of a list what lies in all of its sets: `[skin, fat]` is where these meet"},
+          [](const Reader& value, S& setup, const Frame&) {
+            const std::vector<Reader> sets = value.is_list() ? value.items() : std::vector{value};
+            if (sets.empty()) value.fail("names no set");
+            setup.set = sets[0].mesh_set();
+            for (const Reader& set : sets)
+              std::erase_if(*setup.set, [&members = set.mesh_set()](int molecule) {
+                return !std::binary_search(members.begin(), members.end(), molecule);
+              });
+          }),
       Key<S>({"body", "a body's name", "", "", "all", "the molecules of this one of several `bodies`"},
              [](const Reader& value, S& setup, const Frame& frame) {
                if (frame.body->parts.empty()) value.fail("is one of several `bodies`; the scene has one");

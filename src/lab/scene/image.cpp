@@ -64,6 +64,29 @@ void warn_of_grey_values(const mesh::Image& image, const ImageSetup& setup, Shap
       setup.file->path(), values.threshold));
 }
 
+/// Throws InputError unless the grey values lie on the grid of the image.
+void check_same_grid(const mesh::ImageGrid& grey, const mesh::Image& image, const ImageSetup& setup) {
+  const auto fail = [&](const std::string& what) {
+    setup.grey_values_place->fail(what + " " + setup.file->text() +
+                                  "; resample one of them onto the grid of the other");
+  };
+  const auto size = [](const mesh::ImageGrid& grid) {
+    return fmt::format("{} x {} x {} voxels", grid.size[0], grid.size[1], grid.size[2]);
+  };
+  if (grey.size != image.size) fail("has " + size(grey) + " for the " + size(image) + " of");
+  Vector3 signs = Vector3::Ones();  // LPS for RAS, as one file in two formats has it
+  for (std::size_t axis = 0; axis < 3 && grey.space.size() == 3 && image.space.size() == 3; ++axis)
+    if (grey.space[axis] != image.space[axis]) signs[static_cast<Eigen::Index>(axis)] = -1;
+  double furthest = 0;  // in voxels, of the corners
+  for (int c = 0; c < 8; ++c) {
+    Vector3 corner;
+    for (int axis = 0; axis < 3; ++axis) corner[axis] = c >> axis & 1 ? image.size[axis] - 1 : 0;
+    const Vector3 apart = signs.cwiseProduct(grey.origin + grey.steps * corner) - image.origin - image.steps * corner;
+    furthest = std::max(furthest, (image.steps.inverse() * apart).cwiseAbs().maxCoeff());
+  }
+  if (furthest > 0.1) fail(fmt::format("has its voxels up to {:.3g} voxels away from those of", furthest));
+}
+
 Body make_body(const ImageSetup& setup, ShapeContext& context) {
   mesh::Image image = setup.file->located([&] {
     return mesh::load_image(setup.path, [&](mesh::ImageGrid grid) {
@@ -71,16 +94,23 @@ Body make_body(const ImageSetup& setup, ShapeContext& context) {
       check_boxes(grid, setup);
     });
   });
+  std::optional<mesh::Image> grey;
+  if (setup.grey_values_place) {
+    grey = setup.grey_values_place->located([&] { return mesh::load_image(setup.grey_values); });
+    if (!grey->has_steps || !image.has_steps) grey->steps = image.steps, grey->origin = image.origin;
+    check_same_grid(*grey, image, setup);
+  }
   if (image.has_steps && setup.voxel_size)
     setup.file->fail("the file states the size of its voxels; leave `voxel_size` out");
   if (!image.has_steps && !setup.voxel_size)
     setup.file->fail("the file does not state the size of its voxels; write `voxel_size: [1 mm, 1 mm, 1 mm]`");
   if (setup.voxel_size) image.steps = (image.steps * (*setup.voxel_size / setup.length_unit).asDiagonal()).eval();
+  if (!image.contradiction.empty()) context.remarks.warnings.push_back(setup.file->path() + ": " + image.contradiction);
   if (image.unit > 0 && std::abs(image.unit / setup.length_unit - 1) > 1e-6)
     context.remarks.warnings.push_back(setup.file->path() +
                                        ": the file states another unit of length than `length_unit`, which counts");
   if (setup.labels.empty() && !setup.threshold) warn_of_grey_values(image, setup, context);
-  ImageBoxes boxes(image, setup, context);
+  ImageBoxes boxes(image, grey ? *grey : image, setup, context);
   Body body = boxes.body();
   MoleculeSets sets = boxes.sets();
   if (context.remarks.sets) *context.remarks.sets = sets;
@@ -158,6 +188,15 @@ Shape image_shape() {
           key::later({"density", "formula of `value`", "kg/m³", "> 0", "the material's",
                       "density from the grey value, of labels that state none of their own"},
                      &S::density),
+          key::file("grey_values", &S::grey_values,
+                    "an image on the grid of `file` that has the grey values of these formulas: the scan, where `file` "
+                    "is its segmentation")
+              .place(&S::grey_values_place)
+              .refused_for([](const S& setup) {
+                return setup.grey_values_place && !setup.youngs_modulus && !setup.density
+                           ? "goes with a formula of `value` as `youngs_modulus` or `density`"
+                           : "";
+              }),
           seed_key(&S::seed)},
       make_body);
 }

@@ -288,7 +288,7 @@ void ImageBoxes::set_shades(BodyImage& own) const {
   for (int z = 0; z < image_.size[2]; z += step[2])
     for (int y = 0; y < image_.size[1]; y += step[1])
       for (int x = 0; x < image_.size[0]; x += step[0]) {
-        values.push_back(image_.at(x, y, z));
+        values.push_back(grey_.at(x, y, z));
         if (std::isfinite(values.back())) low = std::min(low, values.back()), high = std::max(high, values.back());
       }
   for (const double value : values)

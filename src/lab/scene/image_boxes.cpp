@@ -70,8 +70,10 @@ void check_boxes(const mesh::ImageGrid& grid, const ImageSetup& setup) {
         "body, or write `from` and `to` or a larger `spacing`",
         boxes, static_cast<double>(grid.voxels()), most, all ? ", of either with `smoothing` or `holes: close`" : ""));
 }
-ImageBoxes::ImageBoxes(const mesh::Image& image, const ImageSetup& setup, ShapeContext& context)
+ImageBoxes::ImageBoxes(const mesh::Image& image, const mesh::Image& grey, const ImageSetup& setup,
+                       ShapeContext& context)
     : image_(image),
+      grey_(grey),
       setup_(setup),
       context_(context),
       slack_(1e-6 * setup.length_unit * image.steps.colwise().norm().minCoeff()),

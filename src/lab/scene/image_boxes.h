@@ -32,6 +32,8 @@ struct ImageSetup : MeshFile, CellOrder {
   int ends = -1;  ///< axis of the image
   bool largest = false, close = false, fill_fraction = false;
   std::optional<Reader> youngs_modulus, density;
+  std::string grey_values;  ///< file; empty where the image itself has them
+  std::optional<Reader> grey_values_place;
   std::uint64_t seed = 1;
   bool parts = false;  ///< whether a label has more of its own than E, ν and density
 };
@@ -52,7 +54,8 @@ void check_boxes(const mesh::ImageGrid& grid, const ImageSetup& setup);
 /// as long as the others.
 class ImageBoxes {
  public:
-  ImageBoxes(const mesh::Image& image, const ImageSetup& setup, ShapeContext& context);
+  /// `grey` has the values of formulas, on the grid of `image`, which may be the same image.
+  ImageBoxes(const mesh::Image& image, const mesh::Image& grey, const ImageSetup& setup, ShapeContext& context);
   Body body();
   /// Makes the body as stiff, and its molecules as heavy, as labels, fractions and grey values say.
   void set_matter(Body& body) const;
@@ -100,7 +103,7 @@ class ImageBoxes {
   /// Of a voxel; −1: not body.
   int label_of(int x, int y, int z) const;
   int label_of(double value) const;
-  double value_of(int x, int y, int z) const { return image_.at(before_hole(x, y, z), y, z); }
+  double value_of(int x, int y, int z) const { return grey_.at(before_hole(x, y, z), y, z); }
   /// The voxel itself, or of a closed hole the one before it along x.
   int before_hole(int x, int y, int z) const {
     while (!closed_.empty() && closed_[voxel(x, y, z)]) --x;
@@ -155,7 +158,7 @@ class ImageBoxes {
   double stiffness(const Box& box) const;
   void set_packing(Body& body) const;
 
-  const mesh::Image& image_;
+  const mesh::Image &image_, &grey_;
   const ImageSetup& setup_;
   ShapeContext& context_;
   bool parts_ = false;  ///< whether each label is a part: where materials differ by more than E, ν and density, and in

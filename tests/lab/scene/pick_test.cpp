@@ -119,6 +119,9 @@ TEST_CASE("sets of a mesh file pick their molecules", "[scene][pick]") {
   CHECK(loaded("BASE") == std::vector{0, 1, 2});
   CHECK(loaded("BODY") == std::vector{0, 1, 2, 3});
   CHECK(loaded("ALL") == std::vector{0, 1, 2, 3});
+  CHECK(loaded("[BODY, BASE]") == std::vector{0, 1, 2});
+  CHECK_THROWS_WITH(loaded("[TOP, BASE]"), Contains("no molecule lies there"));
+  CHECK_THROWS_WITH(loaded("[]"), Contains("names no set"));
   CHECK_THROWS_WITH(loaded("TIP"), Contains("the mesh has no set 'TIP'; did you mean 'TOP'?"));
 }
 
