@@ -775,7 +775,7 @@ ElasticTerms make_domain(const Body& body, const CellBlock& block, const Materia
                          std::shared_ptr<const Clock> clock, bool stepped) {
   const auto laws = laws_of(body, block, material, material.volume && !whole_cell);
   ElasticTerms cells = material.relaxation             ? make_relaxing(body, block, material, whole_cell)
-                       : material.volume && whole_cell ? make_block_cells(body, block, laws, {*material.volume})
+                       : material.volume && whole_cell ? make_block_cells<3>(body, block, laws, {*material.volume})
                                                        : make_block_cells<3>(body, block, laws);
   if (!stepped && !material.follows_time()) return cells;
   return make_stepped_cells(body, block, std::move(cells), laws, std::move(clock));
