@@ -12,10 +12,10 @@ namespace elastin {
 
 /// A law on the cells of one block, by forces at their nodes, F S B, without a force density for each pair:
 ///   f_a = −Σ_g w_g F_g S_g B_a,   F = I + Σ_a u_a ⊗ B_a,   A = F ᵀF − I.
-/// With `volume` of a law that is split, W = W_shape(C) + U(J), with U taken on a volume that the whole cell shares: on
-/// the projection θ of J to the cell's pressure functions φ (CellKind::pressures), W = ∫ W_shape + U(θ), against
-/// locking near ν = ½. Where φ is constant that is the mean dilatation.                     [Simo, Taylor & Pister
-/// 1985] The body must outlive it.
+/// The body must outlive it. With `volume` of a law that is split, W = W_shape(C) + U(J), U is taken on a volume that
+/// the whole cell shares, against locking near ν = ½: on the projection θ of J to the cell's pressure functions φ
+/// (CellKind::pressures), W = ∫ W_shape + U(θ). Where φ is constant that is the mean dilatation.
+///                                                                                         [Simo, Taylor & Pister 1985]
 /// @param laws at the points of each cell: all, or W_shape; @param volume U of solids, one or one a cell; empty: none.
 template <int dimensions>
 std::unique_ptr<NodalForces> make_block_cells(const Body& body, const CellBlock& block,
