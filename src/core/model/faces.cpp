@@ -59,26 +59,6 @@ std::vector<int> molecules_above(const Body& body, const VectorX& height, double
   return molecules;
 }
 
-/// Those above the height with which a grip ends at `plane`, as far as layers of boxes allow.
-std::vector<int> molecules_above_plane(const Body& body, const VectorX& height, double plane) {
-  double longest = 0;
-  for (const double length : body.connections.rest_length) longest = std::max(longest, length);
-  const auto boundary = [&](const std::vector<int>& molecules) {
-    double sum = 0, count = 0;
-    for (const int molecule : molecules)
-      if (molecule < owned_molecules(body)) sum += height[molecule], ++count;
-    return grip_boundary(body, molecules, height).value_or(sum_over(body, sum) / sum_over(body, count));
-  };
-  double low = plane - largest_over(body, longest), high = plane;  // what leads out lies at most this far above `low`
-  for (int halvings = 0; halvings < 10; ++halvings) {
-    const double middle = (low + high) / 2;
-    (boundary(molecules_above(body, height, middle)) > plane ? high : low) = middle;
-  }
-  std::vector<int> more = molecules_above(body, height, low), fewer = molecules_above(body, height, high);
-  const auto off = [&](const std::vector<int>& molecules) { return std::abs(boundary(molecules) - plane); };
-  return off(more) < 0.99 * off(fewer) ? more : fewer;  // of layers as near as each other the outer one
-}
-
 /// How many of these molecules, ascending, its process owns: they come first.
 std::size_t owned_in(const Body& body, const std::vector<int>& molecules) {
   return static_cast<std::size_t>(std::lower_bound(molecules.begin(), molecules.end(), owned_molecules(body)) -
@@ -128,11 +108,8 @@ Face end_face(const Body& body, const Vector3& direction, double depth) {
   const double low = least_over(body, height.minCoeff()), high = largest_over(body, height.maxCoeff());
   const double reach = depth + 1e-6 * (high - low);  // layers of a lattice lie just at a round depth
   if (!(high - low > 2 * reach)) throw InputError("the body has no length along the axis beyond its grips");
-  const bool outlined = depth > 0 && body.outline.cols() > 0;
-  std::vector<int> molecules =
-      outlined ? molecules_above_plane(body, height,
-                                       std::min(high, (body.outline.transpose() * direction).maxCoeff()) - reach)
-               : molecules_above(body, height, high - reach);
+  const double end = depth > 0 && body.outline.cols() > 0 ? (body.outline.transpose() * direction).maxCoeff() : high;
+  std::vector<int> molecules = molecules_above(body, height, std::min(end, high) - reach);
   const bool cells = any_over(body, !body.tetrahedra.empty() || !body.triangles.empty());
   if (depth > 0 || !cells || is_plane_end(body, molecules, direction))
     return face_of(body, std::move(molecules), direction);
@@ -141,23 +118,6 @@ Face end_face(const Body& body, const Vector3& direction, double depth) {
   Face face = face_of(body, std::move(sides.molecules), direction);
   face.tilted = sides.normal;
   return face;
-}
-
-std::optional<double> grip_boundary(const Body& body, const std::vector<int>& molecules, const VectorX& height) {
-  std::vector<char> held(static_cast<std::size_t>(body.size()), 0), leads_out(held);
-  for (const int molecule : molecules) held[molecule] = 1;
-  for (const auto& [a, b] : body.connections.ends)
-    if (held[a] != held[b]) leads_out[held[a] ? a : b] = 1;
-  std::array<double, 3> sums{0, 0, 0};  // of heights, of those that lead out, of all
-  for (const int molecule : molecules) {
-    if (molecule >= owned_molecules(body)) continue;
-    sums[0] += leads_out[molecule] ? height[molecule] : 0;
-    sums[1] += leads_out[molecule];
-    ++sums[2];
-  }
-  sum_over(body, sums);
-  if (sums[1] == 0 || sums[1] == sums[2]) return std::nullopt;
-  return sums[0] / sums[1];
 }
 
 Face face_of(const Body& body, std::vector<int> molecules, const Vector3& direction) {

@@ -1,6 +1,5 @@
 #pragma once
 #include <array>
-#include <optional>
 #include <vector>
 
 #include "core/geometry/tributary.h"
@@ -28,18 +27,12 @@ struct Face {
   Vector3 tilted = Vector3::Zero();
 };
 
-/// The molecules furthest along `direction` (unit), and those at most `depth` [m] behind them. Where the body has an
-/// outline, the depth is behind that, and the molecules are those with which grip_boundary comes nearest to it: layers
-/// of boxes cross the plane in steps, and those that lie within it would hold less than the depth. Of a refined body
-/// (Body::between) those of the body that it came from, and what lies between two of them. Without a depth those in the
-/// end plane, to 1e-6 of the body's length; of a body of cells whose end is no plane across the direction (it is rough,
-/// tilted, rounded) the corners of the sides that are its end, see end_sides. Throws InputError if that is the whole
-/// body.
+/// The molecules furthest along `direction` (unit), and those at most `depth` [m] behind them or, where it has one,
+/// behind the body's outline. Of a refined body (Body::between) those of the body that it came from, and what lies
+/// between two of them. Without a depth those in the end plane, to 1e-6 of the body's length; of a body of cells whose
+/// end is no plane across the direction (it is rough, tilted, rounded) the corners of the sides that are its end, see
+/// end_sides. Throws InputError if that is the whole body.
 Face end_face(const Body& body, const Vector3& direction, double depth);
-
-/// Where a grip that moves as a whole ends: the mean of the heights [m] of those of its molecules that are connected to
-/// others. None where all or none of them are.
-std::optional<double> grip_boundary(const Body& body, const std::vector<int>& molecules, const VectorX& height);
 
 /// These molecules, ascending, as a face that is seen along `direction` (unit).
 Face face_of(const Body& body, std::vector<int> molecules, const Vector3& direction);

@@ -371,9 +371,9 @@ TEST_CASE("image: a grip is as deep as is stated behind the voxels' end, and not
       return run.measures.get("force");
     };
     const double exact = 10e3 * 192e-6 * 0.36 / 36;
-    // Layers of boxes cross the planes of the grips in steps, and voxels stand out over the bar by up to a half.
-    CHECK(force(", spacing: 1 mm") == Approx(exact).epsilon(0.05));
-    CHECK(force(", spacing: 3 mm") == Approx(exact).epsilon(0.05));
+    CHECK(force(", spacing: 1 mm") == Approx(exact).epsilon(0.08));
+    // Layers of boxes lie up to a box within the grips' planes.
+    CHECK(force(", spacing: 3 mm") == Approx(exact).epsilon(0.12));
   }
 }
 
