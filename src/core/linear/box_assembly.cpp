@@ -87,21 +87,22 @@ double spacing_of(const Body& body) {
   return *middle;
 }
 
-/// A length [m] that few connections exceed. The stiffness of one that is longer than a box would stand in the box at
-/// its middle alone, and boxes between its ends would be missing: conjugate gradients without boxes are quicker then.
-double long_connection(const Body& body) {
-  std::vector<double> lengths = body.connections.rest_length;
-  if (body.share) {
-    lengths.clear();
-    for (int c = 0; c < body.connections.size(); ++c)
-      if (computes(body, c)) lengths.push_back(body.connections.rest_length[c]);
-    const auto all = static_cast<std::int64_t>(sum_over(body, static_cast<double>(lengths.size())));
-    return all > 0 ? nth_over(body, lengths, all - 1 - all / 32) : 0;
+/// A length [m] that few connections exceed, or `least` where that is more. The stiffness of one that is longer than a
+/// box would stand in the box at its middle alone, and boxes between its ends would be missing: conjugate gradients
+/// without boxes are quicker then.
+double long_connection(const Body& body, double least) {
+  std::vector<double> longer;
+  int count = 0;
+  for (int c = 0; c < body.connections.size(); ++c) {
+    if (!computes(body, c)) continue;
+    ++count;
+    if (body.connections.rest_length[c] > least) longer.push_back(body.connections.rest_length[c]);
   }
-  if (lengths.empty()) return 0;
-  const auto few = static_cast<std::ptrdiff_t>(lengths.size() / 32);
-  std::nth_element(lengths.begin(), lengths.end() - 1 - few, lengths.end());
-  return *(lengths.end() - 1 - few);
+  const auto all = static_cast<std::int64_t>(sum_over(body, count)),
+             above = static_cast<std::int64_t>(sum_over(body, static_cast<double>(longer.size())));
+  const std::int64_t few = all / 32;
+  if (above <= few) return least;
+  return nth_over(body, longer, above - 1 - few);
 }
 
 /// Where a cell counts as being: the middle of its sides.
@@ -126,6 +127,22 @@ struct Sorted {
     return {items.data() + start[number], static_cast<std::size_t>(start[number + 1] - start[number])};
   }
 };
+
+/// What list(i, all) appends to all for i = 0 … count − 1, in that order.
+template <class Item, class List>
+std::vector<Item> listed(int count, List&& list) {
+  constexpr int block = 512;
+  std::vector<std::vector<Item>> blocks((count + block - 1) / block);
+  parallel_for(
+      static_cast<int>(blocks.size()),
+      [&](int b) {
+        for (int i = block * b; i < std::min(count, block * (b + 1)); ++i) list(i, blocks[b]);
+      },
+      8);
+  std::vector<Item> all;
+  for (const auto& own : blocks) all.insert(all.end(), own.begin(), own.end());
+  return all;
+}
 
 /// The box that each molecule, connection and other element of a body belongs to: first of the outline.
 struct Homes {
@@ -232,8 +249,8 @@ void split_boxes(const Body& body, BoxGrid& grid, Homes& homes) {
   parallel_for(static_cast<int>(ends.size()), [&](int c) {
     homes.links[c] = piece_of[c] < 0 ? homes.molecules[ends[c][0]] : grid.number_of(homes.links[c]) + piece_of[c];
   });
-  std::vector<std::array<int, 2>> joined;
-  for (int box = 0; box < grid.outline_boxes(); ++box) {
+  using Joined = std::vector<std::array<int, 2>>;
+  grid.number_points(listed<Joined::value_type>(grid.outline_boxes(), [&](int box, Joined& joined) {
     const auto first = static_cast<std::ptrdiff_t>(joined.size());
     for (const int c : links.of(box))
       for (const int molecule : ends[c]) {
@@ -241,8 +258,7 @@ void split_boxes(const Body& body, BoxGrid& grid, Homes& homes) {
         if (pair[0] != pair[1] && std::find(joined.begin() + first, joined.end(), pair) == joined.end())
           joined.push_back(pair);
       }
-  }
-  grid.number_points(std::move(joined));
+  }));
 }
 
 /// A molecule without an element in its box, whose connections resist nothing by themselves, belongs to one of its
@@ -445,7 +461,7 @@ class Assembly {
   struct AlikeLinks {
     Eigen::Vector3f d;
     float slope, density;
-    Pairs products;
+    Eigen::Matrix<float, kCorners, kCorners> products;
   };
   /// Connections of a lattice come in a few directions: the products of those that are alike are added up first.
   void add_links(const Sorted& links, int box) {
@@ -458,34 +474,34 @@ class Assembly {
     for (Pairs& block : blocks) block.setZero();
     const auto add = [&](const AlikeLinks& alike) {
       const float x = alike.d.x(), y = alike.d.y(), z = alike.d.z(), s = alike.slope, q = alike.density;
-      blocks[0] += (s * x * x + q) * alike.products;
-      blocks[1] += s * x * y * alike.products;
-      blocks[2] += s * x * z * alike.products;
-      blocks[3] += (s * y * y + q) * alike.products;
-      blocks[4] += s * y * z * alike.products;
-      blocks[5] += (s * z * z + q) * alike.products;
+      Pairs products;
+      for (int p = 0; p < kPairs; ++p) products[p] = alike.products(kPair[p].first, kPair[p].second);
+      blocks[0] += (s * x * x + q) * products;
+      blocks[1] += s * x * y * products;
+      blocks[2] += s * x * z * products;
+      blocks[3] += (s * y * y + q) * products;
+      blocks[4] += s * y * z * products;
+      blocks[5] += (s * z * z + q) * products;
     };
     for (const int c : links.of(box)) {
       const auto& [a, b] = body_.connections.ends[c];
       const Eigen::Vector3f at = grid_.at_in(box, (body_.rest.col(a) + body_.rest.col(b)) / 2);
       const Corners along = slopes_along(at, grid_.along(rest_vector(c)).cast<float>());
-      const auto [d, density, slope] = tangent_.link(c);
-      AlikeLinks own{d.cast<float>(), static_cast<float>(slope), static_cast<float>(density), {}};
-      for (int i = 0, p = 0; i < kCorners; ++i)
-        for (int j = i + 1; j < kCorners; ++j, ++p) own.products[p] = along[i] * along[j];
-      const float size = rounding * own.d.cwiseAbs().maxCoeff();
+      const auto [link_d, density, slope] = tangent_.link(c);
+      const Eigen::Vector3f d = link_d.cast<float>();
+      const auto s = static_cast<float>(slope), q = static_cast<float>(density);
+      const float size = rounding * d.cwiseAbs().maxCoeff();
       const auto end = kinds.begin() + static_cast<std::ptrdiff_t>(known);
-      const auto found = std::find_if(kinds.begin(), end, [&](const AlikeLinks& kind) {
-        return (kind.d - own.d).cwiseAbs().maxCoeff() <= size &&
-               std::abs(kind.slope - own.slope) <= rounding * std::abs(own.slope) &&
-               std::abs(kind.density - own.density) <= rounding * std::abs(own.density);
+      auto kind = std::find_if(kinds.begin(), end, [&](const AlikeLinks& one) {
+        return (one.d - d).cwiseAbs().maxCoeff() <= size && std::abs(one.slope - s) <= rounding * std::abs(s) &&
+               std::abs(one.density - q) <= rounding * std::abs(q);
       });
-      if (found != end)
-        found->products += own.products;
-      else if (known < most)
-        kinds[known++] = own;
-      else
-        add(own);
+      if (kind == end) {
+        if (known == most) add(kinds[--known]);
+        kind = kinds.begin() + static_cast<std::ptrdiff_t>(known++);
+        *kind = {d, s, q, decltype(kind->products)::Zero()};
+      }
+      for (int j = 0; j < kCorners; ++j) kind->products.col(j).array() += along[j] * along;
     }
     for (std::size_t kind = 0; kind < known; ++kind) add(kinds[kind]);
     constexpr int from[9] = {0, 1, 2, 1, 3, 4, 2, 4, 5};
@@ -574,7 +590,7 @@ GridLevel assemble(const Tangent& tangent, const std::vector<Support>& supports,
 }  // namespace
 
 BoxGrid::Frame frame_of(const Body& body) {
-  const double size = std::max(2 * spacing_of(body), long_connection(body));
+  const double size = long_connection(body, 2 * spacing_of(body));
   const auto [low, high] = outline_of_whole(body);
   return {low, high, static_cast<int>(molecules_of_whole(body)), size};
 }

@@ -105,42 +105,55 @@ BoxLevel::BoxLevel(BoxGrid grid, BoxElements elements, bool is_part)
 }
 
 void BoxLevel::set_rows() {
-  start_.assign(points() + 1, 0);
-  const auto find = [&](int point, std::vector<int>& found) {
-    found.assign(1, point);
-    for (const int corner : grid_.around(point))
-      for (const int other : grid_.corners(corner / kBoxCorners))
-        if (std::find(found.begin(), found.end(), other) == found.end()) found.push_back(other);
-    found.resize((found.size() + kWidth - 1) / kWidth * kWidth, point);
-  };
   const auto for_points = [&](const auto& work) {
     parallel_ranges(
         points(),
         [&](int begin, int end) {
-          std::vector<int> found;
-          for (int point = begin; point < end; ++point) {
-            find(point, found);
-            work(point, found);
-          }
+          std::vector<int> slots(points(), -1);  // of the points around this one
+          for (int point = begin; point < end; ++point) work(point, slots);
         },
         kPointThreshold);
   };
-  for_points([&](int point, const std::vector<int>& found) { start_[point + 1] = static_cast<int>(found.size()); });
+  const auto round_up = [](int count) { return (count + kWidth - 1) / kWidth * kWidth; };
+  // A point itself comes first.
+  const auto number_around = [&](int point, std::vector<int>& slots, const auto& number) {
+    slots[point] = 0;
+    int count = 1;
+    for (const int corner : grid_.around(point))
+      for (const int other : grid_.corners(corner / kBoxCorners))
+        if (slots[other] < 0) {
+          number(count, other);
+          slots[other] = count++;
+        }
+    return count;
+  };
+  const auto forget = [&](int point, std::vector<int>& slots) {
+    slots[point] = -1;
+    for (const int corner : grid_.around(point))
+      for (const int other : grid_.corners(corner / kBoxCorners)) slots[other] = -1;
+  };
+  start_.assign(points() + 1, 0);
+  for_points([&](int point, std::vector<int>& slots) {
+    start_[point + 1] = round_up(number_around(point, slots, [](int, int) {}));
+    forget(point, slots);
+  });
   for (int point = 0; point < points(); ++point) start_[point + 1] += start_[point];
   neighbours_.resize(start_.back());
   rows_.resize(start_.back() / kWidth);
   sums_.assign(points(), Matrix3::Zero());
-  for_points([&](int point, const std::vector<int>& found) {
-    std::copy(found.begin(), found.end(), neighbours_.begin() + start_[point]);
+  for_points([&](int point, std::vector<int>& slots) {
+    int* neighbours = &neighbours_[start_[point]];
+    std::fill(neighbours, &neighbours_[0] + start_[point + 1], point);
+    number_around(point, slots, [&](int slot, int other) { neighbours[slot] = other; });
     Blocks* row = &rows_[start_[point] / kWidth];
-    for (std::size_t n = 0; n < found.size() / kWidth; ++n)
+    for (int n = 0; n < (start_[point + 1] - start_[point]) / kWidth; ++n)
       for (auto& entry : row[n]) entry.setZero();
     for (const int around : grid_.around(point)) {
       const int box = around / kBoxCorners, c = around % kBoxCorners;
       const BoxElements::Element& element = elements_.elements[box];
       for (int other = 0; other < kBoxCorners; ++other) {
         if (other == c) continue;
-        const auto slot = std::find(found.begin(), found.end(), grid_.corners(box)[other]) - found.begin();
+        const int slot = slots[grid_.corners(box)[other]];
         Blocks& blocks = row[slot / kWidth];
         const int pair = kPairOf[c][other];
         for (int e = 0; e < 9; ++e) blocks[e][slot % kWidth] += element[c < other ? e : e / 3 + 3 * (e % 3)][pair];
@@ -148,6 +161,7 @@ void BoxLevel::set_rows() {
       if (const int sums = elements_.sums_of[box]; sums >= 0) sums_[point] += elements_.sums[sums][c];
     }
     for (int e = 0; e < 9; ++e) row[0][e][0] = static_cast<float>(sums_[point].data()[e]);
+    forget(point, slots);
   });
 }
 

@@ -127,7 +127,7 @@ std::pair<bool, std::string> multigrid_is_worth_it(const Model& model, double to
                                                                 [](const auto* law) { return law->coupled(); });
   // In iterations of single molecules' blocks: of springs they cost little beside a cycle, and least between neighbours
   // on a grid.
-  const double cheap = cells ? 1 : body.grid && !has_other_stiffness(body) ? 2.2 : 1.5;
+  const double cheap = cells ? 1 : body.grid && !has_other_stiffness(body) ? 1.9 : 1.5;
   const bool worth_it = expected_iterations(body, tolerance) > cheap * (20 + 8 * digits_of(tolerance));
   const std::string size = counted(static_cast<int>(molecules_of_whole(body)), "molecule") + ", " +
                            std::to_string(std::lround(across)) + " connections from end to end";

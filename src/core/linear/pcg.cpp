@@ -48,6 +48,10 @@ constexpr double kWorthSmoothing = 30, kPlainCost = 1.3, kSmoothedCost = 3.3;
 /// Of smoothing on the grids, where no volumes resist more than shape: more take longer than the iterations they save.
 constexpr int kStepsOfShape = 3;
 
+/// No eigenvalue of D⁻¹ K is larger where K is a sum of positive parts of two molecules each: (a − b)ᵀ P (a − b) is at
+/// most 2 (aᵀ P a + bᵀ P b), twice what D has of it.
+constexpr double kLargestOfLinks = 2;
+
 /// A grid hierarchy of another stiffness serves until it takes as many times the iterations that it took when new.
 constexpr double kServes = 1.5;
 constexpr int kServesAnyway = 10;  ///< iterations that are worth no new one
@@ -176,6 +180,11 @@ class Pcg final : public LinearSolver, public KeepsCoarsePicture {
     };
     // Overwrites z, which stands where K p does.
     const auto set_smoothing = [&] {
+      smooths_ = true;
+      if (!volume_ && tangent.is_of_resisting_links()) {
+        largest_ = kLargestOfLinks, steps_ = 1;
+        return;
+      }
       const auto [of_most, bound] =
           largest_eigenvalue(n, kp, unresolved, step_, [&](const Positions& from, Positions& to) {
             apply(from, to);
@@ -185,7 +194,6 @@ class Pcg final : public LinearSolver, public KeepsCoarsePicture {
           });
       largest_ = bound;
       steps_ = !volume_ && of_most > kOneStep ? 2 : 1;
-      smooths_ = true;
     };
     Eigen::Vector2d now = advance(0);
     const double first = now[1];

@@ -14,8 +14,8 @@ RigidMotions::RigidMotions(const Tangent& tangent, const std::vector<Support>& s
                            Positions& forces) {
   const Positions& positions = tangent.positions();
   middle_ = positions.rowwise().mean();
-  size_ = (positions.rowwise().maxCoeff() - positions.rowwise().minCoeff()).norm();
-  if (!(size_ > 0)) size_ = 1;
+  const double size = (positions.rowwise().maxCoeff() - positions.rowwise().minCoeff()).norm();
+  per_size_ = size > 0 ? 1 / size : 1;
   // First what no support minds, then what of that no force minds either.
   Eigen::Matrix<double, 6, 6> held = Eigen::Matrix<double, 6, 6>::Zero();
   for (const Support& support : supports) {
@@ -31,35 +31,43 @@ RigidMotions::RigidMotions(const Tangent& tangent, const std::vector<Support>& s
   for (int k = 0; k < 6; ++k) {
     if (eigen.values[k] > 1e-12 * std::max<double>(1, static_cast<double>(supports.size()))) continue;
     const Six candidate = eigen.vectors.col(k);
-    parallel_for(static_cast<int>(positions.cols()),
-                 [&](int i) { motions.col(i) = motion(candidate, positions.col(i)); });
+    parallel_for(
+        static_cast<int>(positions.cols()), [&](int i) { motions.col(i) = motion(candidate, positions.col(i)); },
+        kMoleculeThreshold);
     tangent.apply(motions, forces);
     keep_free(supports, forces);
     if (ordered_norm(forces) > 1e-9 * stiffness * ordered_norm(motions)) continue;
     free_.conservativeResize(6, free_.cols() + 1);
     free_.rightCols(1) = candidate;
   }
-  const auto count = free_.cols();
-  MatrixX products = MatrixX::Zero(count, count);
-  for (Eigen::Index i = 0; i < count; ++i)
-    for (Eigen::Index j = 0; j <= i; ++j) {
-      const Six own = free_.col(i), other = free_.col(j);
-      products(i, j) = products(j, i) = ordered_sum(static_cast<int>(positions.cols()), [&](int a) {
-        return motion(own, positions.col(a)).dot(motion(other, positions.col(a)));
-      });
-    }
+  if (empty()) return;
+  MatrixX products(free_.cols(), free_.cols());
+  for (Eigen::Index i = 0; i < products.cols(); ++i) {
+    const Six own = free_.col(i);
+    parallel_for(
+        static_cast<int>(positions.cols()), [&](int a) { motions.col(a) = motion(own, positions.col(a)); },
+        kMoleculeThreshold);
+    products.col(i) = products_with(positions, motions);
+  }
   // Of molecules on a line the turn about it moves none: it is no motion to take out.
-  if (count > 0) inverse_ = symmetric_pseudoinverse(products);
+  inverse_ = symmetric_pseudoinverse(products);
 }
 
+/// Of the vectors v at places y, Σ v and Σ y × v say it all: (t + w × y) · v = t · v + w · (y × v).
 VectorX RigidMotions::products_with(const Positions& positions, const Positions& vectors) const {
-  VectorX products(free_.cols());
-  for (Eigen::Index i = 0; i < products.size(); ++i) {
-    const Six own = free_.col(i);
-    products[i] = ordered_sum(static_cast<int>(positions.cols()),
-                              [&](int a) { return motion(own, positions.col(a)).dot(vectors.col(a)); });
-  }
-  return products;
+  const Six sums = ordered_sum_of_blocks<Six>(
+      static_cast<int>(positions.cols()),
+      [&](int begin, int end) {
+        Six sum = Six::Zero();
+        for (int a = begin; a < end; ++a) {
+          const Vector3 v = vectors.col(a), y = place(positions.col(a));
+          sum.head<3>() += v;
+          sum.tail<3>() += y.cross(v);
+        }
+        return sum;
+      },
+      Six::Zero(), kMoleculeThreshold);
+  return free_.transpose() * sums;
 }
 
 void RigidMotions::remove_from(const Positions& positions, Positions& motions) const {

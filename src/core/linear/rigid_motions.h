@@ -20,12 +20,13 @@ class RigidMotions {
  private:
   using Six = Eigen::Matrix<double, 6, 1>;
   Vector3 motion(const Six& translation_and_rotation, const Vector3& position) const {
-    return translation_and_rotation.head<3>() +
-           translation_and_rotation.tail<3>().cross(Vector3((position - middle_) / size_));
+    return translation_and_rotation.head<3>() + translation_and_rotation.tail<3>().cross(place(position));
   }
+  /// From the middle, in units of the body's size.
+  Vector3 place(const Vector3& position) const { return (position - middle_) * per_size_; }
   VectorX products_with(const Positions& positions, const Positions& vectors) const;
   Vector3 middle_;
-  double size_;
+  double per_size_;  ///< [1/m]
   Eigen::Matrix<double, 6, Eigen::Dynamic> free_;
   MatrixX inverse_;  ///< pseudo-inverse of the products of each with each
 };

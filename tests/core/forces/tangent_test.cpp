@@ -5,6 +5,7 @@
 #include <Eigen/Dense>
 #include <catch2/catch.hpp>
 
+#include "elastin/core/forces/loads.h"
 #include "elastin/core/simulation/catalog.h"
 #include "support/bodies.h"
 
@@ -84,4 +85,46 @@ TEST_CASE("strains are predicted from those that are there, and end as these", "
     tangent.apply(motion, forces);
     CHECK((forces - expected).norm() <= 1e-12 * expected.norm());
   }
+}
+
+TEST_CASE("links that resist leave no eigenvalue of the diagonal's inverse times the stiffness above 2", "[tangent]") {
+  const Body body = jittered_lattice();
+  const State rest = state_at_rest(body);
+  State pulled = rest, pressed = rest;
+  pulled.positions *= 1.3;
+  pressed.positions *= 0.5;
+  const Material material{.youngs_modulus = 2e4, .poissons_ratio = 0.3};
+  const auto model_of = [&](const char* strategy) {
+    Model model(body);
+    model.add(built_in_catalog().find(strategy).make(body, material, {}));
+    return model;
+  };
+  const Model springs = model_of("lattice");
+  // By powers, which find it from below.
+  const auto largest = [&](const State& state, const Weights& weights) {
+    const Tangent tangent(springs, state, weights);
+    CHECK(tangent.is_of_resisting_links());
+    Positions x = random_motion(body, 3), y(3, body.size());
+    double size = 0;
+    for (int power = 0; power < 300; ++power) {
+      tangent.apply(x, y);
+      for (int a = 0; a < body.size(); ++a) y.col(a) = tangent.diagonal(a).inverse() * y.col(a);
+      size = y.norm() / x.norm();
+      x = y / y.norm();
+    }
+    return size;
+  };
+  CHECK(largest(rest, {}) > 1.5);
+  CHECK(largest(rest, {}) <= 2);
+  CHECK(largest(pulled, {}) <= 2);
+  CHECK(largest(pulled, {.velocity = 10, .acceleration = 1e4}) <= 2);
+  CHECK_FALSE(Tangent(springs, pressed).is_of_resisting_links());
+  CHECK_FALSE(Tangent(model_of("lattice+volume"), rest).is_of_resisting_links());
+  Model dragged = model_of("lattice");
+  dragged.add(make_gravity(body, {0, 0, -9.81}));
+  CHECK(Tangent(dragged, rest).is_of_resisting_links());
+  const Body block = cell_box(cell_kind("hexahedron8"), {2, 2, 2}, {0.02, 0.02, 0.02}, 0.1);
+  Model solid(block);
+  solid.add(built_in_catalog().find("neo_hookean").make(block, material, {}));
+  CHECK_FALSE(Tangent(solid, state_at_rest(block)).is_of_resisting_links());
 }

@@ -68,6 +68,10 @@ class Tangent {
     return block;
   }
 
+  /// Whether all that it has besides inertia is of single connections, each of which resists every motion of its ends
+  /// against each other or none: K is then a sum of positive parts, of two molecules each.
+  bool is_of_resisting_links() const;
+
   /// Whether any connection has a force density, or one that changes.
   bool linked() const { return linked_; }
   /// What one connection does by itself.
