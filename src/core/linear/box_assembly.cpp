@@ -461,7 +461,7 @@ class Assembly {
   struct AlikeLinks {
     Eigen::Vector3f d;
     float slope, density;
-    Eigen::Matrix<float, kCorners, kCorners> products;
+    Pairs products;
   };
   /// Connections of a lattice come in a few directions: the products of those that are alike are added up first.
   void add_links(const Sorted& links, int box) {
@@ -474,34 +474,34 @@ class Assembly {
     for (Pairs& block : blocks) block.setZero();
     const auto add = [&](const AlikeLinks& alike) {
       const float x = alike.d.x(), y = alike.d.y(), z = alike.d.z(), s = alike.slope, q = alike.density;
-      Pairs products;
-      for (int p = 0; p < kPairs; ++p) products[p] = alike.products(kPair[p].first, kPair[p].second);
-      blocks[0] += (s * x * x + q) * products;
-      blocks[1] += s * x * y * products;
-      blocks[2] += s * x * z * products;
-      blocks[3] += (s * y * y + q) * products;
-      blocks[4] += s * y * z * products;
-      blocks[5] += (s * z * z + q) * products;
+      blocks[0] += (s * x * x + q) * alike.products;
+      blocks[1] += s * x * y * alike.products;
+      blocks[2] += s * x * z * alike.products;
+      blocks[3] += (s * y * y + q) * alike.products;
+      blocks[4] += s * y * z * alike.products;
+      blocks[5] += (s * z * z + q) * alike.products;
     };
     for (const int c : links.of(box)) {
       const auto& [a, b] = body_.connections.ends[c];
       const Eigen::Vector3f at = grid_.at_in(box, (body_.rest.col(a) + body_.rest.col(b)) / 2);
       const Corners along = slopes_along(at, grid_.along(rest_vector(c)).cast<float>());
-      const auto [link_d, density, slope] = tangent_.link(c);
-      const Eigen::Vector3f d = link_d.cast<float>();
-      const auto s = static_cast<float>(slope), q = static_cast<float>(density);
-      const float size = rounding * d.cwiseAbs().maxCoeff();
+      const auto [d, density, slope] = tangent_.link(c);
+      AlikeLinks own{d.cast<float>(), static_cast<float>(slope), static_cast<float>(density), {}};
+      for (int i = 0, p = 0; i < kCorners; ++i)
+        for (int j = i + 1; j < kCorners; ++j, ++p) own.products[p] = along[i] * along[j];
+      const float size = rounding * own.d.cwiseAbs().maxCoeff();
       const auto end = kinds.begin() + static_cast<std::ptrdiff_t>(known);
-      auto kind = std::find_if(kinds.begin(), end, [&](const AlikeLinks& one) {
-        return (one.d - d).cwiseAbs().maxCoeff() <= size && std::abs(one.slope - s) <= rounding * std::abs(s) &&
-               std::abs(one.density - q) <= rounding * std::abs(q);
+      const auto found = std::find_if(kinds.begin(), end, [&](const AlikeLinks& kind) {
+        return (kind.d - own.d).cwiseAbs().maxCoeff() <= size &&
+               std::abs(kind.slope - own.slope) <= rounding * std::abs(own.slope) &&
+               std::abs(kind.density - own.density) <= rounding * std::abs(own.density);
       });
-      if (kind == end) {
-        if (known == most) add(kinds[--known]);
-        kind = kinds.begin() + static_cast<std::ptrdiff_t>(known++);
-        *kind = {d, s, q, decltype(kind->products)::Zero()};
-      }
-      for (int j = 0; j < kCorners; ++j) kind->products.col(j).array() += along[j] * along;
+      if (found != end)
+        found->products += own.products;
+      else if (known < most)
+        kinds[known++] = own;
+      else
+        add(own);
     }
     for (std::size_t kind = 0; kind < known; ++kind) add(kinds[kind]);
     constexpr int from[9] = {0, 1, 2, 1, 3, 4, 2, 4, 5};
