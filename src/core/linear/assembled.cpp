@@ -25,11 +25,11 @@ void BlockRow::add(int molecule, const Matrix3& block) {
     place->block += block;
 }
 
-bool AssembledStiffness::pays(const Tangent& tangent, double products) {
+bool AssembledStiffness::pays(const Tangent& tangent, const std::function<double()>& products) {
   const Model& model = tangent.model();
   const auto& blocks = model.body().blocks;
-  return tangent.weights().acceleration == 0 && !model.nodal_laws().empty() && products > kFewProducts &&
-         model.body().size() <= kMostRows && !model.body().share && tangent.wide_terms().empty() &&
+  return tangent.weights().acceleration == 0 && !model.nodal_laws().empty() && model.body().size() <= kMostRows &&
+         !model.body().share && products() > kFewProducts && tangent.wide_terms().empty() &&
          std::all_of(blocks.begin(), blocks.end(), [](const auto& block) { return block.kind->nodes <= kMostCorners; });
 }
 

@@ -1,4 +1,5 @@
 #pragma once
+#include <functional>
 #include <vector>
 
 #include "elastin/core/forces/tangent.h"
@@ -29,7 +30,7 @@ class AssembledStiffness {
  public:
   /// Whether `products` of them are worth the rows: not in steps in time, which allocate nothing, and not where loads
   /// join all molecules with all.
-  static bool pays(const Tangent& tangent, double products);
+  static bool pays(const Tangent& tangent, const std::function<double()>& products);
   /// Keeps the memory of the last time.
   void assemble(const Tangent& tangent);
   /// result = K motion [N], as Tangent::apply, up to rounding.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <utility>
 
 #include "core/linear/block_inverse.h"
 #include "core/linear/smoothing.h"
@@ -77,8 +78,10 @@ class LargerBox {
 
 }  // namespace
 
-BoxElements::BoxElements(int boxes) : elements(boxes), sums_of(boxes, -1) {
-  for (Element& element : elements) element.fill(Pairs::Zero());
+// Large memory is first written by the threads that use it.
+BoxElements::BoxElements(int boxes) : elements(std::make_unique_for_overwrite<Element[]>(boxes)), sums_of(boxes, -1) {
+  parallel_for(
+      boxes, [&](int box) { elements[box].fill(Pairs::Zero()); }, kPointThreshold);
 }
 
 BoxElements::Sums& BoxElements::sums_in(int box) {
@@ -139,7 +142,7 @@ void BoxLevel::set_rows() {
   });
   for (int point = 0; point < points(); ++point) start_[point + 1] += start_[point];
   neighbours_.resize(start_.back());
-  rows_.resize(start_.back() / kWidth);
+  rows_ = std::make_unique_for_overwrite<Blocks[]>(start_.back() / kWidth);
   sums_.assign(points(), Matrix3::Zero());
   for_points([&](int point, std::vector<int>& slots) {
     int* neighbours = &neighbours_[start_[point]];

@@ -22,7 +22,7 @@ struct BoxElements {
   explicit BoxElements(int boxes);
   /// S of the corners of a box, made where there was none.
   Sums& sums_in(int box);
-  std::vector<Element, Eigen::aligned_allocator<Element>> elements;
+  std::unique_ptr<Element[]> elements;
   std::vector<int> sums_of;  ///< of each box, −1 where S is zero
   std::vector<Sums> sums;
 };
@@ -154,7 +154,7 @@ class BoxLevel {
   std::vector<int> start_, neighbours_;
   /// The blocks of as many neighbours by columns: entry by entry, of each; S_i in the place of a point's own.
   using Blocks = std::array<Eigen::Array<float, kWidth, 1>, 9>;
-  std::vector<Blocks, Eigen::aligned_allocator<Blocks>> rows_;
+  std::unique_ptr<Blocks[]> rows_;
   std::vector<Matrix3> sums_;
   std::vector<Eigen::Matrix3f> inverse_;  ///< D⁻¹ over its largest eigenvalue with A
   int steps_ = 1;

@@ -23,9 +23,7 @@ namespace {
 
 /// A grid hierarchy that serves takes some 15 iterations, one of a thin or porous body up to 150; each costs about four
 /// without one. After as many as that it has to find a digit in each kForADigit.
-int most_coarse_iterations(const Body& body, double tolerance) {
-  return static_cast<int>(std::clamp(expected_iterations(body, tolerance) / 2, 100., 400.));
-}
+int most_coarse_iterations(double expected) { return static_cast<int>(std::clamp(expected / 2, 100., 400.)); }
 constexpr int kForADigit = 100;
 
 /// Iterations after which the caller is asked first, the number to come from which it is worth asking, and that for
@@ -91,7 +89,8 @@ class Pcg final : public LinearSolver, public KeepsCoarsePicture {
     }
     if (coarse_ && !coarse_->positive()) coarse_.reset();
     Multigrid* coarse = coarse_.get();
-    int coarse_limit = coarse ? most_coarse_iterations(tangent.model().body(), tolerance) : 0;
+    const auto expected = [&] { return expected_iterations(tangent.model().body(), tolerance); };
+    int coarse_limit = coarse ? most_coarse_iterations(expected()) : 0;
     double at_limit = std::numeric_limits<double>::infinity();  // r·r at the limit before
     // Single precision makes a little of any motion that nothing resists; its size would then be whatever it is.
     std::optional<RigidMotions> whole;
@@ -199,7 +198,7 @@ class Pcg final : public LinearSolver, public KeepsCoarsePicture {
     const double first = now[1];
     LinearResult result;
     if (first == 0) return result;
-    assembled = AssembledStiffness::pays(tangent, expected_iterations(tangent.model().body(), tolerance));
+    assembled = AssembledStiffness::pays(tangent, expected);
     if (assembled) rows_.assemble(tangent);
     if (coarse) {
       unresolved.resize(3, n), step_.resize(3, n), change_.resize(3, n);

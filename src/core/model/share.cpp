@@ -8,6 +8,7 @@
 
 #include "core/base/archive.h"
 #include "core/model/visit_body.h"
+#include "core/parallel/parallel.h"
 #include "elastin/core/base/error.h"
 
 namespace elastin {
@@ -397,10 +398,15 @@ std::array<Vector3, 2> outline_of_whole(const Body& body) {
 }
 
 std::pair<double, double> lengths_of_whole(const Body& body) {
-  std::array<double, 2> sums{0, 0};
-  for (int c = 0; c < body.connections.size(); ++c)
-    if (computes(body, c)) sums[0] += body.connections.rest_length[c], ++sums[1];
-  sum_over(body, sums);
+  using Pair = Eigen::Vector2d;
+  Pair sums = ordered_sum<Pair>(
+      body.connections.size(),
+      [&](int c) -> Pair {
+        if (!computes(body, c)) return Pair::Zero();
+        return {body.connections.rest_length[c], 1};
+      },
+      Pair::Zero());
+  sum_over(body, std::span<double>(sums.data(), 2));
   return {sums[0], sums[1]};
 }
 
