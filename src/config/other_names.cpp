@@ -96,6 +96,11 @@ constexpr Pair kOtherWords[]{
     {"0", "false"},          {"tet", "body_centred"},
 };
 
+constexpr std::string_view kStays =
+    "what stays is listed at the top level: supports: [{molecules: {side: -z}, fix: all}]; only what is held in place "
+    "of "
+    "an experiment's own end is `fixed`, under `experiment`";
+
 constexpr Pair kInstead[]{
     {"units", "each number has its unit behind it, for example 15 mm"},
     {"unit", "each number has its unit behind it, for example 15 mm"},
@@ -106,6 +111,15 @@ constexpr Pair kInstead[]{
     {"grips", "write fixed_grip: clamped, loaded_grip: clamped; sliding grips are the default"},
     {"grip", "write fixed_grip: clamped, loaded_grip: clamped; sliding grips are the default"},
     {"incompressible", "write poissons_ratio: 0.499 and stiffness: neo_hookean+volume"},
+    {"fixed", kStays},
+    {"fix", kStays},
+    {"held", kStays},
+    {"clamped", kStays},
+    {"clamp", kStays},
+    {"anchors", kStays},
+    {"constraints", kStays},
+    {"boundaryconditions", kStays},
+    {"bc", kStays},
 };
 
 /// Small letters and digits alone: "Young's modulus", "youngs-modulus" and "youngs_modulus" are one name.

@@ -122,6 +122,12 @@ Body make_body(const ImageSetup& setup, ShapeContext& context) {
   return body;
 }
 
+std::string refused_of_packing(const ImageSetup& setup, bool given) {
+  return given && setup.as == ImageCells::packing ? "goes with `as: hexahedra`, `lattice` and `tetrahedra`: the "
+                                                    "springs of a packing have one material"
+                                                  : "";
+}
+
 }  // namespace
 
 Shape image_shape() {
@@ -152,9 +158,10 @@ Shape image_shape() {
                         "side of the boxes, rounded to whole voxels; distance of the molecules of a packing", kPositive)
               .otherwise("a voxel; of a packing two")
               .place(&S::spacing_place),
-          key::flag("fill_fraction", &S::fill_fraction,
-                    "whether a box is as stiff and heavy as the part of its voxels that is body; otherwise it is body "
-                    "where half of it is"),
+          Key<S>(key::flag("fill_fraction", &S::fill_fraction,
+                           "whether a box is as stiff and heavy as the part of its voxels that is body; otherwise it "
+                           "is body where half of it is"))
+              .refused_for([](const S& setup) { return refused_of_packing(setup, setup.fill_fraction); }),
           Key<S>(key::quantity(
                      "smoothing", &S::smoothing, dimension::length,
                      "standard deviation of a Gaussian that smooths the labels, the volume of the body being kept; at "
@@ -182,9 +189,11 @@ Shape image_shape() {
               .place(&S::from_place),
           key::vector("to", &S::to, dimension::length, "highest coordinates of voxels that are read")
               .place(&S::to_place),
-          key::later({"youngs_modulus", "formula of `value`", "Pa", "> 0", "the material's",
-                      "E from the grey value, of labels that state none of their own: `2 kPa * (value / 100)^2`"},
-                     &S::youngs_modulus),
+          Key<S>(
+              key::later({"youngs_modulus", "formula of `value`", "Pa", "> 0", "the material's",
+                          "E from the grey value, of labels that state none of their own: `2 kPa * (value / 100)^2`"},
+                         &S::youngs_modulus))
+              .refused_for([](const S& setup) { return refused_of_packing(setup, setup.youngs_modulus.has_value()); }),
           key::later({"density", "formula of `value`", "kg/m³", "> 0", "the material's",
                       "density from the grey value, of labels that state none of their own"},
                      &S::density),

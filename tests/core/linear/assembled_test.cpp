@@ -22,9 +22,9 @@ TEST_CASE("rows of a stiffness multiply as the cells themselves do, on one body 
       state.positions += 5e-4 * scattered_directions(body.size());
       const Tangent tangent(model, state);
       const bool blocks = !model.nodal_laws().empty();
-      CHECK(AssembledStiffness::pays(tangent, 100) == blocks);
-      CHECK_FALSE(AssembledStiffness::pays(tangent, 5));
-      CHECK_FALSE(AssembledStiffness::pays(Tangent(model, state, {.acceleration = 1e4}), 100));
+      CHECK(AssembledStiffness::pays(tangent, [] { return 100.; }) == blocks);
+      CHECK_FALSE(AssembledStiffness::pays(tangent, [] { return 5.; }));
+      CHECK_FALSE(AssembledStiffness::pays(Tangent(model, state, {.acceleration = 1e4}), [] { return 100.; }));
       rows.assemble(tangent);
       const Positions motion = scattered_directions(body.size());
       Positions by_cells = Positions::Zero(3, body.size()), by_rows = by_cells;

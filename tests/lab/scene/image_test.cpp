@@ -226,6 +226,8 @@ TEST_CASE("image: a scan gives E where its segmentation says what is body", "[im
   scan("RAS", "(2,0,0) (0,1,0) (0,0,1)", "(1,0.5,0.5)", {3, 4, 7});
   CHECK_THROWS_WITH(scene_of(folder, labels, keys), Contains("grey_values: has 3 x 4 x 7 voxels for the 3 x 4 x 6"));
   CHECK_THROWS_WITH(scene_of(folder, labels, ", grey_values: scan.nrrd"), Contains("goes with a formula of `value`"));
+  CHECK_THROWS_WITH(scene_of(folder, labels, keys + ", as: packing"),
+                    Contains("image.youngs_modulus: goes with `as: hexahedra`"));
 }
 
 TEST_CASE("image: a label keeps E and density of its own beside a formula of the grey value", "[image]") {
