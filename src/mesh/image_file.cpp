@@ -316,6 +316,7 @@ Image ImageReader::read_nifti() {
         a * a + d * d - c * c - b * b;
     return Matrix3(turn * Vector3(pixdim(1), pixdim(2), flip * pixdim(3)).asDiagonal());
   };
+  const Vector3 qform_origin(real(268, 376), real(272, 384), real(276, 392));
   if (sform > 0) {
     for (std::size_t r = 0; r < 3; ++r) {
       const auto in_row = [&](std::size_t c) { return real(280 + 16 * r + 4 * c, 400 + 32 * r + 8 * c); };
@@ -334,9 +335,13 @@ Image ImageReader::read_nifti() {
     else if (sized && qform > 0 &&
              ((image.steps - of_qform()).colwise().norm().array() > 0.02 * own.transpose().array()).any())
       image.contradiction = "its 'sform' turns or mirrors the axes otherwise than its 'qform'; the 'sform' counts";
+    else if (const double shift = (image.origin - qform_origin).norm();
+             sized && qform == sform && shift > own.minCoeff() / 2)  // of other codes, another space is meant
+      image.contradiction =
+          "its 'sform' lies " + number(shift, 3) + " from where its 'qform' has the first voxel; the 'sform' counts";
   } else if (qform > 0) {
     image.steps = of_qform();
-    image.origin = {real(268, 376), real(272, 384), real(276, 392)};
+    image.origin = qform_origin;
   } else {
     image.steps = Vector3(pixdim(1), pixdim(2), pixdim(3)).asDiagonal();
     image.space.clear();

@@ -119,7 +119,11 @@ TEST_CASE("image: the same voxels from every format", "[image]") {
     const float rows[] = {1, 0, 0, 5, 0, 2, 0, 6, 0, 0, 3, 7};
     for (std::size_t i = 0; i < 12; ++i) nifti.put(280 + 4 * i, rows[i]);
     CHECK(stated() == "");
+    nifti.put(252, std::int16_t{2});  // another space, whose origin is its own
+    CHECK(stated() == "");
     nifti.put(252, std::int16_t{1});
+    CHECK(stated() == "its 'sform' lies 10.5 from where its 'qform' has the first voxel; the 'sform' counts");
+    for (const std::size_t i : {0U, 1U, 2U}) nifti.put(268 + 4 * i, 5.F + static_cast<float>(i));
     CHECK(stated() == "");
     nifti.put(76, -1.F);  // the qform reverses the third axis
     CHECK(stated() == "its 'sform' turns or mirrors the axes otherwise than its 'qform'; the 'sform' counts");
