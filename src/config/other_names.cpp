@@ -97,9 +97,8 @@ constexpr Pair kOtherWords[]{
 };
 
 constexpr std::string_view kStays =
-    "what stays is listed at the top level: supports: [{molecules: {side: -z}, fix: all}]; only what is held in place "
-    "of "
-    "an experiment's own end is `fixed`, under `experiment`";
+    "what stays is listed at the top level: supports: [{molecules: {side: -z}, fix: all}]; `fixed` under `experiment` "
+    "is only what is held in place of that experiment's own end";
 
 constexpr Pair kInstead[]{
     {"units", "each number has its unit behind it, for example 15 mm"},
@@ -114,8 +113,6 @@ constexpr Pair kInstead[]{
     {"fixed", kStays},
     {"fix", kStays},
     {"held", kStays},
-    {"clamped", kStays},
-    {"clamp", kStays},
     {"anchors", kStays},
     {"constraints", kStays},
     {"boundaryconditions", kStays},

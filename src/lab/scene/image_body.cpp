@@ -224,9 +224,10 @@ void ImageBoxes::set_matter(Body& body) const {
   context_.volumes = volumes;
   if (!varied) return;
   if (setup_.as == ImageCells::packing)
-    setup_.labels_place->fail(
-        "labels differ in stiffness, and the springs of a packing have one material; write "
-        "`as: hexahedra`, `lattice` or `tetrahedra`");
+    (setup_.labels_place ? *setup_.labels_place : *setup_.file)
+        .fail(
+            "labels differ in stiffness, and the springs of a packing have one material; write "
+            "`as: hexahedra`, `lattice` or `tetrahedra`");
   for (const Material& material : parts_ ? materials_ : std::vector{*context_.material})
     if (material.curve || material.fibre)
       setup_.file->fail("stiffness that varies needs a material without curve or fibre");
