@@ -200,7 +200,8 @@ Plot error_plot(const std::vector<Record>& records, const Ranking& ranking, cons
   }
   for (const Peer& peer : peers) {
     if (!peer.scene.empty() && peer.scene != records.front().scene) continue;
-    series_of(plot, peer.name, -1)
+    const auto greys = std::count_if(plot.series.begin(), plot.series.end(), [](auto& one) { return one.colour < 0; });
+    series_of(plot, peer.name, -1 - static_cast<int>(greys))
         .points.push_back(point_of(peer.seconds, peer.error, peer.name, " (given by a file)"));
   }
   if (!plot.series.empty()) plot.series.insert(plot.series.begin(), front_of(plot.series));

@@ -198,7 +198,7 @@ void add_grid(Sheet& sheet) {
 
 void add_mark(Sheet& sheet, double x, double y, int colour, double r) {
   const std::string fill = plot_colour(colour);
-  switch (colour < 0 ? 0 : colour / kPlotHues % kPlotShades) {
+  switch ((colour < 0 ? -1 - colour : colour / kPlotHues) % kPlotShades) {
     case 0:
       return sheet.add("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"{}\" fill=\"{}\"/>", x, y, r, fill);
     case 1:
@@ -278,7 +278,7 @@ PlotSeries& series_of(Plot& plot, const std::string& name, int colour) {
 }
 
 std::string plot_colour(int colour) {
-  if (colour < 0) return "#7e8799";
+  if (colour < 0) return colour >= -kPlotShades ? "#7e8799" : "#94806a";  // a cold grey, then a warm one
   const auto& hue = kHues[colour % kPlotHues];
   const auto& [other, share] = kShades[colour / kPlotHues % kPlotShades];
   std::array<double, 3> light{};  // linear

@@ -24,7 +24,7 @@ struct PlotPoint {
 struct PlotSeries {
   enum class Kind { marks, line, marked_line, dashed, staircase };
   std::string name;  ///< in the legend; empty = not there
-  int colour = 0;    ///< hue + kPlotHues × shade, and with the shade the mark's shape; -1 = grey
+  int colour = 0;  ///< hue + kPlotHues × shade, and with the shade the mark's shape; -1, -2, … = grey, of each shape
   Kind kind = Kind::marks;
   std::vector<PlotPoint> points;
 };
