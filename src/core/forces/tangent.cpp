@@ -100,19 +100,6 @@ void Tangent::set_links(const State& state, const Weights& weights) {
   set_diagonal();
 }
 
-bool Tangent::is_of_resisting_links() const {
-  if (!nodes_.empty() || coupled_ || loads_change_) return false;
-  if (!linked_) return true;
-  return largest_of_ranges(model_.body().connections.size(), [&](int begin, int end) {
-           for (int c = begin; c < end; ++c) {
-             if (slopes_[c] >= 0 && (!stressed_ || force_densities_[c] >= 0)) continue;
-             const auto [d, density, slope] = link(c);
-             if (!(density >= 0 && density + slope * d.squaredNorm() >= 0)) return 1.;
-           }
-           return 0.;
-         }) == 0;
-}
-
 void Tangent::apply(const Positions& motion, Positions& result, ApplyWorkspace& workspace) const {
   if (weights_.acceleration != 0)
     parallel_for(

@@ -79,7 +79,7 @@ class LargerBox {
 }  // namespace
 
 // Large memory is first written by the threads that use it.
-BoxElements::BoxElements(int boxes) : elements(std::make_unique_for_overwrite<Element[]>(boxes)), sums_of(boxes, -1) {
+BoxElements::BoxElements(int boxes) : elements(new Element[boxes]), sums_of(boxes, -1) {
   parallel_for(
       boxes, [&](int box) { elements[box].fill(Pairs::Zero()); }, kPointThreshold);
 }
@@ -142,7 +142,7 @@ void BoxLevel::set_rows() {
   });
   for (int point = 0; point < points(); ++point) start_[point + 1] += start_[point];
   neighbours_.resize(start_.back());
-  rows_ = std::make_unique_for_overwrite<Blocks[]>(start_.back() / kWidth);
+  rows_.reset(new Blocks[start_.back() / kWidth]);
   sums_.assign(points(), Matrix3::Zero());
   for_points([&](int point, std::vector<int>& slots) {
     int* neighbours = &neighbours_[start_[point]];

@@ -46,10 +46,6 @@ constexpr double kWorthSmoothing = 30, kPlainCost = 1.3, kSmoothedCost = 3.3;
 /// Of smoothing on the grids, where no volumes resist more than shape: more take longer than the iterations they save.
 constexpr int kStepsOfShape = 3;
 
-/// No eigenvalue of D⁻¹ K is larger where K is a sum of positive parts of two molecules each: (a − b)ᵀ P (a − b) is at
-/// most 2 (aᵀ P a + bᵀ P b), twice what D has of it.
-constexpr double kLargestOfLinks = 2;
-
 /// A grid hierarchy of another stiffness serves until it takes as many times the iterations that it took when new.
 constexpr double kServes = 1.5;
 constexpr int kServesAnyway = 10;  ///< iterations that are worth no new one
@@ -180,7 +176,7 @@ class Pcg final : public LinearSolver, public KeepsCoarsePicture {
     // Overwrites z, which stands where K p does.
     const auto set_smoothing = [&] {
       smooths_ = true;
-      if (!volume_ && tangent.is_of_resisting_links()) {
+      if (!volume_ && is_of_resisting_links(tangent)) {
         largest_ = kLargestOfLinks, steps_ = 1;
         return;
       }
@@ -328,6 +324,18 @@ class Pcg final : public LinearSolver, public KeepsCoarsePicture {
 };
 
 }  // namespace
+
+bool is_of_resisting_links(const Tangent& tangent) {
+  if (!tangent.is_of_links() || !tangent.linked()) return tangent.is_of_links();
+  return largest_of_ranges(tangent.model().body().connections.size(), [&](int begin, int end) {
+           for (int c = begin; c < end; ++c) {
+             const auto [d, density, slope] = tangent.link(c);
+             if (density >= 0 && (slope >= 0 || density + slope * d.squaredNorm() >= 0)) continue;
+             return 1.;
+           }
+           return 0.;
+         }) == 0;
+}
 
 Positions scattered_directions(int molecules) {
   Positions directions(3, molecules);

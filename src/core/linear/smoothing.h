@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "core/parallel/parallel.h"
+#include "elastin/core/forces/tangent.h"
 
 namespace elastin {
 
@@ -17,6 +18,12 @@ constexpr SmoothingStep smoothing_step(int i) {
 
 /// The largest eigenvalue up to which one step pays most. Beyond, a stiff part of the spectrum leaves it little.
 constexpr double kOneStep = 3;
+
+/// Whether K is a sum of positive parts of two molecules each: of connections that resist every motion of their ends
+/// against each other, or none. No eigenvalue of D⁻¹ K is then above kLargestOfLinks: (a − b)ᵀ P (a − b) is at most
+/// 2 (aᵀ P a + bᵀ P b), twice what D has of it.
+bool is_of_resisting_links(const Tangent& tangent);
+constexpr double kLargestOfLinks = 2;
 
 struct LargestEigenvalue {
   double of_most = 1;  ///< λ ≥ 1 as powers show it, which see no stiff place that is rare

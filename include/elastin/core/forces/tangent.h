@@ -68,9 +68,8 @@ class Tangent {
     return block;
   }
 
-  /// Whether all that it has besides inertia is of single connections, each of which resists every motion of its ends
-  /// against each other or none: K is then a sum of positive parts, of two molecules each.
-  bool is_of_resisting_links() const;
+  /// Whether each connection does what link() says, and nothing else is there besides inertia.
+  bool is_of_links() const { return nodes_.empty() && !coupled_ && !loads_change_; }
 
   /// Whether any connection has a force density, or one that changes.
   bool linked() const { return linked_; }
