@@ -36,6 +36,8 @@ const std::map<std::string_view, const char*> kElements{{"tetrahedron4", "C3D4"}
                                                         {"hexahedron20", "C3D20"}};
 /// Of Yeoh's and Ogden's laws.
 constexpr int kMostTerms = 3;
+/// D of a volumetric term without weight, over that of the first term.
+constexpr double kWeightless = 1e20;
 
 class CalculixDeck : Deck {
  public:
@@ -64,7 +66,8 @@ class CalculixDeck : Deck {
       const ExportedCells& cells = problem_.cells[i];
       const auto element = kElements.find(cells.kind->name);
       if (element == kElements.end())
-        refuse("it has no " + std::string(cells.kind->plural) + "; `order: 1` gives hexahedra of 8");
+        refuse("it has no " + std::string(cells.kind->plural) +
+               (cells.kind->name == "hexahedron27" ? "; write `order: 1`" : ""));
       write("*ELEMENT, TYPE={}, ELSET=CELLS{}\n", element->second, i + 1);
       for (std::size_t node = 0; node < cells.nodes.size(); ++node) {
         const auto place = node % static_cast<std::size_t>(cells.kind->nodes);
@@ -151,6 +154,14 @@ class CalculixDeck : Deck {
       refuse("its laws of rubber have the volume term κ/2 (J − 1)² alone: write `volumetric: quadratic`");
     return 2 / volume.modulus;
   }
+  /// Of a law of several terms: the further ones, D₂ … (J − 1)⁴ …, weigh nothing. A D of 0 is not "none" for CalculiX:
+  /// it puts a value of its own there.
+  void write_terms(std::vector<double> constants, const Material& material, int terms) {
+    const double first = volume_of(material);
+    for (int i = 0; i < terms; ++i) constants.push_back(i == 0 ? first : kWeightless * first);
+    for (std::size_t i = 0; i < constants.size(); ++i)  // 8 a line
+      write("{:.12e}{}", constants[i], i + 1 == constants.size() || i % 8 == 7 ? "\n" : ",");
+  }
   void check_terms(int terms) const {
     if (terms > kMostTerms)
       refuse(fmt::format("its {} has at most {} terms, this one has {}", problem_.law, kMostTerms, terms));
@@ -163,17 +174,18 @@ class CalculixDeck : Deck {
     const Yeoh::Density density = Yeoh{}.density(material);
     check_terms(density.terms);
     write("*HYPERELASTIC, YEOH\n");
-    for (int i = 0; i < kMostTerms; ++i) write("{:.12e},", i < density.terms ? density.c[i] : 0);
-    write("{:.12e},0.,0.\n", volume_of(material));
+    std::vector<double> constants;
+    for (int i = 0; i < kMostTerms; ++i) constants.push_back(i < density.terms ? density.c[i] : 0);
+    write_terms(std::move(constants), material, kMostTerms);
   }
   void write_ogden(const Material& material) {
     const auto terms = Ogden::terms(material);
     check_terms(terms.count);
     write("*HYPERELASTIC, OGDEN, N={}\n", terms.count);
-    for (int i = 0; i < terms.count; ++i) write("{:.12e},{:.12e},", terms.c(i) / 2, terms.m(i));  // c/α² = 2 μ/α²
-    write("{:.12e}", volume_of(material));
-    for (int i = 1; i < terms.count; ++i) write(",0.");
-    write("\n");
+    std::vector<double> constants;
+    for (int i = 0; i < terms.count; ++i)
+      constants.insert(constants.end(), {terms.c(i) / 2, terms.m(i)});  // c/α² = 2 μ/α²
+    write_terms(std::move(constants), material, terms.count);
   }
 
   void write_step(std::size_t step) {
@@ -216,9 +228,25 @@ std::string calculix_text(const Scene& scene, std::vector<std::string>& notes) {
 
 namespace {
 
+/// The body with its cells of second order, as far as CalculiX and `with_cells` have them.
 Body second_order(const Body& body) {
-  if (has_blocks(body, 3)) return body;
-  return with_cells(body, cell_kind(body.cubes.empty() ? "tetrahedron10" : "hexahedron20"));
+  if (!has_blocks(body, 3)) return with_cells(body, cell_kind(body.cubes.empty() ? "tetrahedron10" : "hexahedron20"));
+  const CellKind& kind = *body.blocks.front().kind;
+  const bool alike =
+      std::all_of(body.blocks.begin(), body.blocks.end(), [&](const CellBlock& block) { return block.kind == &kind; });
+  if (!alike || !body.parts.empty()) return body;
+  if (kind.name == "hexahedron8") return with_cells(body, cell_kind("hexahedron20"));
+  if (kind.name == "tetrahedron4") return with_cells(body, cell_kind("tetrahedron10"));
+  return body;
+}
+
+/// Which cells stayed of first order, or "".
+std::string first_order_note(const StaticProblem& problem) {
+  for (const ExportedCells& cells : problem.cells)
+    if (cells.kind->order == 1)
+      return "CalculiX solves on the scene's own " + std::string(cells.kind->plural) +
+             ", which are of first order: they are stiffer than cells of second order";
+  return "";
 }
 
 /// What CalculiX has printed at the end of the last step.
@@ -256,6 +284,7 @@ void solve(const Scene& scene, const std::function<bool()>& stop, Run& run) {
   const JobFolder folder(kCalculix);
   std::ofstream(folder.file("job.inp")) << deck;
   run.warnings = problem.notes;
+  if (std::string note = first_order_note(problem); !note.empty()) run.warnings.push_back(std::move(note));
   run.build_seconds = seconds_since(begin);
   const Ended ended = run_process(folder, R"(cd "$0" && OMP_NUM_THREADS=$1 exec ccx -i job > job.log 2>&1)",
                                   std::to_string(threads()), stop, std::numeric_limits<double>::infinity());
