@@ -402,6 +402,10 @@ void solve_in(const Engine& engine, const Scene& scene, const std::function<bool
     return step_to_rest(engine.stepper, scene, stop, run);
   }
   const ExportedBody body = exported_body(scene, scene.stiffness);
+  if (body.askew > 0)
+    throw InputError(
+        "engines have no supports that slide in directions askew to x, y and z: leave out `rotate`, or "
+        "write `fixed_grip: clamped` and `loaded_grip: clamped`");
   run.warnings = body.notes;
   (scene.engines.calibrate ? calibrate_in : solve_once)(engine, scene, body, scene.engines, stop, run);
 }

@@ -50,8 +50,6 @@ std::vector<int> numbers(const ExportedBody& body) {
   return all;
 }
 
-bool is_held(const Support& support, int axis) { return support.free.col(axis).norm() < 1e-12; }
-
 /// Which of x, y, z of each molecule are held.
 Eigen::Array<bool, 3, Eigen::Dynamic> held_axes(const ExportedBody& body) {
   Eigen::Array<bool, 3, Eigen::Dynamic> held(3, body.positions.cols());
@@ -386,6 +384,13 @@ std::string readme(const ExportFormat& format, const ExportedBody& body) {
   text(
       "* Not in these files: fibres, volume terms, curves and laws beyond small strain, relaxation, softening, "
       "contact.\n");
+  const bool drives = std::any_of(body.supports.begin(), body.supports.end(),
+                                  [](const Support& support) { return !support.displacement.isZero(0); });
+  if (!format.writes_loads && (drives || !body.forces.isZero(0)))
+    text("* Not in these files either: {} of the experiment; `--to json` writes them.\n",
+         !drives                 ? "the forces"
+         : body.forces.isZero(0) ? "the prescribed displacements"
+                                 : "the forces and the prescribed displacements");
   for (const std::string& note : body.notes) text("* Of this scene: {}.\n", note);
   const std::vector<std::string> driven = engines().names();
   const bool has_driver = std::find(driven.begin(), driven.end(), format.name) != driven.end();
@@ -463,46 +468,48 @@ std::vector<ExportedFile> engine_files(const ExportFormat& format, const Exporte
 
 void add_engine_formats(elastin::Table<ExportFormat>& rows) {
   const auto add = [&](const char* name, const char* summary, const char* source, Files (*files)(const ExportedBody&),
-                       Takes takes, bool negative, const char* constants, const char* advice) {
-    rows.add({{name, summary, source}, "", nullptr, files, takes, negative, constants, advice});
+                       Takes takes, bool negative, bool loads, const char* constants, const char* advice) {
+    rows.add({{name, summary, source}, "", nullptr, files, takes, negative, loads, constants, advice});
   };
   add("json", "constants and cells of the body, as JSON for any program", "scenes/README.md", json_files, Takes::either,
-      true, "`stiffness` of each connection [N/m]; `youngs_modulus` [Pa] and `poissons_ratio` of each cell.",
+      true, true, "`stiffness` of each connection [N/m]; `youngs_modulus` [Pa] and `poissons_ratio` of each cell.",
       "this file is what `elastin compare --engine` hands to an engine.");
   add("csv", "constants of the connections as CSV, with their compliance", "scenes/README.md", csv_files,
-      Takes::connections, true, "stiffness k [N/m] and compliance 1/k [m/N] of each connection.",
+      Takes::connections, true, false, "stiffness k [N/m] and compliance 1/k [m/N] of each connection.",
       "engines that take a compliance need 1/k as it stands, and divide by dt^2 themselves.");
   add("lammps", "data and input files of LAMMPS, harmonic bonds", "LAMMPS manual", lammps_files, Takes::connections,
-      true, "K = k/2 [N/m] in harmonic bonds, E = K (r - r0)^2.",
+      true, true, "K = k/2 [N/m] in harmonic bonds, E = K (r - r0)^2.",
       "`lmp -in in.body` finds the equilibrium by conjugate gradients and writes forces.dump.");
   add("mujoco", "model of MuJoCo: tendons, or a flex of cells", "MuJoCo XML reference", mujoco_files, Takes::either,
-      true, "`stiffness` of each tendon [N/m]; of a law of cells `young` [Pa] and `poisson` of a flex.",
+      true, false, "`stiffness` of each tendon [N/m]; of a law of cells `young` [Pa] and `poisson` of a flex.",
       "springs are forces of the smooth dynamics: they are exact at rest, and stable in small steps; `damping` on the "
       "joints brings the body to rest.");
   add("jolt", "soft body of Jolt, compliance of its edges", "Jolt Physics, SoftBodySharedSettings", jolt_files,
-      Takes::connections, false, "`mCompliance` = 1/k [m/N] of each edge.",
+      Takes::connections, false, true, "`mCompliance` = 1/k [m/N] of each edge.",
       "`mNumIterations` (5 by default) are substeps of one pass each: more of them deliver stiffer bodies. Molecules "
       "that are held along some axes are held along all.");
   add("rapier", "soft body of Rapier: edges, or cells with E and nu", "Rapier, SoftBodyDesc", rapier_files,
-      Takes::either, false,
+      Takes::either, false, true,
       "natural frequency of each edge, sqrt(k (1/m_a + 1/m_b)) / 2 pi [Hz]; of a law of cells E [Pa] and nu.",
       "`numSolverIterations` are its substeps; the solver `Fem`, which cells can have, does not depend on them. "
       "Molecules that are held along some axes are held along all.");
   add("bullet", "soft body of Bullet, stiffness of its links", "Bullet, btSoftBody", bullet_files, Takes::connections,
-      false,
+      false, false,
       "`m_kLST` of each link, 0 to 1 without a unit: 1 - (1 + k (1/m_a + 1/m_b) dt^2)^(-1/iterations), which is made "
       "for one time step and one number of iterations.",
       "another time step needs another m_kLST: call `make_body` again. Molecules that are held along some axes are "
       "held along all.");
   add("sofa", "scene of SOFA: springs, or cells with E and nu", "SOFA, SpringForceField", sofa_files, Takes::either,
-      true,
+      true, false,
       "k [N/m] of each spring (a, b, k, damping, rest length); of a law of cells `youngModulus` [Pa], `poissonRatio`.",
       "EulerImplicitSolver is stable in any step; its damping goes with the step, its equilibrium does not.");
   add("newton", "particles of Newton (Warp): springs, or tetrahedra", "Newton, ModelBuilder", newton_files,
-      Takes::either, false, "`ke` of each spring [N/m]; of a law of cells mu and lambda [Pa] of each tetrahedron.",
+      Takes::either, false, true,
+      "`ke` of each spring [N/m]; of a law of cells mu and lambda [Pa] of each tetrahedron.",
       "the solver VBD or a semi-implicit one takes ke as it stands; XPBD as compliance. Molecules that are held along "
       "some axes are held along all.");
   add("usd", "OpenUSD: points, springs as curves, tetrahedra", "OpenUSD, UsdGeom", usd_files, Takes::either, true,
+      false,
       "`elastin:stiffness` [N/m] of the curves; `elastin:youngsModulus` [Pa] and `elastin:poissonsRatio` of the cells.",
       "USD has no springs of its own: the importer reads the attributes that begin with `elastin:`.");
 }

@@ -74,6 +74,28 @@ void set_connections(const Body& body, const VectorX& constants, ExportedBody& r
   if (without > 0) result.notes.push_back(counted(without, "connection") + " without stiffness left out");
 }
 
+/// Leaves out what supports hold in directions askew to x, y and z.
+void leave_out_askew(ExportedBody& result) {
+  const auto is_free = [](const Support& support, int axis) {
+    return (support.free.col(axis) - Vector3::Unit(axis)).norm() < 1e-12;
+  };
+  std::erase_if(result.supports, [&](Support& support) {
+    bool askew = false, holds = false;
+    for (int axis = 0; axis < 3; ++axis) {
+      holds |= is_held(support, axis);
+      if (is_held(support, axis) || is_free(support, axis)) continue;
+      askew = true;
+      support.displacement[axis] = 0;
+    }
+    result.askew += askew;
+    return askew && !holds;
+  });
+  if (result.askew > 0)
+    result.notes.push_back(counted(result.askew, "support that slides", "supports that slide") +
+                           " in directions askew to x, y and z not written, as engines have none like that: leave out "
+                           "`rotate`, or write `fixed_grip: clamped` and `loaded_grip: clamped`");
+}
+
 /// What engines lack of the scene.
 void add_notes(const Scene& scene, const StrategyChoice& choice, const Run& run, ExportedBody& result) {
   const Specimen& specimen = scene.specimen;
@@ -109,6 +131,8 @@ void add_notes(const Scene& scene, const StrategyChoice& choice, const Run& run,
 }
 
 }  // namespace
+
+bool is_held(const Support& support, int axis) { return support.free.col(axis).norm() < 1e-12; }
 
 void set_test(const Scene& scene, ExportedBody& result) {
   const Specimen& specimen = scene.specimen;
@@ -160,6 +184,7 @@ ExportedBody exported_body(const Scene& scene, const StrategyChoice& choice) {
   set_connections(specimen.body, run.constants, result);
   set_cells(specimen, result);
   set_test(scene, result);
+  leave_out_askew(result);
   add_notes(scene, choice, run, result);
   return result;
 }

@@ -29,10 +29,14 @@ struct ExportedBody {
       tetrahedra;        ///< of four nodes, that fill the same; none of a body without cells of three dimensions
   double thickness = 0;  ///< of triangles and quadrilaterals [m]
   double load = 1;       ///< part of the experiment's load that supports and forces are
-  std::vector<Support> supports;   ///< of the experiment under that load
+  std::vector<Support> supports;   ///< of the experiment under that load; each axis is held or free
+  int askew = 0;                   ///< supports that are left out of these, as far as they slide askew to x, y and z
   Positions forces;                ///< of all loads on the molecules at rest [N]
   std::vector<std::string> notes;  ///< what of the scene is not here, a sentence each
 };
+
+/// Whether a support holds x, y or z.
+bool is_held(const Support& support, int axis);
 
 /// The supports and the forces of a scene's experiment under its whole load; none of an experiment that runs in time.
 void set_test(const Scene& scene, ExportedBody& body);

@@ -27,6 +27,7 @@ struct ExportFormat : Descriptor {
   std::vector<ExportedFile> (*files)(const ExportedBody& body) = nullptr;
   enum class Takes { connections, either } takes = Takes::either;  ///< either: cells where there are no springs
   bool takes_negative = true;                                      ///< spring constants
+  bool writes_loads = true;  ///< of an engine: forces and prescribed displacements of the experiment
   /// Sentences of the folder's README.md: what the constants are there, and what to know of its solver.
   std::string constants = {}, advice = {};
 };

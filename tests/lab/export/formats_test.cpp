@@ -3,6 +3,7 @@
 
 #include "lab/export/formats.h"
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cstdlib>
 #include <fstream>
@@ -280,6 +281,49 @@ TEST_CASE("CalculiX finds what the laws of several terms say", "[export][calculi
       CHECK(other.run.measures.get(measure) == Approx(own.measures.get(measure)).epsilon(1e-5));
     CHECK_THAT(other.run.solver, Contains("hexahedra of 20 nodes"));
   }
+}
+
+TEST_CASE("Supports that slide askew to the axes are named where engines have none like that", "[export]") {
+  const std::string turned = "lattice\nrotate: {axis: [1, 2, 3], angle: 41 deg}",
+                    body = "lattice: {kind: cubic, molecules: [3, 3, 4], spacing: 5 mm, connections: [axis, face]}";
+  const auto body_of = [&](const std::string& stiffness, const std::string& experiment) {
+    const TemporaryFolder folder;
+    const auto scene =
+        Problem{body, "{youngs_modulus: 5 kPa, poissons_ratio: 0.25}", stiffness, experiment}.load(folder);
+    return exported_body(*scene, scene->stiffness);
+  };
+  const std::string sliding = "{kind: tension, axis: z, strain: 1 %, fixed_grip: clamped}";
+  const ExportedBody askew = body_of(turned, sliding);
+  CHECK(askew.askew == 9);
+  CHECK(askew.supports.size() == 9);
+  CHECK(std::count_if(askew.notes.begin(), askew.notes.end(), [](const std::string& note) {
+          return note.find("9 supports that slide in directions askew") != std::string::npos;
+        }) == 1);
+  for (const ExportedBody& whole : {body_of("lattice", sliding), body_of(turned, kPull),
+                                    body_of("lattice\nrotate: {axis: z, angle: 41 deg}", sliding)}) {
+    CHECK(whole.askew == 0);
+    CHECK(whole.supports.size() == 18);
+  }
+  // About x the plane of the grip keeps x free, and holds none of y and z alone.
+  CHECK(body_of("lattice\nrotate: {axis: x, angle: 41 deg}", sliding).supports.size() == 9);
+}
+
+TEST_CASE("A folder for an engine says that it has no loads", "[export]") {
+  const TemporaryFolder folder;
+  const auto readme_of = [&](const char* format, const std::string& experiment) {
+    const auto scene = Problem{"lattice: {kind: cubic, molecules: [3, 3, 4], spacing: 5 mm, connections: [axis, face]}",
+                               "{youngs_modulus: 5 kPa, poissons_ratio: 0.25}", "lattice", experiment}
+                           .load(folder);
+    return engine_files(*export_formats().find(format), exported_body(*scene, scene->stiffness)).back().text;
+  };
+  const std::string force = "{kind: tension, axis: z, force: 1 mN, fixed_grip: clamped}";
+  for (const char* format : {"csv", "mujoco", "bullet", "sofa", "usd"}) {
+    INFO(format);
+    CHECK_THAT(readme_of(format, force), Contains("Not in these files either: the forces of the experiment"));
+    CHECK_THAT(readme_of(format, kPull), Contains("either: the prescribed displacements of the experiment"));
+  }
+  for (const char* format : {"json", "lammps", "jolt", "rapier", "newton"})
+    CHECK_THAT(readme_of(format, force), !Contains("either"));
 }
 
 TEST_CASE("A comparison against CalculiX has its row, or says what to install", "[export][calculix]") {
