@@ -1,4 +1,6 @@
 #pragma once
+#include <cmath>
+
 #include "elastin/lab/run/experiment.h"
 
 namespace elastin::lab {
@@ -12,6 +14,10 @@ const MeasureList& common_measures();
 
 /// Whether a measure is a smooth function: no count, and no sum that is rounding alone.
 bool is_smooth(const std::string& measure);
+
+/// Whether a strain, or a length over that of the body, is more than rounding: a secant modulus needs one. A cycle
+/// passes through none, and what has a rest may push where nothing strains it.
+inline bool is_strained(double strain) { return std::abs(strain) > 1e-12; }
 
 /// Energy, and the balance of all forces relative to `scale` [N]; of the whole body, which is `copies` times what is
 /// modelled.

@@ -2,6 +2,7 @@
 
 #include "lab/run/load_path.h"
 
+#include <array>
 #include <catch2/catch.hpp>
 #include <cmath>
 
@@ -300,6 +301,30 @@ TEST_CASE("a released twisted bar turns back and forth; a sheared one, too", "[t
     CHECK(measured(run, "frequency") > 1);
     CHECK(measured(run, "energy_drift") < 0.05);                    // of steps near the longest stable one
     CHECK_FALSE(std::isfinite(run.measures.get("shear_modulus")));  // there is no load any more
+  }
+}
+
+TEST_CASE("a cycle shows no modulus where it passes through no strain", "[time]") {
+  const std::string bar =
+      "body: {lattice: {kind: cubic, molecules: [3, 3, 4], spacing: 1 cm, connections: [axis, face]}}\n"
+      "material: {youngs_modulus: 10 kPa, density: 1 kg/m3, relaxation: {model: kelvin_voigt, time: 50 ms}}\n"
+      "stiffness: prony:lattice\ntime: {duration: 1 s, frames: 8, step: {per_frame: 4}, integrator: backward_euler}\n";
+  for (const auto& [fixture, strain, modulus] :
+       {std::array<std::string, 3>{"kind: torsion, axis: z, angle: 0.01 rad", "angle", "torsional_stiffness"},
+        {"kind: torsion, axis: z, angle: 0.01 rad", "angle", "shear_modulus"},
+        {"kind: shear, axis: z, direction: x, strain: 1 %", "strain", "shear_modulus"},
+        {"kind: hydrostatic, strain: 1 %", "volume_strain", "bulk_modulus"},
+        {"kind: biaxial, axis: x, across: y, strain: 1 %", "strain", "effective_modulus"},
+        {"kind: tension, axis: z, strain: 1 %", "strain", "effective_modulus"}}) {
+    INFO(fixture << ": " << modulus);
+    const Run run = run_of(bar + "experiment: {kind: cyclic, frequency: 1 Hz, fixture: {" + fixture + "}}\n");
+    REQUIRE(run.outcome == Outcome::converged);
+    const Measures &quarter = run.curve.at(2).measures, &whole = run.curve.back().measures;
+    CHECK(std::abs(quarter.get(strain)) > 5e-3);
+    CHECK(std::isfinite(quarter.get(modulus)));
+    CHECK(std::abs(whole.get(strain)) < 1e-12);  // rounding of the sine
+    CHECK_FALSE(std::isfinite(whole.get(modulus)));
+    CHECK_FALSE(std::isfinite(run.measures.get(modulus)));
   }
 }
 

@@ -158,7 +158,8 @@ class BendingRig final : public StaticRig {
     const Vector3 weight =
         vector_sum_over(body_, Vector3(factor_ * experiment_.full_forces_.leftCols(owned).rowwise().sum()));
     Measures measures;
-    if (std::abs(deflection) <= kSmallDeflection * experiment_.length_ || solved.linear)
+    const double part = deflection / experiment_.length_;
+    if (is_strained(part) && (std::abs(part) <= kSmallDeflection || solved.linear))
       measures.set("effective_modulus", factor_ * experiment_.deflection_times_modulus_ / deflection);
     measures.set("tip_deflection", deflection);
     measures.set("tip_shortening", -setup_.axis.dot(motion));

@@ -109,8 +109,10 @@ class Biaxial final : public Driven {
     const double ratio =
         sheet_ ? (across * first - second) / (first - across * second) : -third / (first + second - third);
     Measures measures;
-    measures.set("effective_modulus", stress[0] * (1 - ratio * ratio) / (first + ratio * second));
-    measures.set("poissons_ratio", ratio);
+    if (is_strained(first) || is_strained(second)) {
+      measures.set("effective_modulus", stress[0] * (1 - ratio * ratio) / (first + ratio * second));
+      measures.set("poissons_ratio", ratio);
+    }
     measures.set("force", force[0]);
     measures.set("stress", stress[0]);
     measures.set("strain", first);

@@ -57,7 +57,7 @@ class Hydrostatic final : public Driven {
     const double volume = solved.linear ? volume_ : volume_ * growth;
     const double pressure = -virial(pull, solved.linear ? body_.rest : state.positions).trace() / (3 * volume);
     Measures measures;
-    measures.set("bulk_modulus", -pressure / volume_strain);
+    if (is_strained(volume_strain)) measures.set("bulk_modulus", -pressure / volume_strain);
     measures.set("pressure", pressure);
     measures.set("volume_strain", volume_strain);
     add_state(held.model, state, solved, sum_over(body_, pull.colwise().norm().sum()), measures);

@@ -244,9 +244,10 @@ class IndentationRig final : public StaticRig {
     measures.set("force", force);
     measures.set("depth", depth);
     const double plane_strain = 1 - experiment_.poissons_ratio_ * experiment_.poissons_ratio_;
-    if (setup_.shape == IndenterShape::sphere)
+    const bool indented = is_strained(depth / radius);
+    if (indented && setup_.shape == IndenterShape::sphere)
       measures.set("indentation_modulus", plane_strain * 3 * force / (4 * std::sqrt(radius) * std::pow(depth, 1.5)));
-    if (setup_.shape == IndenterShape::flat)
+    if (indented && setup_.shape == IndenterShape::flat)
       measures.set("indentation_modulus", plane_strain * force / (2 * radius * depth));
     if (report.area > 0) measures.set("mean_pressure", force / (experiment_.copies() * report.area));
     add_state(model_, state, solved, std::abs(force), measures, experiment_.copies());

@@ -65,7 +65,7 @@ class Shear final : public Driven {
         volume_ > 0 ? Vector3(virial(pull, body_.rest) * setup_.axis / volume_) : Vector3(loaded_sum(pull) / area_);
     const double stress = traction.dot(setup_.direction);
     Measures measures;
-    measures.set("shear_modulus", stress / strain);
+    if (is_strained(strain)) measures.set("shear_modulus", stress / strain);
     measures.set("stress", stress);
     measures.set("strain", strain);
     measures.set("force", stress * area_);

@@ -416,10 +416,9 @@ class TensionRig final : public StaticRig {
     const double elongation = experiment_.read_elongation(motion), strain = elongation / experiment_.gauge_length_,
                  stress = force / experiment_.area_;
     const double lateral = experiment_.lateral_strain(motion, solved.linear);
-    const bool drawn = std::abs(strain) > 1e-12;  // what has a rest may push where nothing draws it
-    if (drawn) measures.set("effective_modulus", stress / strain);
+    if (is_strained(strain)) measures.set("effective_modulus", stress / strain);
     measures.set("elongation", elongation);
-    if (drawn) measures.set("poissons_ratio", -lateral / strain);
+    if (is_strained(strain)) measures.set("poissons_ratio", -lateral / strain);
     measures.set("force", force);
     measures.set("stress", stress);
     measures.set("strain", strain);

@@ -89,8 +89,8 @@ class Torsion final : public Driven {
     measures.set("torque", torque);
     measures.set("axial_force", axial);
     measures.set("angle", angle);
-    measures.set("torsional_stiffness", torque / angle);
-    if (section_ > 0) measures.set("shear_modulus", torque * length_ / (section_ * angle));
+    if (is_strained(angle)) measures.set("torsional_stiffness", torque / angle);
+    if (is_strained(angle) && section_ > 0) measures.set("shear_modulus", torque * length_ / (section_ * angle));
     add_state(held.model, state, solved, size, measures);
     return measures;
   }
