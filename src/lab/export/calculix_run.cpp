@@ -286,15 +286,15 @@ void solve(const Scene& scene, const std::function<bool()>& stop, Run& run) {
   run.warnings = problem.notes;
   if (std::string note = first_order_note(problem); !note.empty()) run.warnings.push_back(std::move(note));
   run.build_seconds = seconds_since(begin);
-  const Ended ended = run_process(folder, R"(cd "$0" && OMP_NUM_THREADS=$1 exec ccx -i job > job.log 2>&1)",
-                                  std::to_string(threads()), stop, std::numeric_limits<double>::infinity());
+  const Ended ended = run_process(folder, R"(cd "$0" && OMP_NUM_THREADS=$1 exec ccx -i job)", std::to_string(threads()),
+                                  stop, std::numeric_limits<double>::infinity());
   run.solve_seconds = ended.seconds;
   const Printed printed = read_printed(folder.file("job.dat"), scene.specimen.body.size());
   if (!ended.well || !printed.complete) {
     run.outcome = ended.stopped ? Outcome::interrupted : Outcome::diverged;
     run.cause = "CalculiX: " + (ended.stopped                        ? "interrupted"
                                 : ended.text.rfind("signal", 0) == 0 ? "ended by " + ended.text
-                                                                     : complaint(folder.file("job.log")));
+                                                                     : ended.complaint);
     return;
   }
   measure_other(scene, problem.steps.back(), {printed.displacements, printed.forces - problem.forces.back()}, run);

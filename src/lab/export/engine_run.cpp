@@ -42,18 +42,22 @@ std::string node_has(const char* package) {
 }
 
 /// What an engine printed: its last line that is a JSON object. Python writes numbers that JSON does not have.
-Json answer_of(std::istream&& file) {
-  Json answer;
-  for (std::string line; std::getline(file, line);) {
-    if (line.find_first_not_of(" \t\r") == std::string::npos || line[line.find_first_not_of(" \t\r")] != '{') continue;
+class Answer {
+ public:
+  void read(std::string&& line) {
     for (const std::string_view word : {"-Infinity", "Infinity", "NaN"})
       for (std::size_t at = 0; (at = line.find(word, at)) != std::string::npos;) line.replace(at, word.size(), "null");
     Json read = Json::parse(line, nullptr, false);
-    if (read.is_object()) answer = std::move(read);
+    if (read.is_object()) json_ = std::move(read);
   }
-  if (answer.is_null()) throw Fault{"it printed no line with a JSON object"};
-  return answer;
-}
+  const Json& json() const {
+    if (json_.is_null()) throw Fault{"it printed no line with a JSON object"};
+    return json_;
+  }
+
+ private:
+  Json json_;
+};
 
 /// Three numbers for each molecule.
 Positions vectors_of(const Json& answer, const char* key, Eigen::Index molecules) {
@@ -160,11 +164,14 @@ std::string request_text(const ExportedBody& body, const EngineStudy& settings, 
 void solve_once(const Engine& engine, const Scene& scene, const ExportedBody& body, const EngineStudy& settings,
                 const std::function<bool()>& stop, Run& run) {
   const auto begin = std::chrono::steady_clock::now();
+  Answer answer;
+  const auto read_answer = [&](std::string&& line) { answer.read(std::move(line)); };
   if (engine.ask) {
-    std::istringstream answer(engine.ask(request_text(body, settings, "")));
+    KeptLines lines(read_answer);
+    lines.add(engine.ask(request_text(body, settings, "")));
+    lines.finish();
     run.solve_seconds += seconds_since(begin);
-    return measure_other(scene, body.load,
-                         solution_of(engine, answer_of(std::move(answer)), body, settings.calibrate, run), run);
+    return measure_other(scene, body.load, solution_of(engine, answer.json(), body, settings.calibrate, run), run);
   }
   const JobFolder folder(engine.name);
   const auto write = [&](const std::string& name, const std::string& text) {
@@ -179,18 +186,15 @@ void solve_once(const Engine& engine, const Scene& scene, const ExportedBody& bo
   write("request.json", request_text(body, settings, folder.path()));
   run.build_seconds += seconds_since(begin);
   const Ended ended =
-      run_process(folder, "{ " + engine.command + "\n} < \"$0/request.json\" > \"$0/answer\" 2> \"$0/log\"", "", stop,
-                  settings.seconds);
+      run_process(folder, "{ " + engine.command + "\n} < \"$0/request.json\"", "", stop, settings.seconds, read_answer);
   run.solve_seconds += ended.seconds;
   if (ended.stopped) {
     run.outcome = Outcome::interrupted;
     throw Fault{"interrupted"};
   }
   if (ended.timed_out) throw Fault{fmt::format("no answer in {:.3g} s", settings.seconds)};
-  if (!ended.well) throw Fault{"it ended with " + ended.text + ": " + complaint(folder.file("log"))};
-  measure_other(scene, body.load,
-                solution_of(engine, answer_of(std::ifstream(folder.file("answer"))), body, settings.calibrate, run),
-                run);
+  if (!ended.well) throw Fault{"it ended with " + ended.text + ": " + ended.complaint};
+  measure_other(scene, body.load, solution_of(engine, answer.json(), body, settings.calibrate, run), run);
 }
 
 /// How far the engine may stay from the modulus that its constants have, and how little it may gain by twice the

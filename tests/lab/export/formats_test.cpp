@@ -6,11 +6,13 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cstdlib>
+#include <filesystem>
 #include <fstream>
 #include <iterator>
 
 #include "elastin/mesh/mesh_file.h"
 #include "lab/export/problem.h"
+#include "lab/export/process.h"
 #include "lab/run/specimen.h"
 #include "lab/study/study.h"
 #include "support/temporary_folder.h"
@@ -306,6 +308,28 @@ TEST_CASE("Supports that slide askew to the axes are named where engines have no
   }
   // About x the plane of the grip keeps x free, and holds none of y and z alone.
   CHECK(body_of("lattice\nrotate: {axis: x, angle: 41 deg}", sliding).supports.size() == 9);
+}
+
+TEST_CASE("What a process prints comes through pipes, and fills no file and no memory", "[export][engines]") {
+  const JobFolder folder("test");
+  std::vector<std::string> objects;
+  const std::string flood = "head -c 5000000 /dev/zero | tr '\\0' x; echo; ";
+  const Ended ended = run_process(folder,
+                                  flood + "echo ' {\"a\": 1}'; printf '{\"b\": \"%0100000d\"}' 2; { " + flood +
+                                      "echo '  Error: of " + "the engine'; echo later; } >&2; exit 3",
+                                  "", {}, 60, [&](std::string&& line) { objects.push_back(std::move(line)); });
+  CHECK(ended.text == "status 3");
+  CHECK_FALSE(ended.timed_out);
+  CHECK(ended.complaint == "Error: of the engine");
+  REQUIRE(objects.size() == 2);
+  CHECK(objects[0] == "{\"a\": 1}");
+  CHECK(objects[1] == "{\"b\": \"" + std::string(99999, '0') + "2\"}");  // longer than a pipe holds, without an end
+  CHECK(std::filesystem::is_empty(folder.path()));
+  // One that never stops to print is ended, and what it has left behind with it.
+  const Ended endless = run_process(folder, "yes & yes '{}'", "", {}, 0.2);
+  CHECK(endless.timed_out);
+  CHECK(std::filesystem::is_empty(folder.path()));
+  CHECK(run_process(folder, "echo only here; exit 1", "", {}, 60).complaint == "only here");
 }
 
 TEST_CASE("A folder for an engine says that it has no loads", "[export]") {
