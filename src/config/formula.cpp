@@ -157,6 +157,7 @@ class Formula {
     if (problem == std::errc() && at_ < text_.size() && text_[at_] != '-') {
       at_ = static_cast<std::size_t>(end - text_.data());
       Value value{number, {}, false};
+      if (const auto unit = inverse_unit_here()) value = times(value, *unit);
       while (const auto unit = unit_here()) value = times(value, *unit);
       return value;
     }
@@ -212,6 +213,18 @@ class Formula {
         at_ = behind, exponent = 1;
     }
     return power(value, exponent);
+  }
+
+  /// "1/s" behind a number and a blank, as values without a formula have it.
+  std::optional<Value> inverse_unit_here() {
+    const std::size_t before = at_;
+    skip();
+    if (language_.units && at_ > before && text_.substr(at_).starts_with("1/")) {
+      at_ += 2;
+      if (const auto unit = unit_here()) return power(*unit, -1);
+    }
+    at_ = before;
+    return std::nullopt;
   }
 
   Value function(const std::string& name) {

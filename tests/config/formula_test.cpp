@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "config/scene_text.h"
 #include "lab/run/config_names.h"
 
 using namespace elastin;
@@ -54,6 +55,8 @@ TEST_CASE("a formula gives a number with its unit", "[scene][formula]") {
                          {"= 1.1 g/cm3", density, 1100},
                          {"= 2 N s/m", damping, 2},
                          {"= 1000 kg/m3 * 3", density, 3000},
+                         {"= 10 1/s", {0, 0, -1}, 10},
+                         {"= 1 m * 10 1/ms^2 + 2 m/s2", acceleration, 1e7 + 2},
                          {"= E / 2 * 15 %", pressure, 375},
                          {"= 2 ^ 3 ^ 2", none, 512},
                          {"= 1 - 2 - 3", none, -4},
@@ -64,6 +67,10 @@ TEST_CASE("a formula gives a number with its unit", "[scene][formula]") {
     INFO(row.formula);
     CHECK(of(row.formula).quantity(row.unit) == Approx(row.value).epsilon(1e-14));
   }
+  const StatedNumber stated =
+      stated_number(SceneSource::of_text("a.yaml", "loads: [{rayleigh: {mass: 10 1/s}}]"), {}, "loads.0.rayleigh.mass");
+  CHECK(stated.value == 10);
+  CHECK(stated.unit == Dimension{0, 0, -1});
   CHECK(of("= n - 1").whole(1) == 9);
   CHECK(of("= side / 5 mm").whole(1) == 6);
   CHECK(of("= 0.1 + 0.2").text() == "0.3");
@@ -85,6 +92,8 @@ TEST_CASE("faults of a formula are reported at their position", "[scene][formula
            {"= (side", "a bracket is not closed"},
            {"= side /", "it has no end"},
            {"= side side", "'side' is not expected there"},
+           {"= 10 1/2", "'1/2' is not expected there"},
+           {"= 10 1/side", "'1/side' is not expected there"},
            {"= sqrt(side)", "no unit is the square root of m"},
            {"= sine(1)", "there is no function 'sine'; did you mean 'sin'?"},
            {"= sin(side)", "sin needs a plain number, and this is m"},
