@@ -96,8 +96,17 @@ namespace {
 double volume_modulus(const Material& material, bool of_springs) {
   const double E = material.youngs_modulus, nu = material.poissons_ratio;
   if (!(nu >= 0 && nu <= 0.4999)) {
-    char text[100];
-    std::snprintf(text, sizeof text, "poissons_ratio %g is out of range: a volume term takes 0 to 0.4999", nu);
+    char text[300];
+    if (material.law) {
+      // K/G = 2 (1 + ν) / (3 (1 − 2 ν)), of the law at rest.
+      const double shear = E / (2 * (1 + nu)), bulk = E / (3 * (1 - 2 * nu));
+      std::snprintf(text, sizeof text,
+                    "bulk_modulus: the volume term (+volume) takes %.6g to %.6g Pa with the shear modulus of this law "
+                    "at rest, %.6g Pa (Poisson's ratios 0 to 0.4999), and it is %.6g Pa",
+                    2 * shear / 3, 2 * shear * 1.4999 / (3 * 0.0002), shear, bulk);
+    } else {
+      std::snprintf(text, sizeof text, "poissons_ratio %.9g is out of range: a volume term takes 0 to 0.4999", nu);
+    }
     throw InputError(text);
   }
   return E / ((1 + nu) * (1 - 2 * nu)) * (of_springs ? (4 * nu - 1) / 2 : nu);

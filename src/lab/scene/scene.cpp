@@ -83,7 +83,9 @@ std::shared_ptr<const StaticExperiment> read_calibration(Reader reader, Experime
 void check_volume_range(Reader material, const Specimen& specimen, const std::vector<StrategyChoice>& strategies) {
   std::vector<Material> materials = specimen.materials;
   if (materials.empty()) materials.push_back(specimen.material);
-  const Reader at = material.has("poissons_ratio") ? material.at("poissons_ratio") : material;
+  const Reader at = material.has("poissons_ratio") ? material.at("poissons_ratio")
+                    : material.has("bulk_modulus") ? material.at("bulk_modulus")
+                                                   : material;
   for (const StrategyChoice& choice : strategies)
     for (const Material& values : materials)
       if (choice.strategy.volume_modulus) at.located([&] { return choice.strategy.volume_modulus(values); });

@@ -1,5 +1,6 @@
 #include "lab/experiment/shear/shear.h"
 
+#include "core/shapes/surfaces.h"
 #include "elastin/core/base/error.h"
 #include "support/experiments.h"
 
@@ -106,6 +107,9 @@ TEST_CASE("shear that cannot be is refused", "[shear]") {
   setup.grip_depth = 0;
   const Body flat = cubic_lattice({4, 4, 1}, 1, {true, true, false});
   CHECK_THROWS_AS(make_shear(flat, setup, Matrix3::Identity()), InputError);
+  const Body sheet = rectangular_sheet({0.05, 0.03}, {5, 3}, SheetPattern::one_way);
+  CHECK_THROWS_WITH(make_shear(sheet, setup, Matrix3::Identity()),
+                    Catch::Contains("a membrane of triangles: leave `sides` out"));
   Body ball = cubic_lattice({5, 5, 5}, 1, {true, true, false});
   for (int i = 0; i < ball.size(); ++i) {  // every molecule further out than 2 spacings comes in to the sphere
     const Vector3 arm = ball.rest.col(i) - Vector3(2, 2, 2);

@@ -56,6 +56,32 @@ TEST_CASE("volume: chooses what the cells have to keep their volume", "[scene]")
   CHECK_THROWS_WITH(chosen(lattice + "2}", "st_venant_kirchhoff", "automatic"), Contains("volume term goes with"));
 }
 
+TEST_CASE("the range of a volume term is said of the number that the scene states", "[scene]") {
+  static const Catalog catalog = built_in_catalog();
+  const auto refusal = [](const std::string& material) {
+    const TemporaryFolder folder;
+    try {
+      load_scene(folder.write("scene.yaml",
+                              "title: a block\nbody: {tetrahedra: {kind: kuhn, cubes: [1, 1, 1], size: [5 mm, 5 mm, 5 "
+                              "mm]}}\nmaterial: " +
+                                  material +
+                                  "\nstiffness: mooney_rivlin+volume\nexperiment: {kind: tension, axis: z, strain: 1 "
+                                  "%}\n"),
+                 catalog);
+    } catch (const InputError& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  // G = 2 (c1 + c2) = 20 kPa; nu = 0.4999 is K = 2 G 1.4999 / (3 0.0002) = 99.9933 MPa, and nu = 0 is K = 2 G / 3.
+  const std::string law = "{law: mooney_rivlin, c1: 8 kPa, c2: 2 kPa, bulk_modulus: ";
+  CHECK(refusal(law + "99.9 MPa}") == "");
+  CHECK_THAT(refusal(law + "100 MPa}"),
+             Contains("scene.yaml:3:") && Contains("it is 1e+08 Pa") && Contains("20000 Pa") &&
+                 Contains("bulk_modulus: the volume term (+volume) takes 13333.3 to 9.99933e+07 Pa") &&
+                 !Contains("poissons_ratio"));
+}
+
 TEST_CASE("a law in `stiffness` does not lock unless the scene says so", "[scene]") {
   const std::string tetrahedra = "tetrahedra: {kind: kuhn, cubes: [1, 1, 1], size: [5 mm, 5 mm, 5 mm], order: ",
                     lattice = "lattice: {kind: cubic, molecules: [2, 2, 2], spacing: 5 mm, order: ",

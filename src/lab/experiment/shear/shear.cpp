@@ -37,6 +37,8 @@ class Shear final : public Driven {
       if (!(area_ > 0)) throw InputError("the body's molecules span no cross-section: give cross_section");
     };
     if (setup.sides == Sides::affine) {
+      if (any_over(body, !body.triangles.empty()) && !any_over(body, !body.tetrahedra.empty()))
+        throw InputError("`sides: affine` shears a solid, and the body is a membrane of triangles: leave `sides` out");
       choose_section(low, high);
       follow_shear(axes, high - low);
     } else {
