@@ -79,6 +79,18 @@ inline std::string word_of(const py::handle& given, const std::string& name) {
   return entry_of<std::string>(given, name, "a text");
 }
 
+/// Molecules, connections or cells as Python gives them: a number, several, or a mask, one truth value for each of them
+/// all. Its type caster, below, makes numbers of a mask.
+struct ChosenNumbers {
+  std::vector<int> all;
+  bool single = false;
+  std::optional<std::size_t> mask = {};  ///< how many truth values it had
+
+  /// The numbers; `name` is said in messages, `what` is "molecule". Throws InputError where there are not `count` truth
+  /// values.
+  const std::vector<int>& of(std::size_t count, const std::string& name, const std::string& what) const;
+};
+
 /// A Python object that C++ keeps, copies and releases on any thread, with or without the interpreter's lock.
 template <class Object>
 std::shared_ptr<Object> keep(Object object) {
@@ -218,3 +230,13 @@ SimulationOptions simulation_options(const Catalog& catalog, const GivenScheme& 
                                      ParameterValues scheme_parameters, ParameterValues parameters);
 
 }  // namespace elastin::python
+
+namespace pybind11::detail {
+
+template <>
+struct type_caster<elastin::python::ChosenNumbers> {
+  PYBIND11_TYPE_CASTER(elastin::python::ChosenNumbers, (make_caster<std::variant<int, std::vector<int>>>::name));
+  bool load(handle source, bool convert);
+};
+
+}  // namespace pybind11::detail

@@ -362,6 +362,13 @@ VectorX numbers_from(const py::handle& given, const char* name) {
   return Eigen::Map<const VectorX>(array.data(), array.shape(0));
 }
 
+const std::vector<int>& ChosenNumbers::of(std::size_t count, const std::string& name, const std::string& what) const {
+  if (mask && *mask != count)
+    throw InputError(name + ": is a mask of " + std::to_string(*mask) + " truth values; a mask has one for each " +
+                     what + " of the body, which has " + std::to_string(count));
+  return all;
+}
+
 void add_bodies(py::module_& module) {
   add_material(module);
   py::class_<Body, std::shared_ptr<Body>>(module, "Body",
@@ -501,3 +508,26 @@ void add_bodies(py::module_& module) {
 }
 
 }  // namespace elastin::python
+
+namespace pybind11::detail {
+
+bool type_caster<elastin::python::ChosenNumbers>::load(handle source, bool convert) {
+  value = {};
+  if (const array mask = array::ensure(source); mask && mask.dtype().kind() == 'b') {
+    if (mask.ndim() != 1) return false;
+    const auto truths = array_t<bool>::ensure(mask);
+    value.mask = static_cast<std::size_t>(truths.size());
+    for (ssize_t i = 0; i < truths.size(); ++i)
+      if (truths.at(i)) value.all.push_back(static_cast<int>(i));
+    return true;
+  }
+  using Given = std::variant<int, std::vector<int>>;
+  make_caster<Given> given;
+  if (!given.load(source, convert)) return false;
+  const Given read = cast_op<Given>(std::move(given));
+  value.single = std::holds_alternative<int>(read);
+  value.all = value.single ? std::vector<int>{std::get<int>(read)} : std::get<std::vector<int>>(read);
+  return true;
+}
+
+}  // namespace pybind11::detail

@@ -60,7 +60,9 @@ class OwnExperiment final : public StaticExperiment {
       if (parts.size() < 2 || parts.size() > 3)
         throw InputError(described_.name + ".hold: an item has " + std::to_string(parts.size()) +
                          " parts; allowed: (molecules, displacement) or (molecules, displacement, free)");
-      const auto molecules = entry_of<std::vector<int>>(parts[0], described_.name + ".hold", "numbers of molecules");
+      const std::string name = described_.name + ".hold";
+      const std::vector<int> molecules = entry_of<ChosenNumbers>(parts[0], name, "numbers of molecules, or a mask")
+                                             .of(static_cast<std::size_t>(size_), name, "molecule");
       const py::object displacement = parts[1];
       const bool each = py::len(displacement) != 3 || py::isinstance<py::sequence>(displacement[py::int_(0)]) ||
                         py::hasattr(displacement[py::int_(0)], "__len__");

@@ -123,14 +123,15 @@ void observe(Moving& self, py::function see, int every) {
 }
 
 /// The values of a load as keywords give them.
-LoadValues load_values(const LoadKind& load, const py::kwargs& given) {
+LoadValues load_values(const LoadKind& load, const py::kwargs& given, std::size_t molecules) {
   LoadValues values;
   for (const auto& [key, value] : given) {
     const auto name = key.cast<std::string>();
     const ParameterInfo* info = find_named(load.parameters, name);
     const ValueKind kind = info ? info->kind : ValueKind::number;
     if (kind == ValueKind::molecules)
-      values.molecules[name] = entry_of<std::vector<int>>(value, name, "a list of numbers of molecules");
+      values.molecules[name] = entry_of<ChosenNumbers>(value, name, "a list of numbers of molecules, or a mask")
+                                   .of(molecules, name, "molecule");
     else if (kind == ValueKind::vector || kind == ValueKind::direction)
       values.vectors[name] = entry_of<Vector3>(value, name, "three numbers");
     else
@@ -205,15 +206,11 @@ void add_views(Class& simulation) {
 
 using Rows = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;
 
-/// One molecule, or an array of them.
-using Molecules = std::variant<int, std::vector<int>>;
-
 /// Does it with each of them, in one turn; nothing where one of them is no molecule.
 template <class Act>
-void for_each(Moving& self, const Molecules& molecules, const Act& act) {
+void for_each(Moving& self, const ChosenNumbers& molecules, const Act& act) {
   self.in_turn([&](Simulation& s) {
-    const int* one = std::get_if<int>(&molecules);
-    const std::vector<int> all = one ? std::vector<int>{*one} : std::get<std::vector<int>>(molecules);
+    const std::vector<int>& all = molecules.of(static_cast<std::size_t>(s.body().size()), "molecule", "molecule");
     for (const int molecule : all)
       if (molecule < 0 || molecule >= s.body().size())
         throw InputError("no molecule " + std::to_string(molecule) + ": the body has molecules 0 to " +
@@ -226,27 +223,28 @@ void add_hands(Class& simulation) {
   simulation
       .def(
           "fix",
-          [](Moving& self, const Molecules& molecule, const py::object& free) {
+          [](Moving& self, const ChosenNumbers& molecule, const py::object& free) {
             const Matrix3 directions = free_directions(free);
             for_each(self, molecule, [&](Simulation& s, int one) { s.fix(one, directions); });
           },
           py::arg("molecule"), py::arg("free") = "",
-          "Holds a molecule, or each of an array of them, where it is, but in the directions that `free` names: 'z', "
+          "Holds a molecule, or each of an array or a mask of them, where it is, but in the directions that `free` "
+          "names: 'z', "
           "'xy', "
           "or a 3 x 3 projector.")
       .def(
           "release",
-          [](Moving& self, const Molecules& molecule) {
+          [](Moving& self, const ChosenNumbers& molecule) {
             for_each(self, molecule, [](Simulation& s, int one) { s.release(one); });
           },
           py::arg("molecule"), "Releases a fixed molecule, or each of an array of them.")
       .def(
           "move_to",
-          [](Moving& self, const Molecules& molecule, const py::object& position) {
-            const std::vector<int>* many = std::get_if<std::vector<int>>(&molecule);
-            const Positions places = many ? positions_from(position, "position")
-                                          : Positions(entry_of<Vector3>(position, "position", "three numbers"));
-            const std::size_t wanted = many ? many->size() : 1;
+          [](Moving& self, const ChosenNumbers& molecule, const py::object& position) {
+            const Positions places = molecule.single
+                                         ? Positions(entry_of<Vector3>(position, "position", "three numbers"))
+                                         : positions_from(position, "position");
+            const std::size_t wanted = molecule.all.size();
             if (static_cast<std::size_t>(places.cols()) != wanted)
               throw InputError("position: has " + std::to_string(places.cols()) + " rows for " +
                                std::to_string(wanted) + " molecules");
@@ -257,13 +255,13 @@ void add_hands(Class& simulation) {
           "Where a held molecule is to be at the end of the next step [m]; of an array of them (k, 3).")
       .def(
           "reaction",
-          [](Moving& self, const Molecules& molecule) -> py::object {
+          [](Moving& self, const ChosenNumbers& molecule) -> py::object {
             Positions reactions(3, 0);
             for_each(self, molecule, [&](Simulation& s, int one) {
               reactions.conservativeResize(3, reactions.cols() + 1);
               reactions.rightCols<1>() = s.reaction(one);
             });
-            if (std::holds_alternative<int>(molecule)) return py::cast(Vector3(reactions.col(0)));
+            if (molecule.single) return py::cast(Vector3(reactions.col(0)));
             return py::cast(Rows(reactions.transpose()));
           },
           py::arg("molecule"),
@@ -432,7 +430,7 @@ void add_loads(Class& simulation) {
       [](Moving& self, const std::variant<std::string, std::shared_ptr<LoadKind>>& load, const py::kwargs& values) {
         const auto* name = std::get_if<std::string>(&load);
         const LoadKind kind = name ? *built_in_loads().find(*name) : *std::get<std::shared_ptr<LoadKind>>(load);
-        const LoadValues given = load_values(kind, values);
+        const LoadValues given = load_values(kind, values, static_cast<std::size_t>(self.simulation.body().size()));
         const LoadId id = self.in_turn([&](Simulation& s) { return s.add_load(kind, given); });
         py::dict keywords(values);
         keywords["load"] = load;
@@ -445,7 +443,8 @@ void add_loads(Class& simulation) {
   simulation.def(
       "set_load",
       [](Moving& self, LoadId load, const py::kwargs& values) {
-        const LoadValues given = load_values(self.simulation.load_kind(load), values);
+        const LoadValues given = load_values(self.simulation.load_kind(load), values,
+                                             static_cast<std::size_t>(self.simulation.body().size()));
         self.in_turn([&](Simulation& s) { s.set_load(load, given); });
         py::dict keywords(values);
         keywords["load"] = load;

@@ -101,11 +101,19 @@ void add_topology(py::module_& module, MovingClass& simulation) {
           "Parts the body where it is strained above `strain`; a crack through cells grows by one molecule a call.")
       .def(
           "remove",
-          [](Moving& self, const std::vector<int>& connections, const std::vector<int>& cells) {
-            return changed(self, [&](Simulation& s) { return s.remove(connections, cells); });
+          [](Moving& self, const ChosenNumbers& connections, const ChosenNumbers& cells) {
+            return changed(self, [&](Simulation& s) {
+              const Body& body = s.body();
+              const std::size_t count = !body.tetrahedra.empty() ? body.tetrahedra.size()
+                                        : !body.cubes.empty()    ? body.cubes.size()
+                                                                 : body.triangles.size();
+              return s.remove(connections.of(body.connections.ends.size(), "connections", "connection"),
+                              cells.of(count, "cells", "cell"));
+            });
           },
-          py::arg("connections") = std::vector<int>{}, py::arg("cells") = std::vector<int>{},
-          "Removes connections and cells by number, with the cells' mass; molecules that lose all are gone, and those "
+          py::arg("connections") = py::tuple(), py::arg("cells") = py::tuple(),
+          "Removes connections and cells by number or by masks, with the cells' mass; molecules that lose all are "
+          "gone, and those "
           "behind them are renumbered.")
       .def_property_readonly(
           "origin",

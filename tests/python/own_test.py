@@ -195,6 +195,21 @@ class Experiments(unittest.TestCase):
         self.assertEqual(elastin.sweep(cube(), "material.youngs_modulus", [1e3, 2e3], strategy="lattice", experiment=Squeeze(1e-4),
                                        material=MATERIAL)["force"].shape, (2,))
 
+    def test_a_mask_says_which_molecules_it_holds(self):
+        class Masked(Squeeze):
+            def hold(self, body):
+                return [(numpy.isin(numpy.arange(len(body.positions)), molecules), *more)
+                        for molecules, *more in super().hold(body)]
+
+        class Short(Squeeze):
+            def hold(self, body):
+                return [(numpy.ones(3, bool), (0, 0, 0))]
+
+        one, other = (elastin.run(cube(), "lattice", material=MATERIAL, experiment=kind(1e-4)) for kind in (Masked, Squeeze))
+        self.assertEqual(dict(one.measures), dict(other.measures))
+        with self.assertRaisesRegex(elastin.InputError, "hold: is a mask of 3 truth values"):
+            elastin.run(cube(), "lattice", material=MATERIAL, experiment=Short(1e-4))
+
     def test_slips_are_said(self):
         class Wrong(Squeeze):
             def measure(self, body, positions, reactions):

@@ -116,6 +116,39 @@ class States(unittest.TestCase):
         with self.assertRaisesRegex(elastin.InputError, "1 rows for 2 molecules"):
             tissue.move_to([0, 1], [[0, 0, 0]])
 
+    def test_a_mask_stands_for_the_molecules_where_it_is_true(self):
+        def sag(choose, **load):
+            tissue = elastin.Simulation(elastin.lattice((3, 3, 4), 1e-3), "lattice", elastin.Material(5e3, 0.25))
+            bottom, top = (tissue.body.positions[:, 2] == height for height in (0, tissue.body.positions[:, 2].max()))
+            tissue.fix(choose(bottom))
+            tissue.add_load("point", force=(0, 0, -1e-6), molecules=choose(top))
+            tissue.settle()
+            return tissue, choose(bottom), choose(top)
+
+        numbers, bottom, _ = sag(numpy.flatnonzero)
+        for choose in (lambda mask: mask, lambda mask: mask.tolist()):
+            tissue, mask, top = sag(choose)
+            numpy.testing.assert_array_equal(tissue.positions, numbers.positions)
+            numpy.testing.assert_array_equal(tissue.reaction(mask), numbers.reaction(bottom))
+            tissue.move_to(mask, numpy.zeros((9, 3)))
+            tissue.release(mask)
+            self.assertEqual(abs(tissue.reaction(mask)).max(), 0)
+            for wrong in (mask[1:], list(mask) + [True]):
+                for act in (tissue.fix, tissue.release, tissue.reaction):
+                    with self.assertRaisesRegex(elastin.InputError, "a mask of 3[57] truth values; .* has 36"):
+                        act(wrong)
+            with self.assertRaisesRegex(elastin.InputError, "molecules: is a mask of 35"):
+                tissue.add_load("point", force=(0, 0, 1), molecules=top[1:])
+        with self.assertRaises(TypeError):
+            numbers.fix(numpy.zeros((36, 2), bool))
+        with self.assertRaises(TypeError):
+            numbers.fix(True)
+        chain = elastin.Simulation(elastin.lattice((1, 1, 4), 1e-3, ("axis",)), "standard", elastin.Material(5e3))
+        with self.assertRaisesRegex(elastin.InputError, "connections: is a mask of 2 truth values"):
+            chain.remove(connections=[True, False])
+        chain.remove(connections=[False, False, True])
+        self.assertEqual(chain.body.connections.tolist(), [[0, 1], [1, 2]])
+
     def test_loads_change_and_go_also_in_a_copy(self):
         body = elastin.Body([[0, 0, 0], [0, 0, 1]], [[0, 1]], masses=[1, 1])
         tissue = elastin.Simulation(body, "uniform", SOFT, parameters={"constant": 0})

@@ -357,8 +357,8 @@ class Simulation:
     def tear(self, strain: float) -> TopologyReport:
         """Parts the body where it is strained above `strain`; a crack through cells grows by one molecule a call."""
     def remove(self, connections: Sequence[int] = ..., cells: Sequence[int] = ...) -> TopologyReport:
-        """Removes connections and cells by number, with the cells' mass; molecules that lose all are gone, and those
-        behind them are renumbered."""
+        """Removes connections and cells by number or by masks, with the cells' mass; molecules that lose all are gone,
+        and those behind them are renumbered."""
     @property
     def origin(self) -> list[int]:
         """Of each molecule its number in the body that the simulation was made of."""
@@ -384,8 +384,8 @@ class Simulation:
     def contact_forces(self) -> dict[str, Floats]:
         """Force of the body on each obstacle by its name [N]."""
     def fix(self, molecule: int | ArrayLike, free: str | ArrayLike = "") -> None:
-        """Holds a molecule, or each of an array of them, where it is, but in the directions that `free` names: 'z',
-        'xy', or a 3 x 3 projector."""
+        """Holds a molecule, or each of an array or a mask of them, where it is, but in the directions that `free`
+        names: 'z', 'xy', or a 3 x 3 projector."""
     def release(self, molecule: int | ArrayLike) -> None:
         """Releases a fixed molecule, or each of an array of them."""
     def move_to(self, molecule: int | ArrayLike, position: ArrayLike) -> None:
