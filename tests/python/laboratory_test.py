@@ -73,6 +73,15 @@ class Identification(unittest.TestCase):
             def hold(self, body):
                 return []
 
+        # Arrays are in SI units: an angular frequency in rad/s.
+        w, tau, g, modulus = numpy.logspace(-1, 2, 20), 0.5, 0.6, 9e3
+        real, imaginary = 1 + g * (w * tau)**2 / (1 + (w * tau)**2), g * w * tau / (1 + (w * tau)**2)
+        found = elastin.identify(data={"storage_modulus": {"angular_frequency": w, "storage_modulus": modulus * real},
+                                       "loss_modulus": {"angular_frequency": w, "loss_modulus": modulus * imaginary}},
+                                 material={"law": "mooney_rivlin", "c1": 1e3, "bulk_modulus": 1e9,
+                                           "relaxation": {"terms": [[0.3, 1.0]]}},
+                                 identify={"unknowns": ["c1", "g_1", "tau_1"]})
+        self.assertAlmostEqual(found["tau_1"], tau, places=4)
         with self.assertRaisesRegex(elastin.InputError, "identify: takes experiments of the table"):
             elastin.identify({"body": elastin.lattice((3, 3, 3), 1e-3), "identify": {"tests": []}}, experiment=Squeeze())
 

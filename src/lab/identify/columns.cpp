@@ -103,6 +103,11 @@ Head split(const std::string& head) {
   return {head, ""};
 }
 
+/// Whether a frequency of this name is 2 π periods a time.
+bool is_angular(const std::string& name) {
+  return simplified(name).find("ang") != std::string::npos || split(name).name == "Kreisfrequenz";
+}
+
 std::string shown(const DataQuantity& quantity) {
   const std::string examples = unit_examples(quantity.unit), unit = examples.substr(examples.find(' ') + 1);
   return quantity.ratio
@@ -194,9 +199,8 @@ class TableColumns {
     if (!column.unit.empty() || (quantity->ratio && quantity->name != "angle"))
       column.factor = machine_unit(column.unit, quantity->unit);
     // An angular frequency is stated by its unit, else by its name.
-    const bool angular = simplified(head.name).find("ang") != std::string::npos || head.name == "Kreisfrequenz";
     if (quantity->name == "frequency" && column.factor &&
-        (column.unit.starts_with("rad") || (angular && !column.unit.ends_with("Hz"))))
+        (column.unit.starts_with("rad") || (is_angular(head.name) && !column.unit.ends_with("Hz"))))
       *column.factor /= 2 * std::numbers::pi;
     known_.push_back(std::move(column));
   }
@@ -220,13 +224,14 @@ class TableColumns {
 
   void check_unit(const Column& column) const {
     if (column.factor) return;
+    // Periods a second would be another meaning of what the column's name says.
+    const std::string own =
+        column.quantity->name == "frequency" && is_angular(column.name) ? "frequency [rad/s]" : shown(*column.quantity);
     if (column.unit.empty())
-      fail("column '" + column.name + "' has no unit; write for example '" + shown(*column.quantity) + "'" +
-           (column.source == Source::own_name
-                ? ""
-                : ", columns: {\"" + column.name + "\": '" + shown(*column.quantity) + "'}"));
+      fail("column '" + column.name + "' has no unit; write for example '" + own + "'" +
+           (column.source == Source::own_name ? "" : ", columns: {\"" + column.name + "\": '" + own + "'}"));
     fail("column '" + column.name + "': '" + column.unit + "' is no unit of " + column.quantity->name +
-         "; write for example '" + shown(*column.quantity) + "'");
+         "; write for example '" + own + "'");
   }
 
   static std::string hint(const std::string& head, const Column& column) {

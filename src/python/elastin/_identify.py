@@ -78,7 +78,7 @@ def _with_file(test, name, folder):
     if len(set(sizes.values())) > 1 or any(len(shape) != 1 for shape in sizes.values()):
         raise InputError(f"data of '{name}': columns must be arrays of one length; they have "
                          + ", ".join(f"{key} {shape}" for key, shape in sizes.items()))
-    units = _elastin._data_quantities()
+    units = _elastin._data_quantities() | {"angle": "rad", "angular_frequency": "rad/s"}
     heads = [key if "[" in key or not units.get(key) else f"{key} [{units[key]}]" for key in columns]
     path = os.path.join(folder, f"{len(os.listdir(folder))}.csv")
     with open(path, "w", encoding="utf8", newline="") as stream:
