@@ -265,10 +265,11 @@ TEST_CASE("CalculiX finds what the laws of several terms say", "[export][calculi
     return;
   }
   // One strain all over, free sides: the cells' order does not count. A law that is soft against changes of volume, so
-  // that a further volumetric term shows.
+  // that a further volumetric term shows: by 3 % or more. CalculiX's own Ogden misses the closed form of two equal
+  // stretches by 2e-5, with negative exponents by 2e-4.
   for (const auto& [law, material] :
        {std::pair{"yeoh", "{law: yeoh, terms: [6 kPa, -0.5 kPa, 0.4 kPa], "},
-        {"ogden", "{law: ogden, terms: [[6 kPa, 2], [1 kPa, -2], [0.5 kPa, 4]], convention: abaqus, "},
+        {"ogden", "{law: ogden, terms: [[6 kPa, 2], [1 kPa, 3], [0.5 kPa, 4]], convention: abaqus, "},
         {"mooney_rivlin", "{law: mooney_rivlin, c1: 5 kPa, c2: 1 kPa, "}}) {
     INFO(law);
     const TemporaryFolder folder;
@@ -280,7 +281,8 @@ TEST_CASE("CalculiX finds what the laws of several terms say", "[export][calculi
     REQUIRE(other.run.outcome == Outcome::converged);
     const Run own = run_of(*scene);
     for (const char* measure : {"effective_modulus", "poissons_ratio"})
-      CHECK(other.run.measures.get(measure) == Approx(own.measures.get(measure)).epsilon(1e-5));
+      CHECK(other.run.measures.get(measure) ==
+            Approx(own.measures.get(measure)).epsilon(law == std::string_view("ogden") ? 1e-4 : 1e-5));
     CHECK_THAT(other.run.solver, Contains("hexahedra of 20 nodes"));
   }
 }
