@@ -157,20 +157,24 @@ bool begins_late(const VectorX& x, const VectorX& y, double noise) {
 }
 
 std::optional<LocalFit> fit_locally(const VectorX& x, const VectorX& y, double at, double low, double high,
-                                    bool straight) {
+                                    Eigen::Index degree, bool chord) {
   std::vector<Eigen::Index> rows;
   for (Eigen::Index i = 0; i < x.size(); ++i)
     if (x[i] >= low && x[i] <= high) rows.push_back(i);
   const auto count = static_cast<Eigen::Index>(rows.size());
   if (count < 2) return std::nullopt;
-  MatrixX powers(count, straight || count < 4 ? 2 : 3);
+  MatrixX powers(count, std::min(degree + 1, std::max<Eigen::Index>(2, count - 1)));
   VectorX values(count);
   const double width = std::max(high - low, 1e-300);  // so that powers are of numbers of about 1
   for (Eigen::Index i = 0; i < count; ++i) {
     const Eigen::Index row = rows[i];
     values[i] = y[row];
-    for (Eigen::Index j = 0; j < powers.cols(); ++j)
-      powers(i, j) = std::pow((x[row] - at) / width, static_cast<double>(j));
+    const double place = (x[row] - at) / width;
+    for (Eigen::Index j = 0; j < powers.cols(); ++j) {
+      powers(i, j) = std::pow(place, static_cast<double>(j));
+      if (chord && j % 2 == 1 && j > 1)  // without rise over the window, all of which is then the line's
+        powers(i, j) -= place * std::pow(0.5, static_cast<double>(j - 1));
+    }
   }
   const VectorX parts = least_squares(powers, values);
   const VectorX half = uncertainty(powers * parts - values, powers, parts).high - parts;
@@ -183,7 +187,7 @@ std::optional<ZeroPoint> find_toe(const VectorX& x, const VectorX& y) {
   double steepest = 0;
   for (int i = 0; i <= 32; ++i) {
     const double from = low + range * i / 40, to = from + range / 5, centre = (from + to) / 2;
-    const auto fit = fit_locally(x, y, centre, from, to, true);
+    const auto fit = fit_locally(x, y, centre, from, to, 1);
     if (!fit || fit->rows < 5 || !(std::abs(fit->slope) > steepest)) continue;
     steepest = std::abs(fit->slope);
     const double back = fit->value / fit->slope;

@@ -40,13 +40,14 @@ bool begins_late(const VectorX& x, const VectorX& y, double noise);
 /// Of the line through the steepest fifth of the range [ASTM D638, annex on toe compensation].
 std::optional<ZeroPoint> find_toe(const VectorX& x, const VectorX& y);
 
-/// Least squares over the rows with x in [low, high] of a line, or of a parabola where four rows or more allow it.
+/// Least squares over the rows with x in [low, high] of a polynomial, of a lower degree where there are too few rows.
 struct LocalFit {
   double value, slope;            ///< at `at`
   double value_half, slope_half;  ///< half widths of their 95 % intervals; infinite where no row is left for them
   Eigen::Index rows;
 };
+/// @param chord whether the slope is the rise from `low` to `high` over their distance, `at` their middle
 std::optional<LocalFit> fit_locally(const VectorX& x, const VectorX& y, double at, double low, double high,
-                                    bool straight = false);
+                                    Eigen::Index degree, bool chord = false);
 
 }  // namespace elastin::lab

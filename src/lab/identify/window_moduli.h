@@ -13,8 +13,9 @@ struct WindowModulus {
   Eigen::Index rows;  ///< that it follows from
 };
 
-/// The moduli that a test states, of its strains and stresses: parabolas of least squares over the rows of each window.
-/// Throws InputError for a window with fewer than two rows, and a stress that is not reached.
+/// The moduli that a test states, of its strains and stresses: polynomials of least squares over the rows of each
+/// window, of the degree that noise and curvature allow. Throws InputError for a window with fewer than two rows, and a
+/// stress that is not reached.
 std::vector<WindowModulus> window_moduli(const DataTest& test, const MeasuredData& data);
 
 }  // namespace elastin::lab

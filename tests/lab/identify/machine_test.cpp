@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <functional>
@@ -344,6 +345,50 @@ TEST_CASE("moduli by windows are those of the law, within their intervals", "[id
     CHECK(found[i].value == Approx(expected[i]).epsilon(0.02));
     // Three standard deviations: 95 % intervals miss one of twenty.
     CHECK(std::abs(found[i].value - expected[i]) < 0.75 * (found[i].high - found[i].low));
+  }
+}
+
+TEST_CASE("moduli by windows are those of strongly bent curves, within their intervals", "[identify][machines]") {
+  // Fung's exponential, by its closed forms; exact readings and noisy ones.
+  constexpr double a = 1e3, b = 20;
+  const auto stress = [](double strain) { return a * std::expm1(b * strain); };
+  const auto strain = [](double at) { return std::log1p(at / a) / b; };
+  DataTest test;
+  test.fail = [](const std::string& message) { FAIL(message); };
+  using enum ModulusWindow::Kind;
+  test.moduli = {{chord, {0.05}, {0.15}, {}}, {chord, {2e3, true}, {20e3, true}, {}},
+                 {tangent, {}, {}, {0.1}},    {tangent, {}, {}, {10e3, true}},
+                 {secant, {}, {}, {0.1}},     {secant, {}, {}, {10e3, true}},
+                 {chord, {0}, {0.2}, {}}};
+  const double expected[] = {(stress(0.15) - stress(0.05)) / 0.1,
+                             18e3 / (strain(20e3) - strain(2e3)),
+                             a * b * std::exp(b * 0.1),
+                             b * (a + 10e3),
+                             stress(0.1) / 0.1,
+                             10e3 / strain(10e3),
+                             stress(0.2) / 0.2};
+  MeasuredData data;
+  data.x = VectorX::LinSpaced(201, 0, 0.2);
+  const VectorX exact = data.x.unaryExpr(stress);
+  Scatter scatter;
+  constexpr int repeats = 200;
+  for (const double noise : {0., 20., 500.}) {
+    std::array<int, std::size(expected)> within{};
+    std::array<double, std::size(expected)> widths{};
+    for (int repeat = 0; repeat < (noise > 0 ? repeats : 1); ++repeat) {
+      data.y = exact.unaryExpr([&](double y) { return y + noise * scatter(); });
+      const std::vector<WindowModulus> found = window_moduli(test, data);
+      for (std::size_t i = 0; i < found.size(); ++i) {
+        INFO(noise << " " << found[i].window << ": " << found[i].value << " of " << expected[i]);
+        within[i] += found[i].low <= expected[i] && expected[i] <= found[i].high;
+        widths[i] += (found[i].high - found[i].low) / expected[i];
+      }
+    }
+    for (std::size_t i = 0; i < within.size(); ++i) {
+      INFO(noise << " " << expected[i] << ": " << within[i]);
+      CHECK(widths[i] < (noise > 100 ? 0.7 * repeats : noise > 0 ? 0.05 * repeats : 1e-3));
+      CHECK(within[i] >= (noise > 0 ? 0.9 * repeats : 1));  // 95 %, less three deviations of 200
+    }
   }
 }
 
