@@ -486,15 +486,17 @@ class SpecimenTest final : public MeasuredTest {
     return response;
   }
 
-  /// Where a number changes the supports' forces alone, what is left on free molecules is rounding, which no motion
-  /// balances.
-  static void leave_out_rounding(const Model& model, Positions& forces) {
+  /// Where a number changes the supports' forces alone, what is left on free molecules is rounding, or what the
+  /// equilibrium left unbalanced, which no motion balances.
+  /// @param unbalanced of the equilibrium, over loads and reactions
+  static void leave_out_rounding(const Model& model, double unbalanced, Positions& forces) {
+    constexpr double rounding = 1e-8, times = 4;  // the norms are over different molecules
     Positions fixed = Positions::Zero(3, forces.cols());
     for (const Support& support : model.supports) {
       const Vector3 force = forces.col(support.molecule);
       fixed.col(support.molecule) = force - support.free * force;
     }
-    if ((forces - fixed).norm() < 1e-8 * forces.norm()) forces = fixed;
+    if ((forces - fixed).norm() < std::max(rounding, times * unbalanced) * forces.norm()) forces = fixed;
   }
 
   /// ∂f/∂θ at the positions kept, then K dx = ∂f/∂θ, then the measure at both sides along dx, and what the number makes
@@ -519,7 +521,7 @@ class SpecimenTest final : public MeasuredTest {
       StaticResult same = solved;
       slope += change.weights[i] * readings(rows, models[i].rig(), start, state, same);
     }
-    leave_out_rounding(own, forces);
+    leave_out_rounding(own, solved.residual, forces);
     const auto response = response_to(own, responses, forces, tolerance, motion);
     if (response.result.outcome != Outcome::converged) return std::nullopt;
     motion = response.motion;
@@ -663,14 +665,15 @@ class SpecimenTest final : public MeasuredTest {
     return middle;
   }
 
-  /// At rest there is nothing to be measured but an offset.
+  /// At rest, and where readings scatter to its other side, there is nothing to be measured but an offset.
   void leave_out_rest() {
     constexpr double offset = 0.01;  // of the largest value, beyond which it is no scatter
     MeasuredData kept = data_;
     kept.lines.clear();
     Eigen::Index count = 0;
+    const double scatter = offset * data_.x.cwiseAbs().maxCoeff();
     for (Eigen::Index i = 0; i < data_.x.size(); ++i) {
-      if (data_.x[i] == 0) {
+      if (data_.x[i] == 0 || (data_.x[i] / whole_ < 0 && std::abs(data_.x[i]) < scatter)) {
         if (std::abs(data_.y[i]) > std::max(offset * data_.y.cwiseAbs().maxCoeff(), 4 * data_.noise))
           throw InputError(
               SourceLocation{data_.file, data_.lines[i]},

@@ -125,6 +125,27 @@ TEST_CASE("springs are fitted to the same curve as the solid", "[identify]") {
                     Catch::Matchers::Contains("needs a simple cubic lattice"));
 }
 
+TEST_CASE("a specimen's readings that scatter to the other side of rest are left out", "[identify]") {
+  const TemporaryFolder folder;
+  const auto modulus = [&](const std::string& at_rest) {
+    folder.write("data.csv", "displacement [mm],force [mN]\n" + at_rest + "0.2,30\n0.4,60\n0.6,90\n");
+    return identify(folder.write("scene.yaml",
+                                 "body: {tetrahedra: {kind: body_centred, cubes: [2, 2, 4], size: [10 mm, 10 mm, 20 "
+                                 "mm]}}\nmaterial: {youngs_modulus: 10 kPa, poissons_ratio: 0.25}\nstiffness: "
+                                 "neo_hookean\nexperiment: {kind: tension, axis: z, displacement: 1 mm}\nidentify: "
+                                 "{tests: [{kind: specimen, file: data.csv}]}\n"),
+                    kCatalog, {})
+        .front()
+        .numbers.front()
+        .value;
+  };
+  CHECK(modulus("-0.0003,0\n") == Approx(modulus("")));
+  CHECK(modulus("-0.0003,0.1\n0,-0.1\n-0.002,0\n") == Approx(modulus("")));
+  CHECK_THROWS_WITH(modulus("-0.01,0\n"),
+                    Catch::Matchers::Contains("data.csv:2: displacement of -1e-05 has the other sign"));
+  CHECK_THROWS_WITH(modulus("-0.0003,5\n"), Catch::Matchers::Contains("data.csv:2: force is 0.005 (SI) at rest"));
+}
+
 TEST_CASE("a specimen's search that is settled at a bound ends there", "[identify]") {
   const TemporaryFolder folder;
   folder.write("data.csv", "displacement [mm],force [N]\n1,0.05\n2,0.1\n");
