@@ -270,7 +270,7 @@ void warn_of_places(const TestAnswer& test, std::vector<std::string>& warnings) 
     if (nearest < 0) continue;
     together += missed[i] * missed[nearest], alone += missed[i] * missed[i], pairs += 1;
   }
-  if (test.relative_rms > kRounding && together > std::max(agreeing, 4 / std::sqrt(pairs)) * alone)
+  if (together > std::max(agreeing, 4 / std::sqrt(pairs)) * alone)
     warnings.push_back(
         fmt::format("the differences of {} agree between neighbouring points (correlation {:.2f}), as no scatter does: "
                     "the law, the grips or too coarse cells; try finer ones. The intervals take it for scatter",
@@ -280,7 +280,7 @@ void warn_of_places(const TestAnswer& test, std::vector<std::string>& warnings) 
 /// Scatter changes its sign at every second point or so [Wald & Wolfowitz 1940]; intervals take residuals for scatter.
 void warn_of_shape(const Answer& answer, std::vector<std::string>& warnings) {
   for (const TestAnswer& test : answer.tests) {
-    if (!test.counted || test.fitted.size() < 8) continue;
+    if (!test.counted || test.fitted.size() < 8 || test.relative_rms <= kRounding) continue;
     if (!test.data.axes.empty()) {
       warn_of_places(test, warnings);
       continue;
@@ -298,6 +298,29 @@ void warn_of_shape(const Answer& answer, std::vector<std::string>& warnings) {
           fmt::format("the misfit of {} has a shape: {:.0f} changes of sign where scatter has about "
                       "{:.0f}; the law lacks something, and the intervals take it for scatter",
                       test.name, runs - 1, mean - 1));
+  }
+}
+
+/// What relaxes before the first reading is foreseen alone, by exp(time / tau) of what the readings show.
+void warn_of_beginnings(const Answer& answer, const std::vector<WeightedTest>& tests, const Trial& trial,
+                        std::vector<std::string>& warnings) {
+  constexpr double late = 0.5;  // of the shortest time, where that is 1.6 times as much
+  if (!trial.material.relaxation || trial.material.relaxation->terms.empty()) return;
+  double shortest = std::numeric_limits<double>::infinity();
+  for (const auto& [share, time] : trial.material.relaxation->terms) shortest = std::min(shortest, time);
+  for (std::size_t i = 0; i < tests.size(); ++i) {
+    const DataTest& stated = *tests[i].stated;
+    if (!stated.kind->in_time || stated.kind->oscillates || !answer.tests[i].counted) continue;
+    const double first = answer.tests[i].data.x[0], behind = first - stated.ramp;
+    if (behind > late * shortest)
+      warnings.push_back(fmt::format(
+          "{}: the first reading stands at {}{}, and the shortest time of relaxation is {}: its share, and the "
+          "stiffness before it relaxed, are extrapolated. Time counts from where the strain begins to grow; if the "
+          "file has the "
+          "machine's clock, subtract its time there",
+          stated.name, readable(first, dimension::time),
+          stated.ramp > 0 ? fmt::format(", {} after the ramp", readable(behind, dimension::time)) : "",
+          readable(shortest, dimension::time)));
   }
 }
 
@@ -376,7 +399,7 @@ Answer make_answer(const UnknownMaterial& unknown, std::vector<WeightedTest>& te
   answer.law = unknown.row ? unknown.row->name : "";
   answer.outcome = fit.outcome, answer.cause = fit.cause;
   answer.starts = fit.starts, answer.agreeing = fit.agreeing, answer.seconds = fit.seconds;
-  if (fit.values.size() == 0 || fit.residuals.size() == 0) return answer;
+  if (fit.values.size() == 0 || fit.predictions.empty()) return answer;  // failed, as its cause says
   Uncertainty known = uncertainty(fit.residuals, fit.jacobian, fit.values);
   widen_for_few_readings(tests, fit, known);
   add_zero_points(tests, fit, known);
@@ -401,6 +424,7 @@ Answer make_answer(const UnknownMaterial& unknown, std::vector<WeightedTest>& te
   warn_of_numbers(answer, answer.warnings);
   warn_of_tests(answer, answer.warnings);
   warn_of_shape(answer, answer.warnings);
+  warn_of_beginnings(answer, tests, fit.trial, answer.warnings);
   warn_of_stability(answer, answer.warnings);
   return answer;
 }

@@ -16,6 +16,7 @@ using Source = Column::Source;
 struct MachineNames {
   const char *quantity, *names;
   bool pressing = false, position = false;
+  bool shear = false;  ///< of tests in shear alone, where a stress is nominal and true alike
 };
 constexpr std::array kMachineNames{
     MachineNames{"time",
@@ -46,6 +47,9 @@ constexpr std::array kMachineNames{
     MachineNames{"loss_tangent", "tan delta|tan|tan δ|loss factor|verlustfaktor|损耗因子"},
     MachineNames{"torque", "axial torque|drehmoment|扭矩"},
     MachineNames{"angle", "rotation|twist|rotary position|drehwinkel|转角"}, MachineNames{"pressure", "druck"},
+    MachineNames{"shear", "shear strain|amount of shear|scherung|gleitung|schubverzerrung|剪切应变", false, false,
+                 true},
+    MachineNames{"nominal_stress", "shear stress|schubspannung|剪切应力|剪应力", false, false, true},
     // Nominal or true: not stated.
     MachineNames{"stress", "spannung|contrainte|应力|応力"}, MachineNames{"strain", "dehnung|déformation|应变"}};
 
@@ -68,7 +72,7 @@ std::string simplified(const std::string& name) {
 struct Meaning {
   std::string quantity;
   Source source;
-  bool pressing = false;
+  bool pressing = false, shear = false;
 };
 
 std::optional<Meaning> meaning_of(const std::string& name) {
@@ -80,7 +84,7 @@ std::optional<Meaning> meaning_of(const std::string& name) {
   if (is_own("stress") || is_own("strain")) return Meaning{simple, Source::own_name};
   for (const MachineNames& row : kMachineNames)
     if (("|" + std::string(row.names) + "|").find("|" + simple + "|") != std::string::npos && !simple.empty())
-      return Meaning{row.quantity, row.position ? Source::position : Source::machine_name, row.pressing};
+      return Meaning{row.quantity, row.position ? Source::position : Source::machine_name, row.pressing, row.shear};
   return std::nullopt;
 }
 
@@ -168,12 +172,20 @@ class TableColumns {
     for (const std::string& head : table_.head)
       if (const std::string near = nearest_name(split(head).name, wanted); !near.empty())
         fail("column '" + head + "' is not known; did you mean '" + near + "'?");
+    const std::string& head = role == "answers" ? table_.head.back() : table_.head.front();
     fail("no column says what " + role + " in a test of kind " + test_.kind->name + "; one of: " + all +
-         "; or state what a name means, columns: {\"" + (role == "answers" ? table_.head.back() : table_.head.front()) +
-         "\": '" + allowed.back() + "'}");
+         "; or state what a name means, columns: {\"" + head + "\": '" + likely(head, wanted) + "'}");
   }
 
  private:
+  /// The last of these quantities that has the unit of a column, with that unit; else the last.
+  std::string likely(const std::string& head, const std::vector<std::string>& wanted) const {
+    const std::string behind = unit_behind(head), unit = behind.empty() ? "" : behind.substr(2, behind.size() - 3);
+    for (auto name = wanted.rbegin(); !unit.empty() && name != wanted.rend(); ++name)
+      if (machine_unit(unit, find_quantity(*name)->unit)) return *name + behind;
+    return shown(*find_quantity(wanted.back()));
+  }
+
   [[noreturn]] void fail(const std::string& message) const {
     throw InputError(SourceLocation{table_.path, table_.head_places.front().line},
                      table_.named ? message : "there are no names of columns above the numbers; " + message);
@@ -190,6 +202,7 @@ class TableColumns {
       if (stated) test_.fail("columns: '" + text + "' is no quantity with its unit, such as 'force [N]'");
       return;
     }
+    if (meaning->shear && !in_shear()) return;
     const DataQuantity* quantity = find_quantity(meaning->quantity);
     if (!quantity) return unsaid_.emplace_back(table_.head[number], meaning->quantity), void();
     Column column{quantity, stated ? text : table_.head[number],      head.unit,        {},
@@ -232,6 +245,12 @@ class TableColumns {
            (column.source == Source::own_name ? "" : ", columns: {\"" + column.name + "\": '" + own + "'}"));
     fail("column '" + column.name + "': '" + column.unit + "' is no unit of " + column.quantity->name +
          "; write for example '" + own + "'");
+  }
+
+  bool in_shear() const {
+    const auto& kind = *test_.kind;
+    return kind.homogeneous == HomogeneousTest::shear || kind.of_scene() || test_.scene ||
+           (kind.in_time && !kind.layer && test_.held == HomogeneousTest::shear);
   }
 
   static std::string hint(const std::string& head, const Column& column) {

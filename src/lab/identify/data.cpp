@@ -28,6 +28,7 @@ class DataFile {
     for (std::size_t row = 0; row < table_->rows.size(); ++row)
       if (chosen(row)) rows_.push_back(row);
     if (rows_.empty() && !test.rows.empty()) fail_at_rows();
+    while (!rows_.empty() && is_behind(rows_.back())) rows_.pop_back(), ++behind_;
   }
 
   MeasuredData read() const {
@@ -48,6 +49,7 @@ class DataFile {
       test_.fail(data.file + " has " + counted(data.x.size(), "point") +
                  (test_.from || test_.to ? " between `from` and `to`" : "") + "; a curve needs two or more");
     note_recognised(data);
+    if (behind_ > 0) data.notes.push_back(counted(behind_, "row") + " behind the end of these columns left out");
     if (columns_.along.source == Column::Source::position) {
       data.notes.push_back(fmt::format("positions count from the first, {}", readable(data.x[0], unit)));
       data.x.array() -= data.x[0];
@@ -98,13 +100,21 @@ class DataFile {
     return found ? *found : *longest;
   }
 
+  bool is_empty(std::size_t row, const Column& column) const {
+    return column.number >= table_->rows[row].size() || table_->rows[row][column.number].empty();
+  }
+  /// Whether both columns have ended, where other columns of the file go on.
+  bool is_behind(std::size_t row) const { return is_empty(row, columns_.along) && is_empty(row, columns_.up); }
+
   bool chosen(std::size_t row) const {
     const std::size_t fields = table_->rows[row].size();
-    if (fields != table_->head.size())
+    if (fields != table_->head.size() && !is_behind(row))
       throw InputError(table_->location(table_->places[row][std::min(fields, table_->head.size()) - 1]),
                        std::to_string(fields) + " fields; the head has " + std::to_string(table_->head.size()));
-    return std::all_of(test_.rows.begin(), test_.rows.end(),
-                       [&](const auto& rule) { return table_->rows[row][column(rule.first)] == rule.second; });
+    return std::all_of(test_.rows.begin(), test_.rows.end(), [&](const auto& rule) {
+      const std::size_t field = column(rule.first);
+      return field < fields && table_->rows[row][field] == rule.second;
+    });
   }
   std::size_t column(const std::string& name) const {
     const auto found = find_column(*table_, name);
@@ -165,6 +175,7 @@ class DataFile {
   const MachineTable* table_ = nullptr;
   ChosenColumns columns_;
   std::vector<std::size_t> rows_;
+  int behind_ = 0;  ///< rows that are left out behind the end of both columns
 };
 
 double rest_of(const MeasuredData& data) { return data.along->name == "stretch" ? 1 : 0; }
@@ -173,6 +184,56 @@ void keep_rows(MeasuredData& data, Eigen::Index begin, Eigen::Index end) {
   data.x = VectorX(data.x.segment(begin, end - begin)), data.y = VectorX(data.y.segment(begin, end - begin));
   data.lines.erase(data.lines.begin() + end, data.lines.end());
   data.lines.erase(data.lines.begin(), data.lines.begin() + begin);
+}
+
+/// Depth grows into the layer, and the force there is positive: by each column's own sign, unless the scene says that
+/// they stand as they are. The deep end is the one where the force is the larger; adhesion may make it larger
+/// elsewhere.
+void turn_into_layer(const DataTest& test, MeasuredData& data) {
+  constexpr double near = 0.1;  // of the range, where an end is looked at
+  const double low = data.x.minCoeff(), high = data.x.maxCoeff(), width = near * (high - low);
+  const auto mean_force = [&](double from, double to) {
+    double sum = 0, count = 0;
+    for (Eigen::Index i = 0; i < data.x.size(); ++i)
+      if (data.x[i] >= from && data.x[i] <= to) sum += data.y[i], count += 1;
+    return sum / count;
+  };
+  const double shallow = mean_force(low, low + width), deep = mean_force(high - width, high);
+  std::string turned;
+  if (test.pressing.value_or(!(test.adhesion > 0))) {
+    const bool backward = std::abs(shallow) > std::abs(deep);
+    if (backward) data.x = -data.x, turned = data.along->name;
+    if ((backward ? shallow : deep) < 0) data.y = -data.y, turned += (turned.empty() ? "" : " and ") + data.up->name;
+    if (!turned.empty())
+      data.notes.push_back(turned + " turned, so that depth grows into the layer and the force there is positive");
+  } else if (!(test.adhesion > 0) && (data.x.array() - data.x.mean()).matrix().dot(data.y) < 0) {
+    throw InputError(SourceLocation{data.file, data.lines.front()},
+                     "the force falls where the depth grows: depth must grow into the layer, and a force that presses "
+                     "must be positive; signs: pressing turns each column that needs it");
+  }
+}
+
+/// The stress of a strain that is kept has the strain's sign; the force of an indenter is positive.
+void turn_over_time(const DataTest& test, const DataFile& file, MeasuredData& data) {
+  const bool positive = data.y.sum() > 0, homogeneous = !test.scene && !test.kind->layer;
+  const auto turn = [&](const std::string& why) {
+    data.y = -data.y;
+    data.notes.push_back(why + ": " + data.up->name + " turned to " + (positive ? "negative" : "positive"));
+  };
+  if (test.kind->layer) {
+    if (!positive) turn("the force of an indenter that presses is negative in the file");
+    return;
+  }
+  const bool by_strain = homogeneous && test.strain < 0;
+  if (positive && test.pressing.value_or(file.pressing_by_name() || by_strain))
+    turn(by_strain ? "the strain is below 0" : "compression is positive in the file");
+  if (homogeneous && data.y.sum() * test.strain < 0)
+    throw InputError(
+        SourceLocation{data.file, data.lines.front()},
+        fmt::format("the {} is {}, which that of strain: {:.4g} % is not: write strain: {:.4g} %, or give "
+                    "the readings the other sign",
+                    data.up->name, data.y.sum() > 0 ? "positive" : "negative, or of a column that counts compression",
+                    100 * test.strain, -100 * test.strain));
 }
 
 /// Positive numbers of a column that counts compression are negative strains and stresses.
@@ -184,6 +245,7 @@ void turn_signs(const DataTest& test, const DataFile& file, MeasuredData& data) 
     throw InputError(SourceLocation{data.file, line},
                      "the file speaks of compression and its values are positive: write kind: compression, which "
                      "takes them as compression, or signs: pulling if they pull");
+  if (test.kind->layer) return turn_into_layer(test, data);
   if (!pressing) return;
   if (positive && data.along->name == "stretch")
     throw InputError(SourceLocation{data.file, data.lines.front()},
@@ -325,6 +387,39 @@ void check_times(const MeasuredData& data) {
                        "time goes back: choose rows by `rows`, `from` and `to`, or sort them");
 }
 
+/// Readings in front of the strain: rows at rest are left out, and time counts from the last of them where it stands
+/// far behind the beginning of the time. Warns of a load that still grows when the strain has reached its end.
+void begin_with_load(const DataTest& test, MeasuredData& data) {
+  constexpr double at_rest = 0.01, most = 0.1;  // of the largest reading: what rest is, and the most of its noise
+  constexpr double late = 0.5;                  // of the ramp, before which a load may be as small
+  constexpr double grown = 0.9;                 // of the largest reading
+  const VectorX size = data.y.cwiseAbs();
+  const double largest = size.maxCoeff(), least = std::max(at_rest * largest, std::min(4 * data.noise, most * largest));
+  const Dimension& unit = data.along->unit;
+  Eigen::Index rest = 0;
+  while (size[rest] < least) ++rest;
+  if (rest > 0 && data.x.size() - rest > 1 && data.x[rest - 1] >= late * test.ramp) {
+    const double zero = data.x[rest - 1];
+    keep_rows(data, rest, data.x.size());
+    data.notes.push_back(counted(rest, "row") + " at rest in front of the load left out");
+    if (zero > 0) {
+      data.x.array() -= zero;
+      data.warnings.push_back(
+          fmt::format("there is no load until {}, so time counts from there; `from` chooses the rows of the test",
+                      readable(zero, unit)));
+    }
+  }
+  Eigen::Index reached = 0, peak = 0;
+  while (reached + 1 < data.x.size() && data.x[reached] < test.ramp) ++reached;
+  const Eigen::Index left = data.x.size() - reached;
+  const double highest = data.y.cwiseAbs().tail(left).maxCoeff(&peak), first = std::abs(data.y[reached]);
+  if (peak > 0 && first < grown * highest && highest - first > 6 * data.noise)
+    data.warnings.push_back(fmt::format(
+        "the load grows until {}, and the strain is said to be reached after {}: time counts from where the strain "
+        "begins to grow, and `ramp` is the time in which it does; `from` leaves rows in front out",
+        readable(data.x[reached + peak], unit), readable(test.ramp, unit)));
+}
+
 /// A test that pulls makes the material longer: else columns or signs are swapped.
 void check_signs(const MeasuredData& data) {
   const double least = std::max(0.02 * data.y.cwiseAbs().maxCoeff(), 4 * data.noise);
@@ -361,6 +456,10 @@ MeasuredData load_data(const DataTest& test) {
     if (!test.kind->oscillates) check_times(data);  // a sweep may begin at either end
     check_points(data);
     data.noise = noise_of(data.x, data.y);
+    if (!test.kind->oscillates) {
+      turn_over_time(test, file, data);
+      begin_with_load(test, data);
+    }
     return data;
   }
   turn_signs(test, file, data);
@@ -372,7 +471,7 @@ MeasuredData load_data(const DataTest& test) {
   const Eigen::Index points = test.points > 0 ? test.points : test.scene ? kManyEquilibria : kManyRows;
   if (data.x.size() > points) data.notes.push_back(fmt::format("{} rows averaged to {} points", data.x.size(), points));
   average(data, std::max(points, kManyRows));
-  if (from_rest) find_zero_point(test, data);
+  if (from_rest && !test.kind->layer) find_zero_point(test, data);  // a layer's contact point is an unknown
   if (!from_rest && test.zero && test.zero != ZeroChoice::as_given)
     test.fail("zero: the rows of " + data.file +
               " do not begin near rest; choose those that do by branch, `from` and `to`");

@@ -253,7 +253,10 @@ double leaning(const Fit& fit) {
 
 /// What of the unknowns the data say nothing of; "" if there is nothing.
 std::string flat_cause(const UnknownMaterial& unknown, const Fit& fit, const Uncertainty& known) {
-  const VectorX change = (fit.jacobian.colwise().norm().transpose().array() * fit.values.array()).abs();
+  VectorX size = fit.values;  // a position may be 0
+  for (Eigen::Index i = 0; i < size.size(); ++i)
+    if (const double own = unknown.unknowns[i].size; own > 0) size[i] = own;
+  const VectorX change = (fit.jacobian.colwise().norm().transpose().array() * size.array()).abs();
   const bool blind = (change.array() < kBlind * std::sqrt(static_cast<double>(fit.residuals.size()))).any();
   if (!blind && known.condition <= kFlat) return "";
   const VectorX relative = known.flattest.array() / change.array();

@@ -143,8 +143,10 @@ const Keys<DataTest>& data_test_keys() {
                   "load; six unknowns more")
           .when(of_points),
       key::choice("signs", &S::pressing, {{"pulling", false}, {"pressing", true}}, "what the columns count positive")
-          .when(curved)
-          .otherwise("`pulling`; of `compression` either, by each column's own sign"),
+          .when([=](const S& test) { return curved(test) || (is_relaxation(test) && !test.kind->layer); })
+          .otherwise(
+              "`pulling`; of `compression`, of `indentation` and of a strain below 0 that is kept either, by each "
+              "column's own sign"),
       key::choice("branch", &S::branch, {{"loading", BranchChoice::loading}, {"unloading", BranchChoice::unloading}},
                   "which rows of a curve that goes to and fro count")
           .when(curved)

@@ -57,6 +57,10 @@ const std::vector<Broken> kBroken{
     {"names that nobody knows", "Ext (mm),Ld (N)\n1,1\n2,2.2\n", 1,
      "or state what a name means, columns: {\"Ext (mm)\": 'displacement [mm]'}"},
     {"no length", "Extension (mm),Load (N)\n1,1\n2,2.2\n", 0, "key 'length' is missing: the data have a displacement"},
+    {"an unknown name with its unit", "Ext (%),Ld (N)\n1,1\n2,2.2\n", 1, "columns: {\"Ext (%)\": 'true_strain [%]'}"},
+    {"a shear stress of a test without shear", "nominal_strain,Shear stress (kPa)\n1,1\n2,2.2\n", 1,
+     "is not known; did you mean"},
+    {"a gap at the end", "stretch,nominal_stress [kPa]\n1.1,0.5\n1.2,1\n1.3,\n", 4, "nothing stands there"},
     {"no names", "1,1\n2,2.2\n", 1, "there are no names of columns above the numbers"},
     {"a machine's stress", "Dehnung;Spannung\n%;MPa\n1,5;1,2\n2,5;2,2\n", 1,
      "State it: columns: {\"Dehnung\": 'nominal_strain [%]'}"},
@@ -135,6 +139,11 @@ TEST_CASE("columns in any unit and spelling of their heads are the same data", "
   CHECK(expected.x[1] == Approx(0.25));
   CHECK(expected.y[1] == 2000);
   const std::vector<std::pair<std::string, std::string>> same{
+      // Specimens side by side, of which this one is the shorter; with and without marks of the empty fields.
+      {"A,,B,\nDisp (mm),Load (N),Disp (mm),Load (N)\n4,0.04,1,1\n10,0.08,2,2\n,,3,3\n,,4,4\n",
+       ", columns: {1: 'displacement [mm]', 2: 'force [N]'}, length: 40 mm, cross_section: 40 mm2"},
+      {"A,,B,\nDisp (mm),Load (N),Disp (mm),Load (N)\n1,1,4,0.04\n2,2,10,0.08\n3,3,,\n4,4\n",
+       ", columns: {3: 'displacement [mm]', 4: 'force [N]'}, length: 40 mm, cross_section: 40 mm2"},
       {"# a remark\nstretch,nominal_stress_kPa\n1.1,1\n1.25,2\n", ""},
       {"nominal_strain [%],nominal_stress (kPa)\r\n10,1\r\n25,2\r\n", ""},
       {"\xEF\xBB\xBFnominal_stress / MPa,true_strain\n0.001,0.0953101798\n0.002,0.22314355131\n", ""},
@@ -151,4 +160,14 @@ TEST_CASE("columns in any unit and spelling of their heads are the same data", "
     CHECK((data.x - expected.x).norm() < 1e-9);
     CHECK((data.y - expected.y).norm() < 1e-6);
   }
+}
+
+TEST_CASE("shear strain and shear stress are the columns of a test in shear", "[identify]") {
+  const TemporaryFolder folder;
+  folder.write("data.csv", "Shear strain (%),Shear stress (kPa)\n10,0.4\n25,1\n");
+  const IdentifyTask task =
+      load_identify_task(folder.write("scene.yaml", scene_of({"", "", 0, "", "shear"})), built_in_catalog());
+  const MeasuredData data = load_data(task.tests.front());
+  CHECK(data.x.isApprox(Eigen::Vector2d(0.1, 0.25)));
+  CHECK(data.y.isApprox(Eigen::Vector2d(400, 1000)));
 }

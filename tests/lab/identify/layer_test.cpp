@@ -97,7 +97,12 @@ TEST_CASE("an indenter that goes down, stays and is drawn back gives E and relax
   CHECK(answer.numbers[1].value == Approx(g).epsilon(3e-3));
   CHECK(answer.numbers[2].value == Approx(tau).epsilon(3e-3));
   CHECK(answer.tests[0].relative_rms < 3e-3);
-  CHECK(force(3.9) == 0);  // contact is lost before the indenter is back
+  CHECK(force(3.9) == 0);                         // contact is lost before the indenter is back
+  std::string pressing = "time [s],force [N]\n";  // of a load cell that counts pulling
+  for (double t = 0.1; t < 4; t += 0.1) pressing += fmt::format("{:.6g},{:.9g}\n", t, -force(t));
+  folder.write("force.csv", pressing);
+  CHECK(identify(folder.write("scene.yaml", scene), kCatalog, {}).front().numbers[0].value ==
+        Approx(answer.numbers[0].value));
 }
 
 TEST_CASE("a sphere on a layer gives E and the point of contact from forces of a body of cells", "[identify][layer]") {
@@ -139,6 +144,47 @@ TEST_CASE("a contact point is found to a hundredth of the depth in noise of a fi
     within += std::abs(answer.numbers[1].value - touch) < 0.01 * depth;
   }
   CHECK(within > repeats * 9 / 10);
+}
+
+TEST_CASE("exact curves of indenters give E without a warning, whatever signs the machine gives them",
+          "[identify][layer]") {
+  struct Shape {
+    Indenter indenter;
+    double size;
+    std::string keys;
+  };
+  const TemporaryFolder folder;
+  for (const auto& [indenter, size, keys] : {Shape{Indenter::sphere, 1e-3, "{sphere: {radius: 1 mm}}"},
+                                             {Indenter::cone, 0.6, "{cone: {half_angle: 0.6 rad}}"},
+                                             {Indenter::flat, 1e-3, "{flat: {radius: 1 mm}}"}}) {
+    const IndentedLayer half_space(indenter, size, kInfinite, LayerBottom::bonded, 0.5);
+    for (const double of_depth : {1., -1.})
+      for (const double of_force : {1., -1.})
+        for (const std::string signs : {"", ", signs: pressing", ", signs: pulling"})
+          for (const bool named : {false, true}) {
+            std::string data =
+                named ? "Compressive extension (um),Compressive load (mN)\n" : "Extension (um),Load (mN)\n";
+            for (int i = -10; i <= 40; ++i)  // touches at 0
+              data += fmt::format("{},{:.12g}\n", of_depth * 2.5 * i,
+                                  of_force * 1e3 * 10e3 / 0.75 * half_space.force(2.5e-6 * i));
+            folder.write("bead.csv", data);
+            const std::string scene =
+                folder.write("scene.yaml",
+                             "material: {youngs_modulus: 5 kPa, poissons_ratio: 0.5}\nidentify:\n  starts: 1\n  tests: "
+                             "[{kind: indentation, file: bead.csv, indenter: " +
+                                 keys + signs + "}]\n");
+            INFO(keys << signs << " " << of_depth << " " << of_force);
+            if (signs.ends_with("pulling") && (of_depth < 0 || of_force < 0)) {
+              if (of_depth * of_force < 0)
+                CHECK_THROWS_WITH(identify(scene, kCatalog, {}), Contains("signs: pressing"));
+              continue;  // they stand as they are
+            }
+            const Answer answer = identify(scene, kCatalog, {}).front();
+            CHECK(answer.outcome == FitOutcome::converged);
+            CHECK(answer.numbers.front().value == Approx(10e3).epsilon(1e-6));
+            for (const std::string& warning : answer.warnings) FAIL_CHECK(warning);
+          }
+  }
 }
 
 TEST_CASE("a sphere that sticks is drawn off by Johnson, Kendall and Roberts's force", "[identify][layer]") {

@@ -439,6 +439,57 @@ TEST_CASE("zero points, tears and branches of curves", "[identify][machines]") {
   CHECK((branches[2].begin == 5 && branches[2].end == 9 && branches[2].loading));
 }
 
+TEST_CASE("a record of relaxation is read from where the load begins, and by its sign", "[identify][machines]") {
+  const TemporaryFolder folder;
+  const auto held = [](double strain) { return 2 * kConstant * (1 + strain - 1 / ((1 + strain) * (1 + strain))); };
+  const std::string head = "Time (s),nominal_stress [Pa]\n", pressed = "Time (s),Compressive stress (Pa)\n";
+  /// @param clock when the strain is there
+  const auto record = [&](double stress, double clock = 0) {
+    std::string text;
+    for (int i = 1; i <= 200; ++i) {
+      const double t = 0.01 * i * i / 10;
+      text += fmt::format("{:.6f},{:.9g}\n", clock + t, stress * (0.7 + 0.3 * std::exp(-t / 2)));
+    }
+    return text;
+  };
+  const auto found = [&](const std::string& text, const std::string& keys) {
+    return answer_of(folder, text, keys, "relaxation",
+                     "law: yeoh, terms: [1 kPa], relaxation: {terms: [[0.1, 1 s]], moduli: instantaneous}");
+  };
+  struct Case {
+    std::string what, text, keys, warning;
+    bool true_numbers = true;
+  };
+  const double pulls = held(0.2), presses = held(-0.2);
+  const std::string slow = fmt::format("0.1,{}\n0.3,{}\n0.5,{}\n", 0.2 * pulls, 0.6 * pulls, 0.9 * pulls);
+  const std::vector<Case> cases{
+      {"from the step on", head + record(pulls), ", strain: 0.2", ""},
+      {"a row at rest", head + "0,0\n" + record(pulls), ", strain: 0.2", ""},
+      {"rows at rest", head + "0,0\n1,1e-3\n2,-1e-3\n3.2,0\n" + record(pulls, 3.2), ", strain: 0.2",
+       "no load until 3.2 s, so time counts from there"},
+      {"the machine's clock", head + record(pulls, 3.2), ", strain: 0.2", "if the file has the machine's clock", false},
+      {"a ramp that is not stated", head + slow + record(pulls, 0.5), ", strain: 0.2", "the load grows until 0.501 s",
+       false},
+      {"pressed, with its sign", head + record(presses), ", strain: -0.2", ""},
+      {"pressed, counted positive", head + record(-presses), ", strain: -0.2", ""},
+      {"pressed, by its name", pressed + record(-presses), ", strain: -0.2", ""},
+      {"pressed, as the scene says", head + record(-presses), ", strain: -0.2, signs: pressing", ""}};
+  for (const Case& one : cases) {
+    INFO(one.what);
+    const Answer answer = found(one.text, one.keys);
+    const std::string warnings = joined(answer.warnings);
+    INFO(warnings);
+    CHECK(has(warnings, one.warning));
+    if (one.warning.empty()) CHECK(answer.warnings.size() == 0);
+    if (!one.true_numbers) continue;
+    CHECK(answer.numbers[0].value == Approx(kConstant).epsilon(1e-4));
+    CHECK(answer.numbers[1].value == Approx(0.3).epsilon(1e-4));
+    CHECK(answer.numbers[2].value == Approx(2).epsilon(1e-4));
+  }
+  CHECK(has(message_of([&] { found(head + record(presses), ", strain: 0.2"); }), "write strain: -20 %"));
+  CHECK(has(message_of([&] { found(pressed + record(pulls), ", strain: 0.2"); }), "write strain: -20 %"));
+}
+
 TEST_CASE("relaxation of 36 000 rows gives its terms", "[identify][machines][slow]") {
   const TemporaryFolder folder;
   Scatter scatter;
