@@ -3,13 +3,17 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <limits>
+#include <map>
 #include <memory>
 #include <random>
 #include <set>
 #include <utility>
 
+#include "core/base/disjoint_sets.h"
 #include "core/base/random.h"
 #include "core/geometry/boundary.h"
+#include "core/geometry/box_tree.h"
 #include "core/geometry/triangle_tree.h"
 #include "core/parallel/parallel.h"
 #include "elastin/core/base/error.h"
@@ -236,39 +240,207 @@ void leave_out_isolated(Filling& filling) {
   filling.positions = filling.positions(Eigen::all, left).eval();
 }
 
-}  // namespace
+/// Closed or open, of triangles that hang together over points.
+struct Component {
+  std::vector<int> triangles;
+  Box box{Vector3::Constant(std::numeric_limits<double>::infinity()),
+          Vector3::Constant(-std::numeric_limits<double>::infinity())};
+  Vector3 area = Vector3::Zero();  ///< Σ area vectors [m²], 0 where it is closed
+  double size = 0;                 ///< Σ areas [m²]
+  double volume = 0;               ///< [m³], < 0 of one that bounds a cavity
+  bool is_closed() const { return area.norm() <= 1e-6 * size; }
+};
 
-FillRegion::FillRegion(const Positions& points, const Cells<3>& triangles, bool by_winding_number)
-    : tree_(new Inside{TriangleTree(points, triangles),
-                       by_winding_number ? std::make_unique<WindingNumber>(points, triangles) : nullptr}) {}
-FillRegion::~FillRegion() = default;
+std::vector<Component> components_of(const Positions& points, const Cells<3>& triangles) {
+  DisjointSets sets(static_cast<std::size_t>(points.cols()));
+  for (const auto& [a, b, c] : triangles) sets.join(a, b), sets.join(b, c);
+  std::map<int, std::size_t> numbers;
+  std::vector<Component> components;
+  for (std::size_t t = 0; t < triangles.size(); ++t) {
+    const auto [found, fresh] = numbers.try_emplace(sets.set_of(triangles[t][0]), components.size());
+    if (fresh) components.emplace_back();
+    Component& own = components[found->second];
+    own.triangles.push_back(static_cast<int>(t));
+    for (const int corner : triangles[t])
+      own.box = {own.box.low.cwiseMin(points.col(corner)), own.box.high.cwiseMax(points.col(corner))};
+  }
+  for (Component& own : components)
+    for (const int t : own.triangles) {
+      const Vector3 a = points.col(triangles[t][0]), b = points.col(triangles[t][1]), c = points.col(triangles[t][2]);
+      const Vector3 area = (b - a).cross(c - a) / 2;
+      own.area += area, own.size += area.norm(), own.volume += area.dot(a - own.box.middle()) / 3;
+    }
+  return components;
+}
 
-Filling FillRegion::fill(const FillOptions& options) const {
+/// Some triangles with their points alone.
+std::pair<Positions, Cells<3>> alone(const Positions& points, const Cells<3>& triangles,
+                                     const std::vector<int>& wanted) {
+  std::map<int, int> numbers;
+  Cells<3> own;
+  for (const int t : wanted)
+    for (int& corner : own.emplace_back(triangles[t]))
+      corner = numbers.try_emplace(corner, static_cast<int>(numbers.size())).first->second;
+  Positions positions(3, static_cast<Eigen::Index>(numbers.size()));
+  for (const auto& [from, to] : numbers) positions.col(to) = points.col(from);
+  return {positions, own};
+}
+
+/// Of components that do not cross: each with the one whose cavity it bounds.
+void join_cavities(const Positions& points, const Cells<3>& triangles, const std::vector<Component>& components,
+                   DisjointSets& shells) {
+  const auto count = static_cast<int>(components.size());
+  std::vector<std::vector<int>> holders(components.size());
+  for (int outer = 0; outer < count; ++outer) {
+    const Component& own = components[outer];
+    std::unique_ptr<TriangleTree> tree;
+    for (int inner = 0; inner < count; ++inner) {
+      const Component& other = components[inner];
+      if (inner == outer || (other.box.low.array() < own.box.low.array()).any() ||
+          (other.box.high.array() > own.box.high.array()).any())
+        continue;
+      if (!tree) {
+        auto [own_points, own_triangles] = alone(points, triangles, own.triangles);
+        tree = std::make_unique<TriangleTree>(std::move(own_points), std::move(own_triangles));
+      }
+      constexpr std::size_t samples = 64;
+      double furthest = 0;  // corners of shells that touch lie at 0
+      for (std::size_t i = 0; i < other.triangles.size(); i += 1 + other.triangles.size() / samples)
+        if (const double distance = tree->signed_distance(points.col(triangles[other.triangles[i]][0]));
+            std::abs(distance) > std::abs(furthest))
+          furthest = distance;
+      if ((own.volume < 0 ? -furthest : furthest) < 0) holders[inner].push_back(outer);
+    }
+  }
+  for (int inner = 0; inner < count; ++inner)
+    for (const int outer : holders[inner])
+      if (holders[inner].size() % 2 == 1 && holders[outer].size() + 1 == holders[inner].size())
+        shells.join(inner, outer);
+}
+
+/// Of components that may cross or stay open: those whose boxes touch, and all that are open.
+void join_near(const std::vector<Component>& components, DisjointSets& shells) {
+  std::vector<int> closed;
+  Box open{Vector3::Constant(std::numeric_limits<double>::infinity()),
+           Vector3::Constant(-std::numeric_limits<double>::infinity())};
+  int first_open = -1;
+  for (int own = 0; own < static_cast<int>(components.size()); ++own) {
+    if (components[own].is_closed()) {
+      closed.push_back(own);
+      continue;
+    }
+    if (first_open < 0) first_open = own;
+    shells.join(first_open, own);
+    open = {open.low.cwiseMin(components[own].box.low), open.high.cwiseMax(components[own].box.high)};
+  }
+  for (std::size_t i = 0; i < closed.size(); ++i) {
+    const Box& own = components[closed[i]].box;
+    if (first_open >= 0 && !(own.distance(open) > 0)) shells.join(closed[i], first_open);
+    for (std::size_t other = 0; other < i; ++other)
+      if (!(own.distance(components[closed[other]].box) > 0)) shells.join(closed[i], closed[other]);
+  }
+}
+
+Filling fill_shell(const Inside& tree, const FillOptions& options) {
   Filling filling;
-  filling.surface_volume =
-      tree_->winding ? volume_by_points(*tree_) : volume_inside(tree_->points(), tree_->triangles());
-  const Vector3 box = tree_->points().rowwise().maxCoeff() - tree_->points().rowwise().minCoeff();
+  filling.surface_volume = tree.winding ? volume_by_points(tree) : volume_inside(tree.points(), tree.triangles());
+  const Vector3 box = tree.points().rowwise().maxCoeff() - tree.points().rowwise().minCoeff();
   check_count((box.array() / options.spacing + 1).prod(), "in the surface's box", options);
-  if (options.follow) check_count(area_of(*tree_) / options.spacing / options.spacing, "on the surface", options);
+  if (options.follow) check_count(area_of(tree) / options.spacing / options.spacing, "on the surface", options);
   SpacedPoints found(options.spacing);
-  if (options.follow) add_surface_points(tree_->points(), tree_->triangles(), options.spacing, options.seed, found);
+  if (options.follow) add_surface_points(tree.points(), tree.triangles(), options.spacing, options.seed, found);
   filling.on_surface = found.size();
-  options.packing == FillPacking::lattice ? add_lattice(*tree_, options, found)
-                                          : add_blue_noise(*tree_, options, found);
+  options.packing == FillPacking::lattice ? add_lattice(tree, options, found) : add_blue_noise(tree, options, found);
   filling.positions.resize(3, found.size());
   for (int m = 0; m < found.size(); ++m) filling.positions.col(m) = found.positions()[m];
-  if (found.size() >= 4) filling.tetrahedra = tetrahedra_inside(*tree_, filling.positions, filling.on_surface);
+  if (found.size() >= 4) filling.tetrahedra = tetrahedra_inside(tree, filling.positions, filling.on_surface);
   peel(filling.positions, filling.tetrahedra);
-  if (filling.tetrahedra.empty())
-    throw InputError("the spacing of " + number(options.spacing) +
-                     " m is too wide: no tetrahedron fits inside the surface, "
-                     "whose longest side is " +
-                     number(box.maxCoeff()) + " m");
+  if (filling.tetrahedra.empty()) return filling;
   leave_out_isolated(filling);
   const VectorX masses = lumped_mass(filling.positions, {}, filling.tetrahedra, 1, 0);
   filling.volume = masses.sum();
-  if (tree_->winding && !(filling.surface_volume > 0)) filling.surface_volume = filling.volume;
+  if (tree.winding && !(filling.surface_volume > 0)) filling.surface_volume = filling.volume;
   filling.share = masses / filling.volume;
+  return filling;
+}
+
+/// One filling of several, whose molecules on the surface come first.
+Filling together(const std::vector<Filling>& all) {
+  Filling whole;
+  Eigen::Index molecules = 0;
+  for (const Filling& own : all) {
+    if (own.tetrahedra.empty()) {
+      ++whole.empty_shells;
+      continue;
+    }
+    molecules += own.positions.cols();
+    whole.on_surface += own.on_surface, whole.left_out += own.left_out;
+    whole.surface_volume += own.surface_volume, whole.volume += own.volume;
+  }
+  whole.positions.resize(3, molecules);
+  whole.share.resize(molecules);
+  whole.shell.resize(static_cast<std::size_t>(molecules));
+  int on_surface = 0, inside = whole.on_surface;
+  for (std::size_t shell = 0; shell < all.size(); ++shell) {
+    const Filling& own = all[shell];
+    if (own.tetrahedra.empty()) continue;
+    std::vector<int> numbers;
+    for (int m = 0; m < own.positions.cols(); ++m) {
+      const int number = m < own.on_surface ? on_surface++ : inside++;
+      numbers.push_back(number);
+      whole.positions.col(number) = own.positions.col(m);
+      whole.share[number] = own.share[m] * (own.surface_volume / whole.surface_volume);
+      whole.shell[number] = static_cast<int>(shell);
+    }
+    for (auto cell : own.tetrahedra) {
+      for (int& corner : cell) corner = numbers[corner];
+      whole.tetrahedra.push_back(cell);
+    }
+  }
+  return whole;
+}
+
+}  // namespace
+
+FillRegion::FillRegion(const Positions& points, const Cells<3>& triangles, bool by_winding_number) {
+  const std::vector<Component> components = components_of(points, triangles);
+  DisjointSets sets(components.size());
+  by_winding_number ? join_near(components, sets) : join_cavities(points, triangles, components, sets);
+  std::map<int, std::vector<int>> shells;
+  std::map<int, int> bodies;
+  for (int own = 0; own < static_cast<int>(components.size()); ++own) {
+    std::vector<int>& all = shells[sets.set_of(own)];
+    all.insert(all.end(), components[own].triangles.begin(), components[own].triangles.end());
+    if (by_winding_number && components[own].is_closed() && components[own].volume > 0)
+      filled_as_one_ = std::max(filled_as_one_, ++bodies[sets.set_of(own)]);
+  }
+  for (const auto& [set, own] : shells) {
+    auto [own_points, own_triangles] =
+        shells.size() == 1 ? std::pair(points, triangles) : alone(points, triangles, own);
+    std::unique_ptr<WindingNumber> winding;
+    if (by_winding_number) winding = std::make_unique<WindingNumber>(own_points, own_triangles);
+    shells_.emplace_back(new Inside{TriangleTree(std::move(own_points), std::move(own_triangles)), std::move(winding)});
+  }
+}
+FillRegion::~FillRegion() = default;
+
+Filling FillRegion::fill(const FillOptions& options) const {
+  std::vector<Filling> all;
+  FillOptions own = options;
+  for (const auto& shell : shells_) {
+    all.push_back(fill_shell(*shell, own));
+    own.most_molecules -= static_cast<double>(all.back().positions.cols());
+  }
+  Filling filling = together(all);
+  if (filling.tetrahedra.empty()) {
+    double longest = 0;
+    for (const auto& shell : shells_)
+      longest =
+          std::max(longest, (shell->points().rowwise().maxCoeff() - shell->points().rowwise().minCoeff()).maxCoeff());
+    throw InputError("the spacing of " + number(options.spacing) +
+                     " m is too wide: no tetrahedron fits inside the surface, whose longest side is " +
+                     number(longest) + " m");
+  }
   filling.slivers = hull::count_slivers(filling.positions, filling.tetrahedra);
   return filling;
 }
@@ -278,17 +450,17 @@ Connections FillRegion::connections_within(const Filling& filling, double reach)
   const std::vector<std::array<int, 2>> sides = sides_of(filling.tetrahedra);
   VectorX depth(filling.positions.cols());
   parallel_for(static_cast<int>(depth.size()),
-               [&](int m) { depth[m] = -tree_->signed_distance(filling.positions.col(m)); });
+               [&](int m) { depth[m] = -shells_[filling.shell[m]]->signed_distance(filling.positions.col(m)); });
   std::vector<char> kept(near.ends.size());
   parallel_for(near.size(), [&](int c) {
     const auto& [a, b] = near.ends[c];
     const double length = near.rest_length[c];
     const Vector3 from = filling.positions.col(a), segment = filling.positions.col(b) - from;
-    bool sees = true;
+    bool sees = filling.shell[a] == filling.shell[b];
     constexpr int parts = 8;
     if (depth[a] + depth[b] < length)  // else the way lies in two spheres that are inside
       for (int part = 1; part < parts && sees; ++part)
-        sees = tree_->signed_distance(from + segment * part / parts) <= 0.05 * length;
+        sees = shells_[filling.shell[a]]->signed_distance(from + segment * part / parts) <= 0.05 * length;
     kept[c] = sees || std::binary_search(sides.begin(), sides.end(), std::array{a, b});
   });
   Connections connections;

@@ -1,6 +1,7 @@
 #pragma once
 #include <cstdint>
 #include <memory>
+#include <vector>
 
 #include "elastin/core/model/body.h"
 
@@ -21,16 +22,19 @@ struct FillOptions {
   double most_molecules = 5e6;  ///< that the surface's bounding box may hold, and the surface
 };
 
-/// What fills a surface.
+/// What fills a surface. Shells that are not in each other are filled each by itself, so that no gap between them is
+/// closed, however narrow it is; a shell in another one bounds a cavity of it.
 struct Filling {
   Positions positions;        ///< [m]; those on the surface come first
   int on_surface = 0;         ///< how many of them
   Cells<4> tetrahedra;        ///< Delaunay's, without those outside; every molecule is a corner of one
-  double surface_volume = 0;  ///< inside the surface [m³], by the divergence theorem; by winding number to 0.5 %
+  double surface_volume = 0;  ///< in the filled shells [m³], by the divergence theorem; by winding number to 0.5 %
   double volume = 0;          ///< of the tetrahedra [m³]
-  VectorX share;              ///< of the volume, one a molecule; they sum to 1
+  VectorX share;              ///< of surface_volume, one a molecule; they sum to 1
   int left_out = 0;           ///< molecules that no tetrahedron inside needed
   int slivers = 0;            ///< see count_slivers
+  std::vector<int> shell;     ///< that each molecule fills
+  int empty_shells = 0;       ///< too small for a tetrahedron at this spacing
 };
 
 /// The space in a surface whose normals look outwards: of one in which check_surface finds nothing wrong by its
@@ -42,6 +46,11 @@ class FillRegion {
   FillRegion(const Positions& points, const Cells<3>& triangles, bool by_winding_number = false);
   ~FillRegion();
 
+  /// Shells that are not in each other.
+  int shells() const { return static_cast<int>(shells_.size()); }
+  /// How many bodies are filled as one at most, because their boxes touch; 1 unless it is by winding number.
+  int filled_as_one() const { return filled_as_one_; }
+
   /// Fills it with molecules and tetrahedra. The same options give the same filling. Cost O(n log n). Throws InputError
   /// where the spacing is too wide for one tetrahedron, or so narrow that there are more molecules than are taken.
   Filling fill(const FillOptions& options) const;
@@ -51,7 +60,8 @@ class FillRegion {
   Connections connections_within(const Filling& filling, double reach) const;
 
  private:
-  std::unique_ptr<Inside> tree_;
+  std::vector<std::unique_ptr<Inside>> shells_;
+  int filled_as_one_ = 1;
 };
 
 }  // namespace elastin::mesh

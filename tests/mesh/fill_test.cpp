@@ -208,3 +208,46 @@ TEST_CASE("a spacing that fits no tetrahedron, or too many molecules, is refused
   CHECK_THROWS_WITH(fill(ball(), {0.1, FillPacking::lattice, 1, false}), Catch::Contains("too wide"));
   CHECK_THROWS_WITH(fill(ball(), {1e-5, FillPacking::lattice, 1, true}), Catch::Contains("at most 5e+06"));
 }
+
+TEST_CASE("shells that are not in each other are filled apart, however narrow the gap", "[fill]") {
+  const auto with_another = [](double scale, const Vector3& at) {
+    Body both = box();
+    const auto count = static_cast<int>(both.rest.cols());
+    const Cells<3> triangles = both.triangles;
+    both.rest.conservativeResize(3, 2 * count);
+    both.rest.rightCols(count) = (scale * both.rest.leftCols(count)).colwise() + at;
+    for (const auto& [a, b, c] : triangles) both.triangles.push_back({a + count, b + count, c + count});
+    return both;
+  };
+  const Body two = with_another(1, {4.1, 0, 0});
+  for (const bool by_winding_number : {false, true})
+    for (const FillPacking packing : {FillPacking::lattice, FillPacking::blue_noise}) {
+      const FillRegion inside(two.rest, two.triangles, by_winding_number);
+      CHECK(inside.shells() == 2);
+      CHECK(inside.filled_as_one() == 1);
+      const Filling filling = inside.fill({0.5, packing, 1, true});
+      CHECK(filling.empty_shells == 0);
+      CHECK(filling.volume == Approx(32).epsilon(1e-9));
+      CHECK(filling.share.sum() == Approx(1).epsilon(1e-12));
+      const auto is_first = [&](int m) { return filling.positions(0, m) < 4.05; };
+      for (const auto& cell : filling.tetrahedra)
+        for (const int corner : cell) REQUIRE(is_first(corner) == is_first(cell[0]));
+      for (const auto& [a, b] : inside.connections_within(filling, 1).ends) REQUIRE(is_first(a) == is_first(b));
+    }
+  // A body in a cavity is one of its own, the shell of the cavity is not.
+  const Body nested = carved({7, 7, 7}, [](const Vector3& cube) {
+    const double out = (cube - Vector3::Constant(3.5)).cwiseAbs().maxCoeff();
+    return out > 2.5 || out < 1.5;
+  });
+  const FillRegion inside(nested.rest, nested.triangles);
+  CHECK(inside.shells() == 2);
+  const Filling filling = inside.fill({0.9, FillPacking::blue_noise, 1, true});
+  CHECK(filling.surface_volume == Approx(343 - 125 + 27).epsilon(1e-12));
+  CHECK(filling.volume == Approx(filling.surface_volume).epsilon(0.02));
+  // What no tetrahedron fits into is left out and counted.
+  const Body speck = with_another(0.01, {5, 0, 0});
+  const Filling without = fill(speck, {0.5, FillPacking::lattice, 1, false});
+  CHECK(without.empty_shells == 1);
+  CHECK(without.surface_volume == Approx(16).epsilon(1e-12));
+  CHECK(without.share.sum() == Approx(1).epsilon(1e-12));
+}

@@ -122,7 +122,10 @@ TEST_CASE("surfaces that stay open or overlap are filled by their winding number
   const Mesh two = load_mesh(std::string(ELASTIN_TEST_DATA) + "/mesh/data/brought/surf_two_overlapping.stl");
   const RepairedSurface surface = repair_surface(1e-3 * two.points, two.triangles);
   CHECK(surface.repairs.empty());
-  const Filling filling = FillRegion(surface.points, surface.triangles, true).fill(options);
+  const FillRegion inside(surface.points, surface.triangles, true);
+  CHECK(inside.shells() == 1);
+  CHECK(inside.filled_as_one() == 2);
+  const Filling filling = inside.fill(options);
   CHECK(filling.volume == Approx(1.875e-6).epsilon(0.03));
   CHECK(filling.surface_volume == Approx(1.875e-6).epsilon(0.005));  // by points
 }

@@ -23,13 +23,19 @@ struct FillSetup : MeshFile, CellOrder, mesh::FillOptions {
   std::optional<Reader> place, spacing_place;
 };
 
-void report(const std::string& path, const std::string& name, const mesh::Filling& filling, Remarks remarks) {
+void report(const std::string& path, const std::string& name, const mesh::FillRegion& inside,
+            const mesh::Filling& filling, Remarks remarks) {
   const double part = filling.volume / filling.surface_volume;
   remarks.notes.push_back(fmt::format(
       "{} filled: {} molecules, {} of them on the surface, {} tetrahedra; volume {:.2f} % of the surface's {:.5g} cm3, "
-      "masses scaled to the surface's; a computed reference is that of these cells",
+      "masses scaled to the surface's; a computed reference is that of these cells{}",
       name, filling.positions.cols(), filling.on_surface, filling.tetrahedra.size(), 100 * part,
-      1e6 * filling.surface_volume));
+      1e6 * filling.surface_volume,
+      inside.shells() > 1 ? fmt::format("; its {} separate shells are filled each by itself", inside.shells()) : ""));
+  if (filling.empty_shells > 0)
+    remarks.warnings.push_back(fmt::format(
+        "{}: {} of {} separate shells are left out, because no tetrahedron fits inside them: give a smaller spacing",
+        path, filling.empty_shells, inside.shells()));
   if (filling.slivers > 0)
     remarks.warnings.push_back(
         fmt::format("{}: {} of {} tetrahedra are nearly flat (below 1e-4 of the cube of their longest side)", path,
@@ -62,17 +68,23 @@ Body fill(const FillSetup& setup, ShapeContext& context) {
     file.fail("'" + name + "' encloses no volume that could be filled: " + wrong +
               (surface.repairs.empty() ? "" : " after its repair: " + listed(surface.repairs)));
   if (!surface.repairs.empty()) context.remarks.notes.push_back(name + " repaired: " + listed(surface.repairs));
+  const mesh::FillRegion inside(surface.points, surface.triangles, !wrong.empty());
   if (!wrong.empty())
     context.remarks.warnings.push_back(
         fmt::format("{}: {}; what it goes round at least half a time is inside (winding number), and its volume is "
-                    "measured to 0.5 %",
-                    setup.place->path(), wrong));
+                    "measured to 0.5 %{}",
+                    setup.place->path(), wrong,
+                    inside.filled_as_one() > 1
+                        ? fmt::format("; its {} shells next to each other are filled as one body, which closes gaps "
+                                      "between them that are narrower than the spacing: repair the surface, or give a "
+                                      "smaller spacing",
+                                      inside.filled_as_one())
+                        : ""));
 
   mesh::FillOptions options = setup;
   options.most_molecules = std::min(options.most_molecules, file.most_molecules());
-  const mesh::FillRegion inside(surface.points, surface.triangles, !wrong.empty());
   const mesh::Filling filling = setup.spacing_place->located([&] { return inside.fill(options); });
-  report(setup.place->path(), file.text(), filling, context.remarks);
+  report(setup.place->path(), file.text(), inside, filling, context.remarks);
   Body body;
   body.rest = filling.positions;
   context.volumes = filling.surface_volume * filling.share;
