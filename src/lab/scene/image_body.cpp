@@ -89,12 +89,16 @@ void ImageBoxes::set_packing(Body& body) const {
   const double distance = setup_.spacing.value_or(2 * std::cbrt(steps.prod()));
   setup_.file->check_size((sides.array() / distance + 1).prod());
   const Body whole = random_packing(sides, distance, 1.5 * distance, setup_.seed);
-  const auto inside = [&](const Vector3& at) {
+  const auto box_at = [&](const Vector3& at) {
     std::array<int, 3> box{};
     for (int axis = 0; axis < 3; ++axis)
       box[axis] = box_of_[axis][std::clamp(range_.first[axis] + static_cast<int>(at[axis] / steps[axis]),
                                            range_.first[axis], range_.last[axis] - 1)];
-    return is_body(box[0], box[1], box[2]);
+    return index(box[0], box[1], box[2]);
+  };
+  const auto inside = [&](const Vector3& at) { return boxes_[box_at(at)].label >= 0; };
+  const auto in_one_piece = [&](int a, int b) {
+    return pieces_.empty() || pieces_[box_at(whole.rest.col(a))] == pieces_[box_at(whole.rest.col(b))];
   };
   std::vector<int> number(whole.size(), -1), kept;
   for (int a = 0; a < whole.size(); ++a)
@@ -105,7 +109,7 @@ void ImageBoxes::set_packing(Body& body) const {
     body.rest.col(static_cast<Eigen::Index>(i)) = setup_.length_unit * (image_.origin + image_.steps * voxel);
   }
   for (const auto& [a, b] : whole.connections.ends)
-    if (number[a] >= 0 && number[b] >= 0 && inside((whole.rest.col(a) + whole.rest.col(b)) / 2))
+    if (number[a] >= 0 && number[b] >= 0 && in_one_piece(a, b) && inside((whole.rest.col(a) + whole.rest.col(b)) / 2))
       body.connections.ends.push_back({number[a], number[b]});
   body.connections.rest_length.resize(body.connections.ends.size());
   set_present_lengths(body);

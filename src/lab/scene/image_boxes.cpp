@@ -9,7 +9,6 @@
 #include <set>
 #include <utility>
 
-#include "core/base/disjoint_sets.h"
 #include "core/simulation/warnings.h"
 #include "elastin/core/base/text.h"
 
@@ -361,6 +360,7 @@ void ImageBoxes::find_pieces() {
     if (is_body(x, y - 1, z)) sets.join(own, static_cast<int>(index(x, y - 1, z)));
     if (is_body(x, y, z - 1)) sets.join(own, static_cast<int>(index(x, y, z - 1)));
   });
+  if (voxels_ != std::array{1, 1, 1} && !setup_.largest) warn_of_joined_pieces(sets);
   std::map<int, std::size_t> pieces;
   for_body([&](const Box&, const std::array<int, 3>& at) {
     ++pieces[sets.set_of(static_cast<int>(index(at[0], at[1], at[2])))];
@@ -374,6 +374,7 @@ void ImageBoxes::find_pieces() {
                                        setup_.file->path(), pieces.size(), largest->second, all);
   if (!setup_.largest) {
     context_.remarks.warnings.push_back(text + "; `pieces: largest` keeps that alone");
+    for (std::size_t box = 0; box < boxes_.size(); ++box) pieces_.push_back(sets.set_of(static_cast<int>(box)));
     return;
   }
   for (std::size_t box = 0; box < boxes_.size(); ++box)
@@ -386,6 +387,66 @@ void ImageBoxes::find_pieces() {
   if (range_.first == before.first && range_.last == before.last) return;
   lay();
   find_pieces();
+}
+
+/// Boxes of several voxels close gaps between pieces of the image, in which they are half or more body.
+void ImageBoxes::warn_of_joined_pieces(DisjointSets& boxes) const {
+  struct VoxelRun {
+    int first, last;  ///< voxels along x, of which the last is not in it
+  };
+  const int rows = range_.last[1] - range_.first[1];
+  std::vector<VoxelRun> runs;
+  std::vector<std::size_t> begin{0};  // of each row of voxels
+  for (int z = range_.first[2]; z < range_.last[2]; ++z)
+    for (int y = range_.first[1]; y < range_.last[1]; ++y) {
+      for (int x = range_.first[0]; x < range_.last[0]; ++x) {
+        if (label_of(x, y, z) < 0) continue;
+        if (runs.size() > begin.back() && runs.back().last == x)
+          ++runs.back().last;
+        else
+          runs.push_back({x, x + 1});
+      }
+      begin.push_back(runs.size());
+    }
+  DisjointSets pieces(runs.size());
+  const auto join_rows = [&](std::size_t row, std::size_t before) {
+    for (std::size_t a = begin[row], b = begin[before]; a < begin[row + 1] && b < begin[before + 1];) {
+      if (runs[a].first < runs[b].last && runs[b].first < runs[a].last)
+        pieces.join(static_cast<int>(a), static_cast<int>(b));
+      runs[a].last < runs[b].last ? ++a : ++b;
+    }
+  };
+  const auto in_layer = static_cast<std::size_t>(rows);
+  for (std::size_t row = 0; row + 1 < begin.size(); ++row) {
+    if (row % in_layer > 0) join_rows(row, row - 1);
+    if (row >= in_layer) join_rows(row, row - in_layer);
+  }
+  std::map<int, std::map<int, std::size_t>> found;  // of each piece of voxels, how many lie in each piece of boxes
+  std::size_t all = 0;
+  for (std::size_t row = 0; row + 1 < begin.size(); ++row)
+    for (std::size_t run = begin[row]; run < begin[row + 1]; ++run)
+      for (int x = runs[run].first; x < runs[run].last; ++x, ++all) {
+        const std::size_t box = box_with(x, range_.first[1] + static_cast<int>(row % in_layer),
+                                         range_.first[2] + static_cast<int>(row / in_layer));
+        if (boxes_[box].label >= 0) ++found[pieces.set_of(static_cast<int>(run))][boxes.set_of(static_cast<int>(box))];
+      }
+  constexpr std::size_t speck = 100;  // a piece of less than one in this many voxels
+  std::map<int, int> joined;          // pieces of voxels, by the piece of boxes that most of each lies in
+  for (const auto& [piece, in_boxes] : found) {
+    std::size_t own = 0;
+    for (const auto& [boxes_piece, count] : in_boxes) own += count;
+    const auto most = std::max_element(in_boxes.begin(), in_boxes.end(),
+                                       [](const auto& a, const auto& b) { return a.second < b.second; });
+    if (own * speck >= all) ++joined[most->first];
+  }
+  int separate = 0;
+  for (const auto& [piece, count] : joined) separate += count;
+  if (separate == static_cast<int>(joined.size())) return;
+  context_.remarks.warnings.push_back(fmt::format(
+      "{}: {} pieces of the image that share no face make {} of the body: boxes of {} x {} x {} voxels close the gaps "
+      "between them; write a smaller `spacing`, or `pieces: largest` to keep one of them",
+      setup_.file->path(), separate, counted(static_cast<std::ptrdiff_t>(joined.size()), "piece"), voxels_[0],
+      voxels_[1], voxels_[2]));
 }
 
 /// Of a body that grows wider from a grip on, boxes next to the grip have body next to it, which no support holds, and

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "core/base/disjoint_sets.h"
 #include "lab/run/body_image.h"
 #include "lab/scene/parts.h"
 #include "mesh/image_values.h"
@@ -139,6 +140,7 @@ class ImageBoxes {
   void close_holes();
   void keep_largest_piece();
   void find_pieces();
+  void warn_of_joined_pieces(DisjointSets& boxes) const;
   void cut_ends();
   void warn_of_rough_end(int side, const std::map<std::size_t, int>& outermost,
                          const std::map<std::size_t, int>& next) const;
@@ -171,6 +173,7 @@ class ImageBoxes {
   std::vector<std::int16_t> relabelled_;    ///< labels of the voxels, x first; empty where they are the image's
   std::vector<bool> closed_;                ///< voxels of closed holes that are filled; empty without any
   std::vector<Box> boxes_;
+  std::vector<int> pieces_;  ///< of each box, where there are several that share no face
   std::vector<ImageLabel> labels_;
   std::vector<Material> materials_;         ///< of the labels, where they are parts
   std::vector<int> numbers_;                ///< of each corner of the grid; −1: none

@@ -288,7 +288,32 @@ TEST_CASE("image: larger boxes, and the part of them that is body", "[image]") {
   const auto part = scene_of(folder, image, ", spacing: 2 mm, fill_fraction: true");
   CHECK(part->specimen.body.mass.sum() == Approx(64e-6));
   CHECK(modulus(*part) == Approx(5e3).epsilon(1e-6));
-  CHECK_THAT(part->warnings.front(), Contains("2 times what is filled: give `cross_section`"));
+  CHECK_THAT(part->warnings.back(), Contains("2 times what is filled: give `cross_section`"));
+}
+
+TEST_CASE("image: boxes that close the gap between pieces are warned of, and springs do not cross it", "[image]") {
+  const TemporaryFolder folder;
+  const auto gap = [](int, int, int z) { return z != 4; };
+  const auto joined = [](const Scene& scene) {
+    return std::any_of(scene.warnings.begin(), scene.warnings.end(), [](const std::string& warning) {
+      return warning.find(
+                 "2 pieces of the image that share no face make 1 piece of the body: boxes of 1 x 2 x 2 "
+                 "voxels") != std::string::npos;
+    });
+  };
+  CHECK(joined(*scene_of(folder, nrrd({4, 4, 9}, gap), ", spacing: 2 mm")));
+  CHECK(!joined(*scene_of(folder, nrrd({4, 4, 9}, gap), ", spacing: 2 mm, pieces: largest")));
+  // A gap that stays, a speck and one piece with a slot are none of it.
+  CHECK(!joined(*scene_of(folder, nrrd({4, 4, 10}, [](int, int, int z) { return z / 2 != 2; }), ", spacing: 2 mm")));
+  CHECK(!joined(*scene_of(folder,
+                          nrrd({4, 8, 20}, [](int x, int y, int z) { return z > 1 || (z == 0 && x == 0 && y == 0); }),
+                          ", spacing: 2 mm")));
+  CHECK(!joined(
+      *scene_of(folder, nrrd({4, 4, 9}, [](int x, int, int z) { return z != 4 || x == 0; }), ", spacing: 2 mm")));
+  const auto packing =
+      scene_of(folder, nrrd({10, 20, 20}, [](int, int, int z) { return z != 10; }), ", as: packing", "standard");
+  const Body& body = packing->specimen.body;
+  for (const auto& [a, b] : body.connections.ends) REQUIRE((body.rest(2, a) < 10.5e-3) == (body.rest(2, b) < 10.5e-3));
 }
 
 TEST_CASE("image: boxes next to a grip are as full as their sides at its plane", "[image]") {
