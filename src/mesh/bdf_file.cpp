@@ -77,13 +77,14 @@ class BdfReader {
 
   [[noreturn]] void fail(std::string_view at, const std::string& message) const { sources_.fail(at, message); }
 
-  /// The fields of a line: between commas, or in columns of 8, of which the middle ones are 16 wide behind a *; a tab
-  /// goes on to the next multiple of 8.
+  /// The name and 8 fields of a line, or 4 behind a *: between commas, or in columns of 8, of which the middle ones are
+  /// 16 wide behind a *; a tab goes on to the next multiple of 8.
   static std::vector<std::string_view> fields_of(std::string_view line) {
     std::vector<std::string_view> fields;
     if (line.find(',') != std::string_view::npos) {
       fields = comma_fields(line);
-      if (fields.size() > 9) fields.resize(9);
+      const std::size_t most = fields[0].find('*') == std::string_view::npos ? 9 : 5;  // behind them: a continuation
+      if (fields.size() > most) fields.resize(most);
       return fields;
     }
     const bool wide = line.substr(0, 8).find('*') != std::string_view::npos;

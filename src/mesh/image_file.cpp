@@ -110,7 +110,7 @@ class ImageReader {
   [[noreturn]] void fail(const std::string& message) const { throw InputError(path_ + ": " + message); }
   std::string load(const std::string& path) const {
     try {
-      return format::load_file(path).bytes;
+      return path == path_ ? format::load_file(path).bytes : format::load_bytes(path);
     } catch (const InputError& error) {
       if (path == path_) throw;
       fail(std::string("its data: ") + error.what());

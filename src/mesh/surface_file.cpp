@@ -116,8 +116,10 @@ void read_stl(Cursor in, MeshBuilder& mesh) {
   const std::string_view data = in.data();
   std::uint32_t count = 0;
   if (data.size() >= 84) std::memcpy(&count, data.data() + 80, 4);
-  const bool fits = data.size() >= 84 && data.size() == 84 + 50 * static_cast<std::size_t>(count);
-  if (fits || upper_case(trimmed(data.substr(0, 80)).substr(0, 5)) != "SOLID") {
+  // Bytes may follow the last triangle; of a text, these four letters would be a number of triangles that do not fit.
+  const bool fits = data.size() >= 84 && data.size() - 84 >= 50 * static_cast<std::size_t>(count);
+  const bool is_binary = fits || data.substr(0, 84).find('\0') != std::string_view::npos;
+  if (is_binary || upper_case(trimmed(data.substr(0, 80)).substr(0, 5)) != "SOLID") {
     if (data.size() < 84) in.fail(0, "expected solid, or 80 bytes and the number of triangles");
     return read_binary_stl(in, mesh);
   }

@@ -30,20 +30,26 @@ bool parse(std::string_view word, T& value) {
 
 }  // namespace
 
-File load_file(const std::string& path) {
+std::string load_bytes(const std::string& path) {
   struct stat status = {};
   if (stat(path.c_str(), &status) == 0 && !S_ISREG(status.st_mode) && !S_ISDIR(status.st_mode))
     throw InputError(SourceLocation{path, 0, 0}, "is no regular file; a pipe or a device may have no end");
   const auto close = [](std::FILE* stream) { std::fclose(stream); };
   const std::unique_ptr<std::FILE, decltype(close)> stream(std::fopen(path.c_str(), "rb"), close);
-  File file{path, {}};
+  std::string bytes;
   char buffer[1 << 16];
   std::size_t got = 0;
-  while (stream && (got = std::fread(buffer, 1, sizeof buffer, stream.get())) > 0) file.bytes.append(buffer, got);
+  while (stream && (got = std::fread(buffer, 1, sizeof buffer, stream.get())) > 0) bytes.append(buffer, got);
   if (!stream || std::ferror(stream.get())) {
     const std::string reason = std::strerror(errno);
     throw InputError(SourceLocation{path, 0, 0}, (stream ? "cannot read: " : "cannot open: ") + reason);
   }
+  return bytes;
+}
+
+File load_file(const std::string& path) {
+  File file{path, load_bytes(path)};
+  if (file.bytes.starts_with("\xEF\xBB\xBF")) file.bytes.erase(0, 3);
   return file;
 }
 

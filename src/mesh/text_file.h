@@ -25,6 +25,9 @@ struct File {
 };
 
 /// Reads a whole file. Throws InputError "path: cannot open: reason".
+std::string load_bytes(const std::string& path);
+
+/// The same of a file that begins as text, without the byte order mark of UTF-8 that some programs put first.
 File load_file(const std::string& path);
 
 struct Integers;

@@ -272,3 +272,21 @@ TEST_CASE("files that are not read are answered by the command that converts the
   CHECK_THROWS_WITH(load_mesh("liver.MED"), Contains("gmsh -save -o liver.msh liver.MED"));
   CHECK_THROWS_WITH(load_mesh("liver.feb"), Contains("elastin export liver.feb --to gmsh --out liver.msh"));
 }
+
+TEST_CASE("a byte order mark counts for nothing", "[brought]") {
+  const TemporaryFolder folder;
+  const std::string data = std::string(ELASTIN_TEST_DATA) + "/mesh/data/";
+  for (const std::string name : {"gmsh_41.msh", "gmsh.bdf", "gmsh.unv", "meshio_42.vtk", "meshio_51_binary.vtk",
+                                 "vtk_ascii.vtu", "brought/inp_fortran.inp"}) {
+    INFO(name);
+    std::stringstream text;
+    text << "\xEF\xBB\xBF" << std::ifstream(data + name).rdbuf();
+    const Mesh plain = load_mesh(data + name),
+               marked = load_mesh(folder.write(name.substr(name.rfind('/') + 1), text.str()));
+    CHECK(marked.points == plain.points);
+    CHECK(solids(marked) == solids(plain));
+  }
+  // In a file that is included, too.
+  folder.write("nodes.inc", "\xEF\xBB\xBF*NODE\n1,0,0,0\n2,1,0,0\n3,0,1,0\n4,0,0,1\n");
+  CHECK(solids(load_mesh(folder.write("a.inp", "*INCLUDE, INPUT=nodes.inc\n" + kTissue))) == 1);
+}

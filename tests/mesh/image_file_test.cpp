@@ -410,6 +410,12 @@ TEST_CASE("image: units and origins of NRRD", "[image]") {
     CHECK(image.origin == (centers.empty() ? Vector3(10.5, 21, 31.5) : Vector3(10.5, 20, 30)));
   }
   CHECK(image_of(plain + "axis mins: nan nan nan").origin == Vector3::Zero());
+  const std::string marks(24, '\xEF');  // data may begin as a byte order mark, a header then still has none
+  write("mark.raw", "\xEF\xBB\xBF" + marks.substr(3));
+  CHECK(load_image(write("mark.nhdr",
+                         "\xEF\xBB\xBFNRRD0004\ntype: uchar\ndimension: 3\nsizes: 3 4 2\nencoding: raw\n"
+                         "data file: mark.raw\n\n"))
+            .at(1, 0, 0) == 0xBB);
   CHECK(!image_of("spacings: nan nan nan").has_steps);
 }
 

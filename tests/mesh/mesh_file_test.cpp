@@ -249,7 +249,10 @@ TEST_CASE("Nastran files in free, small and large fields", "[mesh_file]") {
                                 "GRID*                  1                              0.              0.*\n"
                                 "*                     0.\nGRID,2,,1.5,0.,0.\nGRID,3,,0.,2.,0.\nGRID,4,,0.,0.,3.\n"
                                 "CTETRA,9,1,1,2,3\n,4\n"});
-  for (const Mesh* mesh : {&small, &free, &large}) {
+  const Mesh free_large = read_mesh({"a.nas",
+                                     "GRID*,1,,0.,0.,*A\n*A,0.\nGRID*,2,,1.5,0.,*\n*,0.\nGRID,3,,0.,2.,0.\n"
+                                     "GRID*,4,,0.,0.\n*,3.\nCTETRA*,9,1,1,2,*B\n*B,3,4\n"});
+  for (const Mesh* mesh : {&small, &free, &large, &free_large}) {
     REQUIRE(mesh->tetrahedra.size() == 1);
     CHECK(signed_volume(mesh->points, mesh->tetrahedra[0]) == Approx(1.5));
   }

@@ -89,6 +89,11 @@ TEST_CASE("surfaces come from STL, OBJ and PLY with their corners joined", "[sur
                                     {"binary.STL", binary_stl()},
                                     {"corner.obj", kObj},
                                     {"corner.ply", kPly},
+                                    {"mark.stl", "\xEF\xBB\xBF" + ascii_stl()},
+                                    {"mark.obj", std::string("\xEF\xBB\xBF") + kObj},
+                                    {"mark.ply", std::string("\xEF\xBB\xBF") + kPly},
+                                    {"named.stl", "solid" + binary_stl().substr(5)},
+                                    {"longer.stl", "solid" + binary_stl().substr(5) + std::string(2, '\0')},
                                     {"little.ply", binary_ply(std::endian::little)},
                                     {"big.ply", binary_ply(std::endian::big)}}) {
     INFO(name);
@@ -191,6 +196,8 @@ TEST_CASE("a surface file that is broken is refused by its name", "[surface_file
     return "";
   };
   CHECK_THAT(refusal("short.stl", binary_stl().substr(0, 150)),
+             Contains("byte 80: expected 4 triangles of 50 bytes, but what is left has room for 1"));
+  CHECK_THAT(refusal("named.stl", "solid" + binary_stl().substr(5, 145)),
              Contains("byte 80: expected 4 triangles of 50 bytes, but what is left has room for 1"));
   CHECK_THAT(refusal("words.stl", "nothing of the kind"), Contains("words.stl:1:1: expected solid, or 80 bytes"));
   CHECK_THAT(refusal("open.stl", "solid a\nvertex 0 0 0\n"), Contains("expected endloop, but the data ends here"));
