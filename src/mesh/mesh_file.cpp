@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <cstdint>
 #include <cstdio>
 #include <iterator>
 #include <limits>
@@ -105,6 +106,56 @@ void add_as_block(const char* name, const std::vector<std::array<int, corners>>&
   CellBlock block{&cell_kind(name), {}, {}};
   for (const auto& cell : cells) block.nodes.insert(block.nodes.end(), cell.begin(), cell.end());
   blocks.push_back(std::move(block));
+}
+
+/// Marks the cells whose nodes a cell before has too; of triangles only those that look the same way.
+template <class CellAt>
+std::vector<char> copies_among(int count, const CellAt& cell_at) {
+  std::vector<int> own, other;
+  const auto read = [&](int cell, std::vector<int>& nodes) {
+    const std::span<const int> from = cell_at(cell);
+    nodes.assign(from.begin(), from.end());
+    if (nodes.size() == 3)
+      std::rotate(nodes.begin(), std::min_element(nodes.begin(), nodes.end()), nodes.end());
+    else
+      std::sort(nodes.begin(), nodes.end());
+  };
+  std::vector<std::pair<std::uint64_t, int>> order;
+  for (int cell = 0; cell < count; ++cell) {
+    read(cell, own);
+    std::uint64_t hash = 0;
+    for (const int node : own) hash = (hash ^ static_cast<std::uint64_t>(node)) * 0x9e3779b97f4a7c15 ^ hash >> 29;
+    order.emplace_back(hash, cell);
+  }
+  std::sort(order.begin(), order.end());
+  std::vector<char> copies(static_cast<std::size_t>(count), 0);
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    if (i == 0 || order[i].first != order[i - 1].first) continue;
+    read(order[i].second, own);
+    for (std::size_t before = i; before-- > 0 && order[before].first == order[i].first;) {
+      read(order[before].second, other);
+      if (own == other) copies[order[i].second] = 1;
+    }
+  }
+  return copies;
+}
+
+/// Gmsh writes a cell once for each physical group that it is in. Returns how many were dropped.
+template <std::size_t corners>
+std::size_t drop_copies(std::vector<std::array<int, corners>>& cells) {
+  const std::vector<char> copies =
+      copies_among(static_cast<int>(cells.size()), [&](int cell) { return std::span<const int>(cells[cell]); });
+  std::size_t number = 0;
+  return std::erase_if(cells, [&](const auto&) { return copies[number++] != 0; });
+}
+
+std::size_t drop_copies(CellBlock& block) {
+  const std::vector<char> copies = copies_among(block.size(), [&](int cell) { return block.cell(cell); });
+  std::vector<int> nodes;
+  for (int cell = 0; cell < block.size(); ++cell)
+    if (!copies[cell]) nodes.insert(nodes.end(), block.cell(cell).begin(), block.cell(cell).end());
+  block.nodes = std::move(nodes);
+  return static_cast<std::size_t>(std::count(copies.begin(), copies.end(), 1));
 }
 
 }  // namespace
@@ -322,6 +373,10 @@ Mesh MeshBuilder::finish(const std::string& path) const {
   else
     mesh.triangles = triangles_;
   if (surface_) mesh.repairs = drop_flat_triangles(points_, mesh.triangles);
+  std::size_t copies = drop_copies(mesh.tetrahedra) + (surface_ ? 0 : drop_copies(mesh.triangles));
+  for (CellBlock& block : mesh.blocks) copies += drop_copies(block);
+  if (copies > 0)
+    mesh.repairs.push_back(counted(static_cast<std::ptrdiff_t>(copies), "cell") + " that stood twice dropped");
   if (surface_ && mesh.triangles.empty())
     throw InputError(SourceLocation{path, 0, 0}, "all of its triangles are without area");
   if (!mesh.blocks.empty()) {  // then they have all cells

@@ -273,6 +273,30 @@ TEST_CASE("files that are not read are answered by the command that converts the
   CHECK_THROWS_WITH(load_mesh("liver.feb"), Contains("elastin export liver.feb --to gmsh --out liver.msh"));
 }
 
+TEST_CASE("a cell that stands twice is one, in the sets of both", "[brought]") {
+  const std::string four = "1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n";
+  const std::string msh = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n4\n" + four + "$EndNodes\n$Elements\n";
+  const Mesh groups =
+      format::read_mesh({"a.msh", msh + "3\n1 4 2 1 1 1 2 3 4\n2 4 2 2 1 1 2 3 4\n3 4 2 3 1 2 3 1 4\n$EndElements\n"});
+  CHECK(groups.tetrahedra.size() == 1);
+  for (const char* name : {"1", "2", "3"}) CHECK(groups.sets.at(name).size() == 4);
+  CHECK(groups.repairs == std::vector<std::string>{"2 cells that stood twice dropped"});
+  // Of triangles alone those that look the other way stay: surfaces that touch have them.
+  const Mesh triangles =
+      format::read_mesh({"a.msh", msh + "3\n1 2 2 1 1 1 2 3\n2 2 2 2 1 2 3 1\n3 2 2 2 1 1 3 2\n$EndElements\n"});
+  CHECK(triangles.triangles.size() == 2);
+  const Mesh nastran = format::read_mesh({"a.bdf",
+                                          "GRID,1,,0.,0.,0.\nGRID,2,,1.,0.,0.\nGRID,3,,0.,1.,0.\nGRID,4,,0.,0.,1.\n"
+                                          "CTETRA,9,5,1,2,3,4\nCTETRA,10,6,1,2,3,4\n"});
+  CHECK(nastran.tetrahedra.size() == 1);
+  CHECK(nastran.sets.at("6").size() == 4);
+  const Mesh cubes =
+      inp("*NODE\n1,0,0,0\n2,1,0,0\n3,1,1,0\n4,0,1,0\n5,0,0,1\n6,1,0,1\n7,1,1,1\n8,0,1,1\n"
+          "*ELEMENT, TYPE=C3D8\n1,1,2,3,4,5,6,7,8\n2,1,2,3,4,5,6,7,8\n");
+  CHECK(cubes.blocks.at(0).size() == 1);
+  CHECK(volume(cubes) == Approx(1));
+}
+
 TEST_CASE("a byte order mark counts for nothing", "[brought]") {
   const TemporaryFolder folder;
   const std::string data = std::string(ELASTIN_TEST_DATA) + "/mesh/data/";

@@ -19,7 +19,8 @@ struct Mesh {
   /// and *ELSET of Abaqus (of an instance "INSTANCE.SET" too), groups of I-DEAS, properties of Nastran.
   std::map<std::string, std::vector<int>> sets = {};
   int reoriented = 0;  ///< cells whose order was mirrored
-  /// What was mended in a surface of triangles, each with its number: "2 triangles without area dropped".
+  /// What was mended, each with its number: "12 cells that stood twice dropped", of a surface of triangles "2 triangles
+  /// without area dropped".
   std::vector<std::string> repairs = {};
   std::string comment;  ///< what was left out, e.g. "12 lines, 3 points and 4 unused points left out"; empty if nothing
 };
