@@ -190,7 +190,9 @@ int MeshBuilder::point_at(const Vector3& position) {
 std::string MeshBuilder::add_cell(const CellType& type, std::span<const int> points) {
   Vector3 middle = Vector3::Zero();
   for (const int point : points) middle += points_[point] / static_cast<double>(points.size());
-  places_.push_back({middle, dimension_of(type)});
+  double radius = 0;
+  for (const int point : points) radius = std::max(radius, (points_[point] - middle).norm());
+  places_.push_back({middle, radius, dimension_of(type)});
   switch (type.use) {
     case CellUse::tetrahedron:
       return add_tetrahedron({points[0], points[1], points[2], points[3]});
@@ -334,8 +336,10 @@ CellData MeshBuilder::finish_data(const std::string& path) const {
     if (places_[with_data_[row]].dimensions == dimensions)
       rows.push_back(static_cast<int>(row)), cells.push_back(with_data_[row]);
   CellData data{Positions(3, rows.size()), all(Eigen::all, rows)};
-  for (std::size_t i = 0; i < cells.size(); ++i)
+  for (std::size_t i = 0; i < cells.size(); ++i) {
     data.middles.col(static_cast<Eigen::Index>(i)) = places_[cells[i]].middle;
+    data.largest_radius = std::max(data.largest_radius, places_[cells[i]].radius);
+  }
   return data;
 }
 

@@ -103,6 +103,7 @@ class MeshBuilder {
   std::map<std::string, std::set<int>> sets_;
   struct Place {
     Vector3 middle;
+    double radius;  ///< from there to its furthest point
     int dimensions;
   };
   std::vector<Place> places_;  ///< of all cells

@@ -62,8 +62,9 @@ bool is_mesh_file(const std::string& path);
 
 /// Numbers that a mesh file has for its cells.
 struct CellData {
-  Positions middles;       ///< of the cells, the mean of their points, in the file's own length unit
-  Eigen::MatrixXd values;  ///< a column a cell, a row a component
+  Positions middles;          ///< of the cells, the mean of their points, in the file's own length unit
+  Eigen::MatrixXd values;     ///< a column a cell, a row a component
+  double largest_radius = 0;  ///< of the cells, from the middle to the furthest point
 };
 
 /// Reads the data of this name of the file's solid cells, or where it has none of its triangles: from .vtu, from .vtk

@@ -1,7 +1,10 @@
+#include <fmt/format.h>
+
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <map>
 #include <memory>
+#include <set>
 #include <utility>
 
 #include "core/base/named.h"
@@ -81,22 +84,51 @@ FieldSetup read_field(Reader reader, FieldOf of) {
 /// The data of a file's cells, found by place.
 class FileData {
  public:
-  FileData(const FieldSetup& setup, int values_per_cell)
+  FileData(const FieldSetup& setup, int values_per_cell, const Body* body)
       : name_(*setup.data_place), length_(setup.length_unit), data_(load(setup)), tree_(boxes()) {
     if (data_.values.rows() != values_per_cell)
       name_.fail("has " + counted(data_.values.rows(), "value") +
                  " a cell; needed: " + std::to_string(values_per_cell));
+    if (body) check_covers(*body);
   }
 
   const Reader& name() const { return name_; }
   const Eigen::MatrixXd& values() const { return data_.values; }
   /// Of the cell whose middle is nearest.
-  auto at(const Vector3& place) const {
-    const auto distance = [&](int cell) { return (length_ * data_.middles.col(cell) - place).norm(); };
-    return data_.values.col(tree_.nearest(place, distance).first);
-  }
+  auto at(const Vector3& place) const { return data_.values.col(nearest(place).first); }
 
  private:
+  /// A file of another unit of length or place would give the body the values of its outermost cells.
+  void check_covers(const Body& body) const {
+    constexpr std::size_t few = 12;  // cells of a body that may well lie in one of the file's
+    std::vector<Vector3> places;
+    const auto add = [&](const auto& cells) {
+      for (const auto& cell : cells) places.push_back(middle_of(body, cell));
+    };
+    add(body.tetrahedra), add(body.triangles);
+    if (places.empty()) add(body.connections.ends);
+    std::size_t far = 0, furthest = 0;
+    double furthest_distance = 0;
+    std::set<int> used;
+    for (std::size_t i = 0; i < places.size(); ++i) {
+      const auto [cell, distance] = nearest(places[i]);
+      used.insert(cell);
+      far += distance > 2 * length_ * data_.largest_radius;
+      if (distance > furthest_distance) furthest = i, furthest_distance = distance;
+    }
+    const std::string remedy = "; see that the file has the body's place, its `length_unit` and values for all of it";
+    if (far > 0)
+      name_.fail(
+          fmt::format("does not cover the body: {} of its {} cells lie outside the cells that have a value; the "
+                      "furthest, at {}, is {} m away from the nearest middle of those{}",
+                      far, places.size(), text_of(places[furthest]), number(furthest_distance, 3), remedy));
+    if (used.size() == 1 && places.size() > few && data_.middles.cols() > 1)
+      name_.fail(fmt::format("gives all {} cells of the body the value of one of the file's {} cells{}", places.size(),
+                             data_.middles.cols(), remedy));
+  }
+  std::pair<int, double> nearest(const Vector3& place) const {
+    return tree_.nearest(place, [&](int cell) { return (length_ * data_.middles.col(cell) - place).norm(); });
+  }
   static mesh::CellData load(const FieldSetup& setup) {
     try {
       return mesh::load_cell_data(setup.path, setup.data);
@@ -118,12 +150,12 @@ class FileData {
 
 }  // namespace
 
-ValueAt field_values(const Reader& reader, const Dimension& dimension, const Range& range) {
+ValueAt field_values(const Reader& reader, const Dimension& dimension, const Range& range, const Body* body) {
   const FieldSetup setup = read_field(reader, dimension == dimension::none ? FieldOf::factors : FieldOf::values);
   if (setup.expression) return setup.expression->of_place(dimension, range);
   const auto& unit = setup.unit;
   const double factor = unit ? unit->located([&] { return parse_quantity("1 " + unit->text(), dimension).value; }) : 1;
-  const auto file = std::make_shared<const FileData>(setup, 1);
+  const auto file = std::make_shared<const FileData>(setup, 1, body);
   const double low = factor * file->values().minCoeff(), high = factor * file->values().maxCoeff();
   if (low < range.low || high > range.high || (range.open_low && low == range.low))
     file->name().fail("has values from " + elastin::number(low) + " to " + elastin::number(high) + " " +
@@ -144,7 +176,7 @@ DirectionAt read_components(const Reader& list) {
   };
 }
 
-DirectionAt read_directions(const Reader& reader) {
+DirectionAt read_directions(const Reader& reader, const Body* body) {
   const FieldSetup setup = read_field(reader, FieldOf::directions);
   if (setup.expression) return read_components(*setup.expression);
   if (setup.angle)
@@ -152,7 +184,7 @@ DirectionAt read_directions(const Reader& reader) {
                                                                                  const Vector3& place) -> Vector3 {
       return Eigen::AngleAxisd(by(place), axis) * given;
     };
-  const auto file = std::make_shared<const FileData>(setup, 3);
+  const auto file = std::make_shared<const FileData>(setup, 3, body);
   return [file](const Vector3&, const Vector3& place) -> Vector3 {
     const Vector3 found = file->at(place);
     if (!(found.norm() > 0)) file->name().fail("is no direction in the cell nearest to " + text_of(place) + ": all 0");
@@ -185,7 +217,7 @@ Setter read_terms(const Reader& reader, const MaterialLaw& law, const Material& 
 }
 
 /// {c1: {expression: …}, direction: {file: …}, terms: {expression: …}}
-void read_constants(const Reader& constants, const MaterialLaw& law, const Material& material,
+void read_constants(const Reader& constants, const MaterialLaw& law, const Material& material, const Body& body,
                     std::vector<Setter>& setters) {
   for (const auto& [key, field] : constants.entries()) {
     if (key == "terms" && !law.columns.empty()) {
@@ -198,12 +230,13 @@ void read_constants(const Reader& constants, const MaterialLaw& law, const Mater
     if (!info) field.fail("is no constant of " + law.name + suggestion(key, names));
     if (info->kind == ValueKind::direction) {
       if (!material.law->directions.contains(key)) field.fail("the material has no " + key);
-      setters.push_back([name = key, at = read_directions(field)](Material& own, const Vector3& place) {
+      setters.push_back([name = key, at = read_directions(field, &body)](Material& own, const Vector3& place) {
         own.law->directions[name] = at(own.law->directions[name], place);
       });
     } else {
-      setters.push_back([name = key, at = field_values(field, info->unit, {info->low, info->high, info->above_low})](
-                            Material& own, const Vector3& place) { own.law->numbers[name] = at(place); });
+      setters.push_back(
+          [name = key, at = field_values(field, info->unit, {info->low, info->high, info->above_low}, &body)](
+              Material& own, const Vector3& place) { own.law->numbers[name] = at(place); });
     }
   }
 }
@@ -327,21 +360,22 @@ Keys<FieldsSetup> keys_of_fields() {
 }
 
 /// What the fields say of the numbers and directions of a material.
-std::vector<Setter> read_setters(const FieldsSetup& fields, const MaterialLaw* law, const Material& material) {
+std::vector<Setter> read_setters(const FieldsSetup& fields, const MaterialLaw* law, const Material& material,
+                                 const Body& body) {
   std::vector<Setter> setters;
   if (const auto& field = fields.constants) {
     if (!law || law->parameters.empty()) field->fail("are those of a `law`, and the material has none");
-    read_constants(*field, *law, material, setters);
+    read_constants(*field, *law, material, body, setters);
   }
   if (const auto& field = fields.poissons_ratio) {
     if (law && !law->from_moduli) field->fail("follows from the constants of the law");
-    setters.push_back([at = field_values(*field, dimension::none, {-0.99, 0.4999})](
+    setters.push_back([at = field_values(*field, dimension::none, {-0.99, 0.4999}, &body)](
                           Material& own, const Vector3& place) { own.poissons_ratio = at(place); });
   }
   const auto turn = [&](const std::optional<Reader>& field, auto member, const std::string& name) {
     if (field && !(material.*member)) field->fail("the material has no `" + name + "`");
     if (field)
-      setters.push_back([member, at = read_directions(*field)](Material& own, const Vector3& place) {
+      setters.push_back([member, at = read_directions(*field, &body)](Material& own, const Vector3& place) {
         (own.*member)->direction = at((own.*member)->direction, place);
       });
   };
@@ -384,15 +418,15 @@ void check_at_all_places(const Reader& fields, const MaterialLaw* law, const Mat
 void set_fields(const Reader& fields, const elastin::Table<MaterialLaw>& laws, Material& material, Body& body) {
   const FieldsSetup setup = keys_of_fields().read(fields);
   const auto row = material.law ? laws.find(material.law->law) : nullptr;
-  std::vector<Setter> setters = read_setters(setup, row.get(), material);
+  std::vector<Setter> setters = read_setters(setup, row.get(), material, body);
   const auto &stiffness = setup.stiffness, &modulus = setup.youngs_modulus, &density = setup.density;
   for (const auto& field : {stiffness, modulus})
     if (field && (material.curve || material.fibre)) field->fail("needs a material without curve or fibre");
   if (modulus && material.law)
     modulus->fail("follows from the constants of the law; write `stiffness`, a factor of all its moduli");
-  if (stiffness) multiply_stiffness(field_values(*stiffness, dimension::none, {1e-12, 1e12, false}), body);
+  if (stiffness) multiply_stiffness(field_values(*stiffness, dimension::none, {1e-12, 1e12, false}, &body), body);
   if (modulus)
-    multiply_stiffness([&, at = field_values(*modulus, dimension::pressure, kPositive)](
+    multiply_stiffness([&, at = field_values(*modulus, dimension::pressure, kPositive, &body)](
                            const Vector3& place) { return at(place) / material.youngs_modulus; },
                        body);
   if (setup.regions) add_regions(*setup.regions, row.get(), material, setters, body);
@@ -404,7 +438,7 @@ void set_fields(const Reader& fields, const elastin::Table<MaterialLaw>& laws, M
     check_at_all_places(fields, row.get(), material, body);
   }
   if (!density) return;
-  const ValueAt at = field_values(*density, dimension::density, kPositive);
+  const ValueAt at = field_values(*density, dimension::density, kPositive, &body);
   for (int molecule = 0; molecule < body.size(); ++molecule)
     body.mass[molecule] *= at(body.rest.col(molecule)) / material.density;
 }

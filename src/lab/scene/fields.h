@@ -13,7 +13,8 @@ namespace elastin::lab {
 using ValueAt = std::function<double(const Vector3& place)>;
 
 /// What a map with `expression`, or `file` and `data`, says of a number from place to place.
-ValueAt field_values(const Reader& reader, const Dimension& dimension, const Range& range);
+/// Throws InputError where the file has no values near cells of the body, which may be null.
+ValueAt field_values(const Reader& reader, const Dimension& dimension, const Range& range, const Body* body);
 
 template <class Members>
 Vector3 middle_of(const Body& body, const Members& members) {

@@ -22,15 +22,18 @@ struct RestSetup {
 };
 
 /// A number, a formula of the place, or a map that names a file.
-ValueAt rest_value(const Reader& value, const Range& range) {
-  return value.is_map() ? field_values(value, dimension::none, range) : value.of_place(dimension::none, range);
+ValueAt rest_value(const Reader& value, const Range& range, const Frame& frame) {
+  return value.is_map() ? field_values(value, dimension::none, range, frame.body)
+                        : value.of_place(dimension::none, range);
 }
 
 Key<RestSetup> rest_value_key(std::string name, std::optional<ValueAt> RestSetup::*member, std::string text,
                               const Range& range = kPositive) {
   return {{std::move(name), "number, [formula](#formulas) of x, y, z, or map as in `fields`", "",
            range_text(range.low, range.high, range.open_low), "none", std::move(text)},
-          [=](const Reader& value, RestSetup& setup, const Frame&) { setup.*member = rest_value(value, range); }};
+          [=](const Reader& value, RestSetup& setup, const Frame& frame) {
+            setup.*member = rest_value(value, range, frame);
+          }};
 }
 
 Keys<RestSetup> rest_thermal_keys() {
@@ -46,11 +49,11 @@ Keys<RestSetup> rest_keys_with(std::vector<Keys<RestSetup>::Entry> others) {
           {"growth", "as `swelling`, or list of three", "", "> 0", "none",
            "factor of the lengths `along` one direction, or of all; or of those along x, y and z, with `around` "
            "along radius, circumference and axis"},
-          [](const Reader& value, RestSetup& setup, const Frame&) {
+          [](const Reader& value, RestSetup& setup, const Frame& frame) {
             if (value.is_text() || value.is_map()) {
-              setup.growth = rest_value(value, kPositive);
+              setup.growth = rest_value(value, kPositive, frame);
             } else {
-              for (const Reader& item : value.items(3)) setup.growths.push_back(rest_value(item, kPositive));
+              for (const Reader& item : value.items(3)) setup.growths.push_back(rest_value(item, kPositive, frame));
             }
           }),
       rest_value_key(
@@ -177,7 +180,7 @@ void set_rest(const Reader& reader, Specimen& specimen) {
   if (setup.unloaded) return;
   if (const std::optional<Reader> place = setup.in_place) {
     setup = place->is_text() ? RestSetup() : keys_of_prestrain().read(*place, frame);
-    if (place->is_text()) setup.prestretch = rest_value(*place, kPositive), setup.place = *place;
+    if (place->is_text()) setup.prestretch = rest_value(*place, kPositive, {}), setup.place = *place;
   }
   check_rest_setup(setup, material);
   std::shared_ptr<const Regions<RestSetup>> regions;

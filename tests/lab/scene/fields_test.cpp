@@ -207,6 +207,11 @@ TEST_CASE("mistakes in fields", "[scene][fields]") {
   CHECK_THAT(said("youngs_modulus: {file: layers.vtk, data: E, length_unit: mm}"), Contains("key 'unit' is missing"));
   CHECK_THAT(said("youngs_modulus: {file: layers.vtk, data: E, unit: mm, length_unit: mm}"),
              Contains("cannot be converted to Pa"));
+  // The bar of 20 mm lies in the lowest layer of a file in m, and beyond one in um.
+  CHECK_THAT(said("youngs_modulus: {file: layers.vtk, data: E, unit: kPa, length_unit: m}"),
+             Contains("gives all") && Contains("the value of one of the file's 4 cells"));
+  CHECK_THAT(said("youngs_modulus: {file: layers.vtk, data: E, unit: kPa, length_unit: um}"),
+             Contains("does not cover the body: ") && Contains("`length_unit`"));
   CHECK_THAT(
       refusal("law: mooney_rivlin, c1: 1 kPa, bulk_modulus: 1 MPa, fields: {youngs_modulus: {expression: 1 kPa}}"),
       Contains("follows from the constants of the law; write `stiffness`"));
