@@ -79,9 +79,16 @@ const Forms<CurveNumbers>& curve_forms() {
 
 CurveNumbers read_curve(Reader reader) {
   reader.set_section("material.curve");
-  if (!reader.is_map())
+  std::vector<std::string> names;
+  for (const SceneKey& row : curve_forms().rows()) names.push_back(row.name);
+  const auto is_known = [&](const std::string& key) {
+    return std::find(names.begin(), names.end(), key) != names.end();
+  };
+  const std::vector<std::string> given = reader.is_map() ? reader.keys() : std::vector<std::string>{};
+  if (std::none_of(given.begin(), given.end(), is_known))
     reader.fail(
-        "write {points: [[strain, stress], ...]}, {toe_strain, toe_modulus, modulus} or {tension, compression}");
+        "write {points: [[strain, stress], ...]}, {toe_strain, toe_modulus, modulus} or {tension, compression}; "
+        "the values of a file are copied into `points`");
   CurveNumbers stated = curve_forms().read(reader);
   if (stated.form == CurveNumbers::Form::two_moduli && stated.strains.empty()) stated.strains = {1e-4};
   return stated;

@@ -458,6 +458,8 @@ TEST_CASE("a material's curve and fibres are read, and their mistakes named", "[
        {"did you mean 'compression'"});
   slip("curve: {tension: @-3 kPa, compression: 1 kPa}", "material.curve.tension", {"out of range"});
   slip("curve: @10 kPa", "material.curve", {"points", "toe_strain", "tension"});
+  slip("curve: @{file: curve.csv}", "material.curve",
+       {"points", "tension", "values of a file are copied into `points`"});
   slip("youngs_modulus: 5 kPa, fibre: @{direction: z}", "material.fibre: key 'youngs_modulus' is missing", {});
   slip("youngs_modulus: 5 kPa, fibre: @{youngs_modulus: 1 MPa}", "material.fibre: key 'direction' is missing", {});
   slip("youngs_modulus: 5 kPa, fibre: {direction: @[0, 0, 0], youngs_modulus: 1 MPa}", "material.fibre.direction",
