@@ -237,17 +237,27 @@ std::string without_brackets(const std::string& text) {
   return text;
 }
 
+bool is_unit(const std::string& text) {
+  bool found = false;
+  for (const Dimension& dimension : {dimension::none, dimension::length, dimension::time, dimension::force,
+                                     dimension::pressure, dimension::energy, dimension::velocity})
+    found |= !text.empty() && text != "-" && machine_unit(text, dimension).has_value();
+  return found;
+}
+
+/// "0.02 N"
+bool is_number_with_unit(const std::string& text) {
+  const std::size_t unit = text.find_first_not_of("+-.,0123456789eE ");
+  return unit != std::string::npos && is_number(trimmed(text.substr(0, unit))) && is_unit(text.substr(unit));
+}
+
 /// Whether at least half of the cells that are not empty are units.
 bool is_units_row(const Line& line) {
   if (line.numbers > 0) return false;
   int known = 0;
   for (const Cell& cell : line.cells) {
     const std::string unit = without_brackets(cell.text);
-    bool found = unit == "-" && cell.text != unit;
-    for (const Dimension& dimension : {dimension::none, dimension::length, dimension::time, dimension::force,
-                                       dimension::pressure, dimension::energy, dimension::velocity})
-      found |= !unit.empty() && unit != "-" && machine_unit(unit, dimension).has_value();
-    known += found;
+    known += is_unit(unit) || (unit == "-" && cell.text != unit);
   }
   return known > 0 && 2 * known >= line.filled;
 }
@@ -275,6 +285,13 @@ class Blocks {
     for (std::size_t i = 0; i < lines_.size(); ++i)
       if (begins(i, free)) i = (free = add(free, i)) - 1;
     if (!file_.tables.empty()) return;
+    for (const Line& line : lines_)
+      for (const Cell& cell : line.cells)
+        if (is_number_with_unit(cell.text))
+          throw InputError(SourceLocation{path_, line.number, cell.column},
+                           "'" + cell.text +
+                               "' is no number: write numbers alone, and their unit in the name of the column, "
+                               "'force [N]', or in a row of units below the names");
     MachineTable& table = file_.tables.emplace_back();
     table.path = path_;
     set_head(table, lines_.front(), lines_.front().cells.size());

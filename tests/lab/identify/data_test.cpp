@@ -89,6 +89,7 @@ const std::vector<Broken> kBroken{
     {"column twice", "stretch,nominal_stress [kPa],stretch\n1.1,0.5,1\n1.2,1,1\n", 1,
      "two columns are called 'stretch'"},
     {"empty", "", 1, "no head"},
+    {"units in the cells", "displacement,force\n0 mm,0 N\n1 mm,0.02 N\n", 2, "write numbers alone, and their unit in"},
     {"head alone", "stretch,nominal_stress [kPa]\n", 0, "has 0 points"},
     {"zero under relative residuals", "stretch,nominal_stress [kPa]\n1.05,0\n1.1,0.5\n1.2,1\n", 2,
      "write residuals: absolute", "uniaxial", ", residuals: relative"},
