@@ -18,6 +18,7 @@ namespace {
 constexpr double kLeastShare = 0.5;      ///< of the section that a grip must have
 constexpr double kBehind = 0.05;         ///< of the length: the slab behind a grip whose section it is compared with
 constexpr double kLargestTilt = 1;       ///< [°] of an end that goes without a warning
+constexpr double kLargestAskew = 2;      ///< [°] between the axis and what joins the middles of its ends, the same
 constexpr double kLargestHeight = 0.02;  ///< of the length, by which an end may leave its plane without a warning
 constexpr double kSameArea = 0.01;  ///< relative difference of a plane end from its section that is not worth a note
 
@@ -174,6 +175,20 @@ void EndFinder::judge_molecules(const std::string& name, const Vector3& directio
       area_text(face.area) + " of the hull's " + area_text(whole) + (grip_depth_ > 0 ? "" : ": give a grip_depth"));
 }
 
+/// Of ends that were picked, or have a depth, no side tells that they are tilted: [°] between the axis and the line
+/// that joins their middles, where the body's longest axis is nearer to that line; else 0.
+double askew_of(const Body& body, const Vector3& axis, const Face& fixed, const Face& loaded) {
+  const Vector3 line = (middle_of(body, loaded, body.rest) - middle_of(body, fixed, body.rest)).normalized();
+  const auto degrees = [&](double cosine) { return std::acos(std::clamp(cosine, -1., 1.)) * 180 / std::numbers::pi; };
+  const double askew = degrees(line.dot(axis));
+  if (!(askew > kLargestAskew)) return 0;
+  try {
+    return degrees(std::abs(line.dot(longest_axis(body)))) < askew / 2 ? askew : 0;
+  } catch (const InputError&) {  // none is the longest
+    return 0;
+  }
+}
+
 Points2 hull_of_section(const Body& body, const Face& fixed, const Eigen::Matrix<double, 3, 2>& plane) {
   if (fixed.tilted.isZero(0)) return hull_of_whole(body, plane);
   Points2 seen(2, static_cast<Eigen::Index>(fixed.molecules.size()));
@@ -201,8 +216,9 @@ Ends::Ends(const Body& body, const Vector3& axis, const GripSetup& setup) {
   std::set_intersection(fixed.molecules.begin(), fixed.molecules.end(), loaded.molecules.begin(),
                         loaded.molecules.end(), std::back_inserter(both));
   std::tie(low, high) = heights_of(body, axis);
-  if (setup.fixed || !fixed.tilted.isZero(0)) low = heights_of(body, fixed.molecules, axis).second;
-  if (setup.loaded || !loaded.tilted.isZero(0)) high = heights_of(body, loaded.molecules, axis).first;
+  const bool behind = setup.grip_depth > 0;
+  if (setup.fixed || behind || !fixed.tilted.isZero(0)) low = heights_of(body, fixed.molecules, axis).second;
+  if (setup.loaded || behind || !loaded.tilted.isZero(0)) high = heights_of(body, loaded.molecules, axis).first;
   const bool meet = any_over(body, !both.empty());
   if ((meet || !(low < high)) && !setup.fixed && !setup.loaded && !(setup.grip_depth > 0)) {
     const double depth = std::max(sufficient_depth(body, axis), sufficient_depth(body, -axis));
@@ -217,6 +233,10 @@ Ends::Ends(const Body& body, const Vector3& axis, const GripSetup& setup) {
                      counted(static_cast<int>(count_of(body, both)), "molecule") +
                      " in common; give a smaller grip_depth, or other molecules");
   if (!(low < high)) throw InputError("the fixed end must lie below the loaded one along the axis");
+  if (setup.longest || !(setup.fixed || setup.loaded || behind) || any_over(body, body.tetrahedra.empty())) return;
+  if (const double askew = askew_of(body, axis, fixed, loaded); askew > 0)
+    findings.warnings.push_back("the line between the middles of the ends is tilted by " + number(askew, 2) +
+                                "° from the axis; where the body is to be loaded along its own, write axis: longest");
 }
 
 }  // namespace elastin::lab

@@ -50,7 +50,7 @@ struct Ends {
   Face fixed, loaded;
   Findings findings;
   /// Heights [m] along the axis between which the section is to be measured: of the whole body, or, where an end is no
-  /// plane or was picked, of what lies between the two.
+  /// plane, was picked or has a depth, of what lies between the two.
   double low = 0, high = 0;
 };
 

@@ -11,6 +11,7 @@
 #include <optional>
 #include <set>
 
+#include "core/base/dense.h"
 #include "core/base/named.h"
 #include "core/simulation/warnings.h"
 #include "elastin/core/base/error.h"
@@ -110,7 +111,7 @@ contact: {{friction: 0.3}}    # Coulomb's coefficient
 )";
 
 constexpr const char* kScan =
-    R"(# A body out of an image of voxels: its ends along {axis} are clamped, and one is pulled.
+    R"(# A body out of an image of voxels: its two ends are clamped, and one is pulled.
 # Check it with `elastin check`, run it with `elastin compare --out out`, look at out/report.html.
 title: A body out of an image
 
@@ -218,19 +219,36 @@ Body body_of(const NewScene& wanted) {
   return body;
 }
 
-/// The axis of a specimen of a mesh, its length, and what its grips need.
-void add_bar(Words& words, const Body& body, const Vector3& sides) {
+/// An axis as a scene names it, and how far a body reaches along it.
+struct LongAxis {
+  std::string name;
+  Vector3 axis;
+  double length;  ///< [m]
+};
+
+/// Along the longest side of a body's box, or `longest` where the body lies more askew in it than that [rad].
+LongAxis long_axis_of(const Body& body, double most_askew) {
   Eigen::Index longest = 0;
-  sides.maxCoeff(&longest);
-  Vector3 axis = Vector3::Unit(longest);
-  std::string name(1, "xyz"[longest]);
+  (body.rest.rowwise().maxCoeff() - body.rest.rowwise().minCoeff()).maxCoeff(&longest);
+  LongAxis found{std::string(1, "xyz"[longest]), Vector3::Unit(longest), 0};
+  constexpr double plump = 0.9;  // across its longest axis: what a scene makes of it may have another longest one
+  const Positions arms = body.rest.colwise() - body.rest.rowwise().mean();
+  const Vector3 moments = symmetric_eigen3(arms * arms.transpose()).values;
   try {
-    constexpr double askew = 0.01;  // [rad], some half of a degree
-    if (const Vector3 own = longest_axis(body); own.cross(axis).norm() > askew) axis = own, name = "longest";
+    if (const Vector3 own = longest_axis(body);
+        own.cross(found.axis).norm() > most_askew && moments[1] < plump * plump * moments[2])
+      found.axis = own, found.name = "longest";
   } catch (const InputError&) {  // no axis is the longest: that of the box
   }
-  const VectorX heights = body.rest.transpose() * axis;
-  const double length = heights.maxCoeff() - heights.minCoeff();
+  const VectorX heights = body.rest.transpose() * found.axis;
+  found.length = heights.maxCoeff() - heights.minCoeff();
+  return found;
+}
+
+/// The axis of a specimen of a mesh, its length, and what its grips need.
+void add_bar(Words& words, const Body& body) {
+  constexpr double askew = 0.01;  // some half of a degree
+  const auto [name, axis, length] = long_axis_of(body, askew);
   const double depth = body.tetrahedra.empty() ? 0 : needed_grip_depth(body, axis);
   add(words, "axis", name);
   add(words, "length", length_text(length));
@@ -282,24 +300,28 @@ void add_scan(Words& words, const NewScene& wanted, const mesh::Image& image) {
                      ": does not state the size of its voxels; write the scene by hand, with `voxel_size`");
   const mesh::ImageValues values = mesh::values_of(image);
   const double unit = parse_quantity("1 " + wanted.length_unit, dimension::length).value;
-  Vector3 low = Vector3::Constant(1e300), high = -low;
+  constexpr double kSeen = 1e5, askew = 0.05;  // of a body that lies along the voxels, within some 3 degrees
   double voxels = 0;
+  std::vector<Vector3> places;
+  const double total = static_cast<double>(image.size[0]) * image.size[1] * image.size[2];
+  const auto every = static_cast<std::int64_t>(total / kSeen) | 1;
   for (int z = 0; z < image.size[2]; ++z)
     for (int y = 0; y < image.size[1]; ++y)
       for (int x = 0; x < image.size[0]; ++x) {
         const double value = image.at(x, y, z);
         if (std::isnan(value) || !(values.labels ? value != 0 : value >= values.threshold)) continue;
-        const Vector3 place = unit * (image.steps * Vector3(x, y, z)),
-                      half = unit * image.steps.cwiseAbs().rowwise().sum() / 2;
-        low = low.cwiseMin(place - half), high = high.cwiseMax(place + half);
-        ++voxels;
+        if (static_cast<std::int64_t>(voxels++) % every == 0)
+          places.emplace_back(unit * (image.steps * Vector3(x, y, z)));
       }
   if (voxels == 0) throw InputError(wanted.mesh + ": all its voxels are 0");
-  Eigen::Index longest = 0;
-  const double length = (high - low).maxCoeff(&longest),
-               voxel = std::abs(image.steps.determinant()) * std::pow(unit, 3);
+  Body body;
+  body.rest = Eigen::Map<const Positions>(places.front().data(), 3, static_cast<Eigen::Index>(places.size()));
+  const LongAxis along = long_axis_of(body, askew);
+  const Matrix3 steps = unit * image.steps;
+  const double length = along.length + (steps.transpose() * along.axis).cwiseAbs().maxCoeff(),
+               voxel = std::abs(steps.determinant());
   add(words, "labels", labels_text(image, values));
-  add(words, "axis", std::string(1, "xyz"[longest]));
+  add(words, "axis", along.name);
   add(words, "length", length_text(length));
   const double spacing = std::cbrt(voxel * std::max(1., voxels / kMostNewMolecules));
   // A body whose boxes are filled in part has no one modulus to calibrate to.
@@ -322,7 +344,7 @@ void add_specimen(Words& words, const NewScene& wanted, bool from_file) {
     add_block(words, sides, 2);
     add(words, "displacement", length_text(0.15 * sides[0]));
   } else if (name == "dogbone") {
-    add_bar(words, body, sides);
+    add_bar(words, body);
   } else if (name == "indentation") {
     add_block(words, sides, 6);
     add(words, "radius", length_text(0.3 * least));

@@ -198,3 +198,49 @@ TEST_CASE("a scene picks what is held, and takes the longest axis", "[ends][scen
   CHECK_THAT(refusal([&] { load("kind: bending, axis: longest, direction: x, force: 1 uN"); }),
              Contains("lies along the body's longest axis"));
 }
+
+TEST_CASE("ends that are picked or have a depth say that a bar lies askew, too", "[ends]") {
+  const auto warnings = [](double degrees, const auto& change) {
+    const Specimen straight = bar(8, 1), turned = worn(straight, 0, degrees, 1);
+    TensionSetup setup = pull(Grip::sliding);
+    setup.fixed.emplace(), setup.loaded.emplace();
+    for (int molecule = 0; molecule < straight.body.size(); ++molecule) {
+      const double x = straight.body.rest(0, molecule);
+      if (x < 1e-9) setup.fixed->push_back(molecule);
+      if (x > 0.02 - 1e-9) setup.loaded->push_back(molecule);
+    }
+    change(setup);
+    return Ends(turned.body, setup.axis, setup).findings.warnings;
+  };
+  const auto picked = [](TensionSetup&) {};
+  const auto of_depth = [](TensionSetup& setup) { setup.fixed.reset(), setup.loaded.reset(), setup.grip_depth = 4e-3; };
+  for (const auto& found : {warnings(10, picked), warnings(20, of_depth)}) {
+    REQUIRE(found.size() == 1);
+    CHECK_THAT(found[0], Contains("° from the axis") && Contains("write axis: longest"));
+  }
+  CHECK_THAT(warnings(10, picked).at(0), Contains("tilted by 10°"));
+  CHECK(warnings(1, picked).empty());
+  CHECK(warnings(0, of_depth).empty());
+  CHECK(warnings(10, [](TensionSetup& setup) { setup.longest = true; }).empty());
+}
+
+TEST_CASE("what lies inside or beyond the grips counts for no section and no Poisson's ratio", "[ends][tension]") {
+  // A bar with shoulders of 5 mm: nine times the section.
+  Specimen specimen = bar(8, 1);
+  for (int molecule = 0; molecule < specimen.body.size(); ++molecule)
+    if (const double x = specimen.body.rest(0, molecule); x < 5e-3 + 1e-9 || x > 15e-3 - 1e-9)
+      specimen.body.rest.col(molecule).tail<2>() *= 3;
+  specimen.material.poissons_ratio = 0;
+  TensionSetup setup = pull(Grip::clamped);
+  setup.grip_depth = 5e-3;
+  const Ends ends(specimen.body, setup.axis, setup);
+  CHECK(ends.low == Approx(5e-3));
+  CHECK(ends.high == Approx(15e-3));
+  // Gripped at one end and in its middle.
+  const Specimen whole = bar(8, 1);
+  TensionSetup inner = pull(Grip::sliding);
+  inner.loaded.emplace();
+  for (int molecule = 0; molecule < whole.body.size(); ++molecule)
+    if (std::abs(whole.body.rest(0, molecule) - 10e-3) < 1e-9) inner.loaded->push_back(molecule);
+  CHECK(measured(whole, *make_tension(whole.body, inner), "poissons_ratio") == Approx(0.3).margin(0.02));
+}

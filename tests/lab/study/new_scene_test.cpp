@@ -101,6 +101,9 @@ TEST_CASE("a scene of an image has its labels or a threshold, and its unit", "[n
   CHECK_THAT(text("space: RAS\nspace directions: (1,0,0) (0,1,0) (0,0,1)\nspace units: \"um\" \"um\" \"um\"\n",
                   [](int) { return 1; }),
              Contains("length_unit: um") && Contains("cross_section: 16 um2"));
+  CHECK_THAT(many, Contains("axis: x "));
+  // A bar that lies across the voxels.
+  CHECK_THAT(text(plain, [](int i) { return std::abs(i % 30 - 8 - 4 * (i / 120)) < 6; }), Contains("axis: longest "));
 }
 
 TEST_CASE("a slip in what new is given names what is allowed", "[new]") {

@@ -42,7 +42,7 @@ class Tension final : public StaticExperiment {
     }
     choose_section(ends.low, ends.high);
     choose_force();
-    choose_middle((low_ + high_) / 2);
+    choose_middle((ends.low + ends.high) / 2);
     for (const Part& part : body.parts)
       if (force_ && part.rigid && meets(part, loaded_))
         throw InputError("body '" + part.name + "' at the loaded end is rigid: give a displacement instead of a force");
