@@ -202,6 +202,9 @@ namespace {
 /// Of the load: what may be left of it unbalanced.
 constexpr double kBalanced = 1e-3;
 
+/// Of the forces that hold the displaced molecules, before others give way: a resistance below that is rounding.
+constexpr double kResists = 1e-9;
+
 void warn_once(const std::string& warning, Run& run) {
   if (std::find(run.warnings.begin(), run.warnings.end(), warning) == run.warnings.end())
     run.warnings.push_back(warning);
@@ -226,21 +229,36 @@ bool note_solve(const StaticResult& solved, const std::string& where, Run& run) 
   return false;
 }
 
+/// Whether supports have moved a body that has no other reason for forces.
+bool is_displaced(const Model& model, const State& state) {
+  const Positions& rest = model.body().rest;
+  const bool moved = std::any_of(model.supports.begin(), model.supports.end(), [&](const Support& support) {
+    const Vector3 motion = state.positions.col(support.molecule) - rest.col(support.molecule);
+    return !(motion - support.free * motion).isZero(0);
+  });
+  return !model.body().unstressed && any_over(model.body(), moved);
+}
+
 /// Converged means balanced: what loads and reactions leave over is no part of them worth naming, under the `whole`
 /// load at least.
 void check_balance(const StaticResult& solved, const Measures& measures, double force, double tolerance, bool whole,
-                   const std::string& where, Run& run) {
+                   bool displaced, const std::string& where, Run& run) {
   const double balance = measures.get("reaction_balance");
-  const double left = std::isfinite(force) && solved.scale > 0 ? balance * std::abs(force) / solved.scale : balance;
-  if (whole && solved.residual > kBalanced && run.zero_energy_modes > 0) {
+  const bool known = std::isfinite(force) && solved.scale > 0;
+  const double left = known ? balance * std::abs(force) / solved.scale : balance;
+  if (whole && displaced && known && std::abs(force) < kResists * solved.scale && balance > kBalanced) {
+    run.outcome = Outcome::mechanism;
+    run.cause =
+        "the body does not resist this displacement: its force is at the rounding level, for it turns or comes apart "
+        "freely (are its pieces joined, and its ends held by more than a point?)";
+  } else if (whole && solved.residual > kBalanced && run.zero_energy_modes > 0) {
     run.outcome = Outcome::mechanism;
     run.cause = "the body does not resist this load: its resistance is at the rounding level";
   } else if (whole && solved.residual > kBalanced) {
     run.outcome = Outcome::limit_reached;
-    run.cause =
-        "the unbalanced force is " + number(solved.residual, 2) +
-        " of the load, and rounding of the positions allows no less: the stiffness contrast is too large, or the "
-        "body lies too far from the origin for its size";
+    run.cause = "the unbalanced force is " + number(solved.residual, 2) +
+                " of the load, and rounding of the positions allows no less: the body hardly resists the load, the "
+                "stiffness contrast is too large, or the body lies too far from the origin for its size";
   } else if (left > kBalanced) {
     run.outcome = Outcome::limit_reached;
     run.cause = "the reactions do not balance the loads: they leave " + number(left, 2) + " of them" + where;
@@ -392,7 +410,7 @@ void solve_load_curve(Model& model, const StaticExperiment& experiment, StaticRi
     if (!note_solve(solved, where, run)) return;
     if (loaded)
       check_balance(solved, measures, taken(measures, MeasureRole::force), options.statics.tolerance, step == steps,
-                    where, run);
+                    is_displaced(model, path.state()), where, run);
     if (run.outcome != Outcome::converged) return;
     if (taken(measures, MeasureRole::displacement) < 0 && taken(measures, MeasureRole::strain) <= -1) {
       run.outcome = Outcome::inverted;

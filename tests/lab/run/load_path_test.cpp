@@ -63,3 +63,27 @@ TEST_CASE("a load that its corrections do not bring to what is prescribed is no 
   CHECK(solved.outcome == Outcome::limit_reached);
   CHECK_THAT(solved.cause, Contains("what is prescribed is not reached after 10 corrections of the load"));
 }
+
+TEST_CASE("a displacement that nothing resists is a mechanism", "[statics][load_path]") {
+  const auto run = [](const std::string& body, const std::string& ends) {
+    const auto scene = load_scene(SceneSource::of_text("a.yaml", "title: t\n" + body +
+                                                                     "material: {youngs_modulus: 10 kPa}\n"
+                                                                     "stiffness: neo_hookean\n"
+                                                                     "solver: {displacements: small}\n"
+                                                                     "experiment: {kind: tension, axis: x, "
+                                                                     "displacement: 0.1 mm" +
+                                                                     ends + "}\n"),
+                                  built_in_catalog());
+    RunOptions options;
+    options.statics = scene->statics;
+    return run_strategy(scene->specimen, *scene->experiment, scene->stiffness, options);
+  };
+  const std::string cubes = "tetrahedra: {kind: kuhn, cubes: [4, 2, 2], size: [20 mm, 10 mm, 10 mm]}",
+                    one = "body: {" + cubes + "}\n",
+                    two = "bodies:\n  - {name: a, " + cubes + "}\n  - {name: b, at: [20 mm, 0, 0], " + cubes + "}\n";
+  CHECK(run(one, "").outcome == Outcome::converged);
+  for (const Run& free : {run(one, ", fixed: [0], loaded: [44]"), run(two, "")}) {
+    CHECK(free.outcome == Outcome::mechanism);
+    CHECK_THAT(free.cause, Contains("does not resist this displacement"));
+  }
+}
