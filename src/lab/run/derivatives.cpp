@@ -140,11 +140,18 @@ struct Derivatives::Side {
 struct Derivatives::Number {
   SceneNumber of;
   std::array<std::unique_ptr<Side>, 2> sides = {};  ///< p − h, p + h
+  std::unique_ptr<Side> middle = {};                ///< p, of what calibrates: with the same tolerance as the sides
   Positions start = {}, start_reactions = {};       ///< what it changes of the start; empty: that is at rest
 
   void make_sides(const Model& model, const RunOptions& options) {
     for (const double sign : {-1., 1.})
       sides[sign > 0] = std::make_unique<Side>(of, of.value + sign * of.step, model, options);
+    if (of.calibrated && !middle) middle = std::make_unique<Side>(of, of.value, model, options);
+  }
+  Positions forces_of(Side& side, const Positions& displaced, const State& like, double load_factor, bool linear) {
+    Model& varied = *side.held->model;
+    lab::set_load(varied, side.rig(), load_factor);
+    return all_forces(varied, still(varied, varied.body().rest + displaced, like), linear);
   }
 
   /// What moves an equilibrium, over the change of the number: forces on molecules, and prescribed displacements.
@@ -155,25 +162,27 @@ struct Derivatives::Number {
                 const RunOptions& options) {
     if (!sides[0]) make_sides(model, options);
     const bool linear = options.statics.linear;
-    const Positions now = all_forces(model, state, linear), displaced = state.positions - model.body().rest;
+    const Positions displaced = state.positions - model.body().rest;
+    const Positions now =
+        middle ? forces_of(*middle, displaced, state, load_factor, linear) : all_forces(model, state, linear);
     for (int larger = kLargerSteps, smaller = 1;;) {
       std::array<Positions, 2> forces, moved;
       for (int side = 0; side < 2; ++side) {
-        Model& varied = *sides[side]->held->model;
-        lab::set_load(varied, sides[side]->rig(), load_factor);
-        const State at = still(varied, varied.body().rest + displaced, state);
-        forces[side] = all_forces(varied, at, linear);
-        moved[side] = at.positions;
+        forces[side] = forces_of(*sides[side], displaced, state, load_factor, linear);
+        const Model& varied = *sides[side]->held->model;
+        const Positions at = varied.body().rest + displaced;
+        moved[side] = at;
         apply_supports(varied, moved[side]);
-        moved[side] -= at.positions;
+        moved[side] -= at;
       }
       const double rounding = std::max((of.calibrated ? kCalibratedRounding : kRounding) * now.norm(),
                                        kRoundedPositions * rounding_floor(tangent, state.positions));
       Positions difference = forces[1] - forces[0];
       const double bend = (forces[1] - 2 * now + forces[0]).norm() - rounding,
                    most = (of.calibrated ? kCalibratedBend : kBend) * difference.norm();
-      // A number that changes little is changed more, as far as rounding hides what it does.
-      if (larger > 0 && difference.norm() > 0 && difference.norm() < kClear * rounding &&
+      // A number that changes little is changed more, as far as rounding hides what it does; not one that moves
+      // supports, for a turn is no straight line.
+      if (larger > 0 && moved[1] == moved[0] && difference.norm() > 0 && difference.norm() < kClear * rounding &&
           10 * of.step < std::abs(of.value)) {
         of.step *= 10, --larger;
         make_sides(model, options);
@@ -217,7 +226,7 @@ void Derivatives::check(const Specimen& specimen, const Experiment& experiment, 
       : contact && contact->friction > 0         ? "contact.friction: what slipped depends on the way there"
       : contact && contact->penetration > 0
           ? "contact.penetration: its multipliers depend on the way there; leave it out, or write a stiffness"
-      : choice.name.calibrated && experiment.apparent() && !specimen.calibration
+      : choice.name.calibrated && experiment.apparent() && !specimen.calibration && !specimen.references.empty()
           ? "'" + choice.label + "' is calibrated to a computed reference"
       : choice.name.fitted ? "'" + choice.label + "' is fitted by steps that end within a tolerance; write calibrated:"
                            : "";
