@@ -158,6 +158,7 @@ struct RunOptions {
   std::function<void(const std::string& doing)> progress = {};  ///< called before each load step; may be empty
   std::optional<TimeOptions> time = {};                         ///< what a timed experiment needs
   bool live = false;                                            ///< frames of a run in time no faster than its cap
+  std::string problem = {};       ///< of the scene (Scene::problem): a run goes on with that of another one only
   std::string restart = {};       ///< text that `checkpoint` got: a run in time goes on from there
   std::string restart_path = {};  ///< where that text stands, for messages; may be empty
   std::function<void(const std::string& text)> checkpoint = {};  ///< called after frames that are to be kept

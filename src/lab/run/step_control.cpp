@@ -176,7 +176,7 @@ StepResult StepControl::one_step(Model& model, State& state, double until) {
 namespace {
 
 constexpr std::string_view kName = "elastin-restart-";
-constexpr const char* kHead = "elastin-restart-6";  // another format, or another meaning of a number, counts on
+constexpr const char* kHead = "elastin-restart-7";  // another format, or another meaning of a number, counts on
 constexpr std::string_view kEnd = "\nend\n";
 
 std::string hex(std::uint64_t value) {
@@ -226,7 +226,9 @@ RestartPoint parse_restart(const std::string& text, const std::string& identity,
     first.fail("this restart file is of another version of the program ('" + head.substr(0, 40) + "', here '" + kHead +
                "'), whose numbers mean something else: run the scene from its start");
   first.word(of);
-  if (of != identity) first.fail("this is the restart file of another run: it is of " + of + ", here runs " + identity);
+  if (of != identity)
+    first.fail("this is the restart file of another run: it is of " + of + ", here runs " + identity +
+               "; of the scene only how long it runs, and what is looked at, may be another");
   first.word(sum);
   if (line == std::string::npos || text.size() < line + 1 + kEnd.size() || !text.ends_with(kEnd)) {
     TextReader whole(text, what, {path, 1, 1});
@@ -240,13 +242,14 @@ RestartPoint parse_restart(const std::string& text, const std::string& identity,
   return point;
 }
 
-std::string restart_identity(const Body& body, const std::string& strategy, const TimeOptions& options,
-                             const std::string& scheme) {
+std::string restart_identity(const Body& body, const std::string& problem, const std::string& strategy,
+                             const TimeOptions& options, const std::string& scheme) {
   std::uint64_t hash = checksum(nullptr, 0);
   const auto add = [&](const void* data, std::size_t size) { hash = checksum(data, size, hash); };
   add(body.rest.data(), sizeof(double) * static_cast<std::size_t>(body.rest.size()));
   add(body.mass.data(), sizeof(double) * static_cast<std::size_t>(body.mass.size()));
   add(body.connections.ends.data(), sizeof(int) * 2 * body.connections.ends.size());
+  add(problem.data(), problem.size());
   const double frame = options.time_of(1), spread = options.first_frame > 0 ? options.duration : 0;
   add(&frame, sizeof frame);
   add(&spread, sizeof spread);

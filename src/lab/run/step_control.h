@@ -118,8 +118,8 @@ std::string restart_text(const RestartPoint& point, const std::string& identity)
 /// another version, or that of another run.
 RestartPoint parse_restart(const std::string& text, const std::string& identity, const std::string& path = "");
 
-/// What a run must share with the one that it goes on from: body, strategy, scheme and frames.
-std::string restart_identity(const Body& body, const std::string& strategy, const TimeOptions& options,
-                             const std::string& scheme);
+/// What a run must share with the one that it goes on from: body, problem, strategy, scheme and frames.
+std::string restart_identity(const Body& body, const std::string& problem, const std::string& strategy,
+                             const TimeOptions& options, const std::string& scheme);
 
 }  // namespace elastin::lab

@@ -99,6 +99,7 @@ RunOptions Comparison::options_of(const ScenePlan& plan, const Scene& scene, con
   RunOptions result;
   result.statics = scene.statics;
   result.time = scene.time;
+  result.problem = scene.problem;
   result.live = request_.live;
   if (!request_.image.empty()) check_image(request_.image, request_.image_spacing, scene);
   result.last_snapshot = request_.out.empty() && !request_.image.empty();

@@ -45,6 +45,7 @@ RunOptions options_of(const Scene& scene) {
   RunOptions options;
   options.statics = scene.statics;
   options.time = scene.time;
+  options.problem = scene.problem;
   options.stop = &stop_requested;
   return options;
 }
