@@ -1,7 +1,9 @@
 #include "core/forces/bending.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <iterator>
 #include <map>
 
 #include "core/base/dense.h"
@@ -181,6 +183,42 @@ std::vector<std::array<int, 2>> bending_pairs(const Body& body) {
   std::sort(pairs.begin(), pairs.end());
   pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
   return pairs;
+}
+
+double bending_excess(const Body& body, double poissons_ratio) {
+  const Vector3 normal = normal_of(body), first = normal.unitOrthogonal();
+  Eigen::Matrix<double, 2, 3> frame;
+  frame << first.transpose(), normal.cross(first).transpose();
+  const Eigen::Matrix2Xd positions = frame * body.rest;
+  // Bent along four directions and twisted about two: by the curvatures κ_xx, κ_yy, κ_xy.
+  const Vector3 curvatures[] = {{1, 0, 0}, {0, 1, 0}, {0.5, 0.5, 0.5}, {0.5, 0.5, -0.5}, {0, 0, 1}, {1, -1, 0}};
+  std::array<double, std::size(curvatures)> energies{};
+  double whole = 0;
+  for (const Patch& patch : patches_of(body.triangles)) {
+    if (std::any_of(patch.molecules.begin(), patch.molecules.end(), [](int molecule) { return molecule < 0; }))
+      continue;
+    const auto [weights, stiffness] = plate_of(patch, positions, 1, poissons_ratio);
+    Eigen::Matrix<double, 2, 6> places;
+    for (int i = 0; i < 6; ++i) places.col(i) = positions.col(patch.molecules[i]) - positions.col(patch.molecules[0]);
+    const Eigen::Matrix2d sides = places.middleCols<2>(1);
+    whole += std::abs(sides.determinant()) / 2;
+    for (std::size_t k = 0; k < energies.size(); ++k) {
+      const Vector3& c = curvatures[k];
+      const VectorX heights = (c[0] / 2 * places.row(0).array().square() + c[1] / 2 * places.row(1).array().square() +
+                               c[2] * places.row(0).array() * places.row(1).array())
+                                  .transpose();
+      const Vector3 hinges = weights * heights;
+      energies[k] += hinges.dot(stiffness * hinges) / 2;
+    }
+  }
+  double most = whole > 0 ? 0 : 1;
+  for (std::size_t k = 0; whole > 0 && k < energies.size(); ++k) {
+    const Vector3& c = curvatures[k];
+    const double squares = c[0] * c[0] + c[1] * c[1] + 2 * c[2] * c[2], trace = c[0] + c[1];
+    most =
+        std::max(most, energies[k] / (whole / 2 * ((1 - poissons_ratio) * squares + poissons_ratio * trace * trace)));
+  }
+  return most;
 }
 
 std::string unsuited_for_bending(const Body& body) {

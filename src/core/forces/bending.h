@@ -27,6 +27,11 @@ std::vector<std::array<int, 2>> bending_pairs(const Body& body);
 /// Why a body cannot have bending stiffness, or "": it needs triangles that lie in one plane at rest.
 std::string unsuited_for_bending(const Body& body);
 
+/// How many times the energy of a plate such a sheet stores away from its rim where it is bent or twisted evenly, in
+/// the direction that is worst; 1 where no triangle is away from the rim. It goes by how the triangles lie, not by
+/// their size.
+double bending_excess(const Body& body, double poissons_ratio);
+
 /// @param rigidity D [N m]; E t³/(12 (1−ν²)) of a plate. Throws InputError if a pair is no connection.
 std::unique_ptr<Elasticity> make_bending(const Body& body, double rigidity, double poissons_ratio);
 

@@ -1,11 +1,18 @@
 #include "core/simulation/warnings.h"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <utility>
 
+#include "core/model/carried_points.h"
 #include "core/simulation/simulation_impl.h"
 #include "elastin/core/base/text.h"
 #include "elastin/core/model/parts.h"
 #include "elastin/core/model/share.h"
+#include "elastin/core/model/surface.h"
 
 namespace elastin {
 namespace {
@@ -38,21 +45,66 @@ double largest_in(const Body& body, const std::vector<Material>& materials) {
 
 constexpr double kSamePlace = 1e-6;  ///< of the body's extent
 
+/// Molecules that lie where another one does, by places on a fine raster, of which round places are no borders.
+int molecules_at_one_place(const Positions& rest) {
+  if (rest.cols() == 0) return 0;
+  const Vector3 low = rest.rowwise().minCoeff();
+  const double width = kSamePlace * (rest.rowwise().maxCoeff() - low).maxCoeff();
+  if (!(width > 0)) return 0;
+  std::vector<std::array<std::int64_t, 3>> places(rest.cols());
+  for (Eigen::Index a = 0; a < rest.cols(); ++a)
+    for (int k = 0; k < 3; ++k) places[a][k] = std::llround((rest(k, a) - low[k]) / width + 0.217);
+  std::sort(places.begin(), places.end());
+  return static_cast<int>(places.end() - std::unique(places.begin(), places.end()));
+}
+
+/// Of the surface of a solid: sides with another cell behind them, and how many were looked at. None of a grid's.
+std::pair<int, int> sides_against_cells(const Body& body) {
+  constexpr std::size_t most_cells = 200000, most_sides = 2000;
+  constexpr double behind = 1e-3;  // of a side's size
+  if (body.tetrahedra.empty() || body.tetrahedra.size() > most_cells || body.grid || body.outline.cols() > 0)
+    return {0, 0};
+  const Cells<3> sides = surface_of(body);
+  const std::size_t every = sides.size() / most_sides + 1;
+  Positions points(3, static_cast<Eigen::Index>((sides.size() + every - 1) / every));
+  for (Eigen::Index point = 0; point < points.cols(); ++point) {
+    const auto& [a, b, c] = sides[static_cast<std::size_t>(point) * every];
+    const Vector3 area = (body.rest.col(b) - body.rest.col(a)).cross(body.rest.col(c) - body.rest.col(a)) / 2;
+    points.col(point) = (body.rest.col(a) + body.rest.col(b) + body.rest.col(c)) / 3 +
+                        behind * area / std::sqrt(std::max(area.norm(), std::numeric_limits<double>::min()));
+  }
+  const CarriedPoints carried(body, points);
+  return {static_cast<int>(std::count(carried.beyond.begin(), carried.beyond.end(), 0.)),
+          static_cast<int>(points.cols())};
+}
+
+std::string pairs_at_one_place(int count) {
+  return counted(count, "pair") + " of molecules at the same place (of a mesh, `join` makes one of each)";
+}
+
 }  // namespace
 
 std::string warning_of_pieces(const Body& body, const std::string& name) {
   const BodyFindings findings = inspect(body);
   if (findings.pieces <= 1) return "";
   const auto isolated = findings.isolated_molecules.size();
-  const double extent = (body.rest.rowwise().maxCoeff() - body.rest.rowwise().minCoeff()).maxCoeff();
-  const std::size_t same = extent > 0 ? connections_within(body.rest, kSamePlace * extent).ends.size() : 0;
+  const int same = molecules_at_one_place(body.rest);
   return name + " is not connected: " + std::to_string(findings.pieces) + " pieces" +
          (isolated == 0   ? ""
           : isolated == 1 ? ", one of them an isolated molecule"
                           : ", " + std::to_string(isolated) + " of them isolated molecules") +
-         (same == 0 ? ""
-                    : "; " + counted(static_cast<std::ptrdiff_t>(same), "pair") +
-                          " of molecules at the same place (of a mesh, `join` makes one of each)");
+         (same == 0 ? "" : "; " + pairs_at_one_place(same));
+}
+
+std::string warning_of_seams(const Body& body, const std::string& name) {
+  if (body.tetrahedra.empty() && body.triangles.empty()) return "";
+  if (const int same = molecules_at_one_place(body.rest); same > 0)
+    return name + " has a crack, or a seam that nothing joins: " + pairs_at_one_place(same);
+  const auto [against, seen] = sides_against_cells(body);
+  return against == 0 ? ""
+                      : "of " + counted(seen, "side") + " of the surface of " + name + ", " + std::to_string(against) +
+                            " lie against cells that do not have them: parts of a mesh that do not share the molecules "
+                            "between them come apart there; give them as `bodies` and join these by `ties`";
 }
 
 std::string warning_of_doubles(const Body& body, bool uses_cells) {

@@ -14,6 +14,10 @@ namespace elastin {
 /// @param name "the body", or that of a part
 std::string warning_of_pieces(const Body& body, const std::string& name);
 
+/// Of a body of cells in one piece: where parts of its mesh meet and are not joined, with molecules at one place that
+/// are not one, or with sides of cells that have other cells behind them. A cut makes such, too.
+std::string warning_of_seams(const Body& body, const std::string& name);
+
 /// Cells whose nodes are another's, too. Of a body that several processes share: of all of them.
 std::string warning_of_doubles(const Body& body, bool uses_cells);
 

@@ -7,6 +7,7 @@
 
 #include "core/base/named.h"
 #include "core/base/stopwatch.h"
+#include "core/forces/bending.h"
 #include "core/simulation/warnings.h"
 #include "elastin/core/base/text.h"
 #include "elastin/core/model/parts.h"
@@ -91,9 +92,12 @@ void check_volume_range(Reader material, const Specimen& specimen, const std::ve
       if (choice.strategy.volume_modulus) at.located([&] { return choice.strategy.volume_modulus(values); });
 }
 
-void warn_of_pieces(const Body& body, const std::string& name, std::vector<std::string>& warnings) {
+/// A state of rest of its own is what bodies are cut for.
+void warn_of_pieces(const Body& body, const std::string& name, bool has_rest, std::vector<std::string>& warnings) {
   if (const std::string found = warning_of_pieces(body, name); !found.empty())
     warnings.push_back(found + "; `elastin check` names them");
+  else if (std::string seams = has_rest ? "" : warning_of_seams(body, name); !seams.empty())
+    warnings.push_back(std::move(seams));
 }
 
 using BodyChange = std::function<void(Body&, const Material&)>;
@@ -222,7 +226,7 @@ Body read_one_body(Reader& reader, const Catalog& catalog, const ExperimentCatal
       remarks.section_is_given = std::find(keys.begin(), keys.end(), "cross_section") != keys.end();
   const auto make = [&] {
     Body body = read_body(reader.at("body"), material, remarks);
-    if (!reader.has("contact")) warn_of_pieces(body, "the body", scene.warnings);
+    if (!reader.has("contact")) warn_of_pieces(body, "the body", reader.has("rest"), scene.warnings);
     return body;
   };
   const auto processes = scene.statics.engine ? scene.statics.engine->processes() : nullptr;
@@ -259,7 +263,9 @@ void read_whole_body(Reader& reader, const Catalog& catalog, const ExperimentCat
     if (auto one = reader.find("body")) one->fail("there are `bodies` already; put it into that list, with a name");
     read_bodies(*several, ties, catalog.material_laws, specimen, remarks);
     for (const Part& part : specimen.body.parts)  // a rigid body needs no connections
-      if (!part.rigid) warn_of_pieces(part_alone(specimen.body, part).body, "body '" + part.name + "'", scene.warnings);
+      if (!part.rigid)
+        warn_of_pieces(part_alone(specimen.body, part).body, "body '" + part.name + "'", reader.has("rest"),
+                       scene.warnings);
     return;
   }
   if (ties) ties->fail("joins several `bodies`; the scene has one");
@@ -283,6 +289,13 @@ void read_whole_body(Reader& reader, const Catalog& catalog, const ExperimentCat
   const auto bending = reader.at("material").find("bending");
   if (specimen.material.bending_rigidity > 0)
     (bending ? *bending : reader.at("material")).located([&] { prepare_bending(specimen.body, specimen.material); });
+  constexpr double even = 1.1;
+  const double excess =
+      specimen.material.bending_rigidity > 0 ? bending_excess(specimen.body, specimen.material.poissons_ratio) : 1;
+  if (excess > even)
+    scene.warnings.push_back("the triangles lie so that the sheet is up to " + number(excess, 2) +
+                             " times as stiff as it should be where it is bent or twisted, however fine they are; cut "
+                             "squares by `pattern: one_way`");
 }
 
 void turn_fibres(Specimen& specimen, const Matrix3& rotation) {

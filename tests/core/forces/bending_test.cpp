@@ -137,6 +137,20 @@ TEST_CASE("bending: the energy of a plate under constant curvature", "[bending_s
   }
 }
 
+TEST_CASE("bending says how much too stiff the lie of its triangles makes it", "[bending_stiffness]") {
+  const auto excess = [](SheetPattern pattern, int squares) {
+    return bending_excess(prepared(rectangular_sheet({0.04, 0.04}, {squares, squares}, pattern)), 0.3);
+  };
+  for (const int squares : {6, 24}) CHECK(excess(SheetPattern::one_way, squares) == Approx(1).epsilon(1e-9));
+  CHECK(excess(SheetPattern::alternating, 24) > 2);
+  CHECK(excess(SheetPattern::crossed, 24) > 1.1);
+  // What a whole sheet stores where it is twisted says the same, but for its rim.
+  const Body sheet = prepared(rectangular_sheet({0.04, 0.04}, {40, 40}, SheetPattern::alternating));
+  const double twisted = energy_density(sheet, 0.04 * 0.04, 1, 0.3, [](double x, double y) { return x * y; }),
+               plate = 1 - 0.3;
+  CHECK(bending_excess(sheet, 0.3) == Approx(twisted / plate).epsilon(0.1));
+}
+
 TEST_CASE("bending: a clamped strip sinks like a beam, and like the elastica", "[bending_stiffness][slow]") {
   // Narrow against its length, wide against its thickness: E I with the beam's free sides. w = F L³/(3 E I).
   constexpr double E = 1e9, t = 1e-3, L = 0.2, b = 0.02, I = b * t * t * t / 12;

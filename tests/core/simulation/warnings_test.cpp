@@ -3,6 +3,7 @@
 #include <catch2/catch.hpp>
 
 #include "core/simulation/tissues.h"
+#include "core/simulation/warnings.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/shapes/arrays.h"
 
@@ -39,6 +40,19 @@ TEST_CASE("a simulation warns as the laboratory does", "[simulation]") {
   CHECK_THAT(warnings_of(two_tetrahedra(0.1), "neo_hookean").at(0),
              Contains("the body is not connected: 2 pieces") && !Contains("same place"));
   CHECK_THAT(warnings_of(two_tetrahedra(0), "neo_hookean").at(0), Contains("pairs of molecules at the same place"));
+  // Joined by one corner alone.
+  BodyArrays seam = two_tetrahedra(0);
+  seam.positions.middleCols(4, 3) = seam.positions.middleCols(5, 3).eval();
+  seam.positions.conservativeResize(3, 7);
+  seam.tetrahedra[1] = {0, 4, 5, 6};
+  CHECK_THAT(warning_of_seams(make_body(seam), "the body"), Contains("3 pairs of molecules at the same place"));
+  CHECK(warning_of_seams(make_body(one), "the body").empty());
+  // A side against a larger one, which they share one corner of.
+  BodyArrays against = seam;
+  against.positions.rightCols(3) *= 0.5;
+  against.positions.col(4).x() *= -1;
+  against.tetrahedra[1] = {0, 4, 6, 5};
+  CHECK_THAT(warning_of_seams(make_body(against), "the body"), Contains("lie against cells that do not have them"));
   BodyArrays twice = one;
   twice.tetrahedra.push_back({1, 0, 2, 3});
   CHECK_THAT(warnings_of(twice, "neo_hookean").at(0),
