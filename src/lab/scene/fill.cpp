@@ -30,12 +30,11 @@ void report(const std::string& path, const std::string& name, const mesh::FillRe
       "{} filled: {} molecules, {} of them on the surface, {} tetrahedra; volume {:.2f} % of the surface's {:.5g} cm3, "
       "masses scaled to the surface's; a computed reference is that of these cells{}",
       name, filling.positions.cols(), filling.on_surface, filling.tetrahedra.size(), 100 * part,
-      1e6 * filling.surface_volume,
-      inside.shells() > 1 ? fmt::format("; its {} separate shells are filled each by itself", inside.shells()) : ""));
+      1e6 * filling.surface_volume, inside.shells() > 1 ? "; its separate shells are filled each by itself" : ""));
   if (filling.empty_shells > 0)
     remarks.warnings.push_back(fmt::format(
-        "{}: {} of {} separate shells are left out, because no tetrahedron fits inside them: give a smaller spacing",
-        path, filling.empty_shells, inside.shells()));
+        "{}: of {} separate shells {} left out, because no tetrahedron fits inside: give a smaller spacing", path,
+        inside.shells(), filling.empty_shells == 1 ? "1 is" : fmt::format("{} are", filling.empty_shells)));
   if (filling.slivers > 0)
     remarks.warnings.push_back(
         fmt::format("{}: {} of {} tetrahedra are nearly flat (below 1e-4 of the cube of their longest side)", path,
