@@ -386,7 +386,7 @@ MachineFile load_machine_file(const std::string& path, char decimal) {
   std::vector<Line> lines = separated(file.text, file.separator);
   if (lines.empty()) throw InputError(SourceLocation{path, 1}, "no head: names of the columns");
   file.decimal = decimal ? decimal : decimal_mark(lines, path);
-  Blocks(std::move(lines), file, path);
+  const Blocks read(std::move(lines), file, path);
   return file;
 }
 

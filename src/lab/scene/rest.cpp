@@ -74,7 +74,7 @@ Keys<RestSetup> rest_keys_with(std::vector<Keys<RestSetup>::Entry> others) {
                      }),
       key::map("around", &RestSetup::around, around_keys("the factors of `growth` are"))};
   all.insert(all.end(), std::make_move_iterator(others.begin()), std::make_move_iterator(others.end()));
-  return Keys<RestSetup>(std::move(all));
+  return Keys<RestSetup>(all);
 }
 
 Keys<RestSetup> keys_of_rest_region() {
