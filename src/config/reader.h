@@ -82,8 +82,8 @@ class Reader {
   std::vector<Reader> items(std::size_t count) const;
 
   std::string text() const;
-  /// The path of the file that this value names, from the folder of the file that it stands in. Throws InputError where
-  /// there is none.
+  /// The path of the file that this value names, from the folder of the file that it stands in. Throws InputError if
+  /// it does not exist.
   std::string existing_file() const;
   /// The value as one line of YAML, whatever it is: what --set can put elsewhere.
   std::string line() const;

@@ -14,7 +14,7 @@ namespace elastin::config {
 void check_scene_text(const std::string& path, const std::string& text);
 
 /// What is wrong with a text that YAML refuses at a location (line and column from 1) for the `reason` of its parser:
-/// the line that is odd, and as it should be. Of what it cannot tell, the reason.
+/// the line that is wrong, and its correction. Where neither is known, the parser's reason.
 InputError explain_yaml(const std::string& path, const std::string& text, const SourceLocation& refused,
                         const std::string& reason);
 

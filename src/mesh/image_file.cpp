@@ -117,7 +117,7 @@ class ImageReader {
     }
   }
   /// A data file that the header names, next to it.
-  std::string beside(const std::string& name) const {
+  std::string path_next_to(const std::string& name) const {
     return name.starts_with('/') ? name : path_.substr(0, path_.rfind('/') + 1) + name;
   }
   std::string unpacked(std::string_view packed, std::size_t wanted, bool whole = true) const;
@@ -527,7 +527,7 @@ Image ImageReader::read_nrrd() {
   if (name.empty()) name = given("datafile");
   if (name.compare(0, 4, "LIST") == 0 || name.find('%') != std::string::npos) fail(kSeveralFiles);
   if (!name.empty()) {
-    other = load(beside(name));
+    other = load(path_next_to(name));
     data = other;
   }
   for (const char* key : {"line skip", "lineskip"})
@@ -613,7 +613,7 @@ Image ImageReader::read_meta() {
   std::string other;
   std::string_view data = std::string_view(file).substr(at);
   if (name != "LOCAL" && name != "local") {
-    other = load(beside(name));
+    other = load(path_next_to(name));
     data = other;
   }
   const double skip = given({"HeaderSize"}).empty() ? 0 : count(given({"HeaderSize"}), "HeaderSize");

@@ -15,15 +15,15 @@ struct Columns {
 
   elastin::VectorX constants(const elastin::Body& body, const elastin::Material& material) const {
     // Connections of each molecule along x, y, z: two inside, one at a face.
-    std::vector<std::array<int, 3>> beside(body.size());
+    std::vector<std::array<int, 3>> next_to(body.size());
     for (const auto& [a, b] : body.connections.ends)
-      for (const int end : {a, b}) ++beside[end][direction(body, a, b)];
+      for (const int end : {a, b}) ++next_to[end][direction(body, a, b)];
     elastin::VectorX k(body.connections.size());
     for (int c = 0; c < k.size(); ++c) {
       const auto [a, b] = body.connections.ends[c];
       double section = body.connections.rest_length[c] * body.connections.rest_length[c];
       for (int axis = 0; axis < 3; ++axis)
-        if (axis != direction(body, a, b)) section *= beside[a][axis] / 2.0;
+        if (axis != direction(body, a, b)) section *= next_to[a][axis] / 2.0;
       k[c] = material.youngs_modulus * section / body.connections.rest_length[c];
     }
     return k;

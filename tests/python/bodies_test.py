@@ -96,7 +96,7 @@ class Bodies(unittest.TestCase):
         self.assertGreater(numpy.dot(b - a, numpy.cross(c - a, d - a)), 0)
         self.assertAlmostEqual(body.masses.sum(), 1000 * 1e-6 / 6)
 
-    def test_sides_of_cells_beside_connections(self):
+    def test_sides_of_cells_next_to_connections(self):
         body = elastin.Body(CORNERS, PAIRS, tetrahedra=[[0, 1, 2, 3]])
         self.assertEqual(body.proper_connections, 4)
         self.assertEqual(len(body.connections), 6)

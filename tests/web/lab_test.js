@@ -218,7 +218,7 @@ const actions = {
     const begin_work = () => browser.eval('globalThis.working = setInterval(work_one, 80), 0');
     // What is left after collection [MB], each time with one body that begins again: bodies and curves may take their memory.
     const memory = async () => {
-      await browser.eval('lab.put_beside(""), document.getElementById("reset").click()');
+      await browser.eval('lab.compare_with(""), document.getElementById("reset").click()');
       // A step of the tension test to a large strain may take the core long: then the next time counts.
       for (const end = Date.now() + 10e3; Date.now() < end; await sleep(200))
         if (await browser.eval('!lab.rebuild && !lab.testing && lab.answer?.length === 1'))

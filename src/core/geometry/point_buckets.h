@@ -8,7 +8,7 @@
 namespace elastin {
 
 /// Numbered points in the cubes of an endless grid, for those that are near: O(1) a question. Points so far out that
-/// 21 bits an axis do not tell their cubes apart share some.
+/// 21 bits an axis do not distinguish their cubes share some.
 class PointBuckets {
  public:
   /// @param size side of a cube [m], > 0: the largest distance that is searched.

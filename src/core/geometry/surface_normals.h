@@ -7,7 +7,7 @@
 namespace elastin {
 
 /// Outward normals of a surface of triangles at its faces, sides and corners, as it lies now. On a closed surface they
-/// tell inside from outside at any nearest point. [Bærentzen & Aanæs 2005]
+/// distinguish inside from outside at any nearest point. [Bærentzen & Aanæs 2005]
 class SurfaceNormals {
  public:
   SurfaceNormals() = default;

@@ -28,12 +28,12 @@ double digits_of(double tolerance) { return std::max(1., -std::log10(tolerance))
 /// What an iteration with a grid hierarchy takes of a molecule, in products of a factorisation: 100 to 1000 on springs
 /// and hexahedra of one size, for the products of a factor with little fill take least.
 constexpr double kProductsOfIteration = 300;
-/// What an iteration without one counts for, on a bundle of fibres: with so many of springs, or so many of cells, they
-/// take about as long as its factor, for which cells have first to be summed up.
+/// The same of an iteration without a grid hierarchy, of springs and of cells: with these two numbers, a bundle of
+/// fibres takes about as long as by its factor, for which cells have first to be summed up.
 constexpr double kProductsOfPlain = 16, kProductsOfPlainOfCells = 6;
 /// How many iterations are tried for each connection from end to end: fibres that are all alike are to conjugate
 /// gradients a single one, which takes as many as it has connections. Until then the residual hardly falls, so that no
-/// pace tells; near a Poisson's ratio of 1/2 cells take four and a half.
+/// pace can be measured; near a Poisson's ratio of 1/2 cells take four and a half.
 constexpr double kTriedAcross = 2, kTriedAcrossOfCells = 5;
 /// Numbers of the largest factor that is tried: 1.2 GB.
 constexpr double kMostNumbers = 1e8;
@@ -125,8 +125,8 @@ std::pair<bool, std::string> multigrid_is_worth_it(const Model& model, double to
   const double across = connections_across(body);
   const bool cells = !model.nodal_laws().empty() || std::any_of(model.edge_laws().begin(), model.edge_laws().end(),
                                                                 [](const auto* law) { return law->coupled(); });
-  // In iterations of single molecules' blocks: of springs they cost little beside a cycle, and least between neighbours
-  // on a grid.
+  // In iterations of single molecules' blocks: of springs they cost little compared with a cycle, and least between
+  // neighbours on a grid.
   const double cheap = cells ? 1 : body.grid && !has_other_stiffness(body) ? 1.9 : 1.5;
   const bool worth_it = expected_iterations(body, tolerance) > cheap * (20 + 8 * digits_of(tolerance));
   const std::string size = counted(static_cast<int>(molecules_of_whole(body)), "molecule") + ", " +

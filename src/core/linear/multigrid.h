@@ -63,7 +63,7 @@ using GivesUp = std::function<bool(double to_come)>;
 /// given up the result is limit_reached.
 std::unique_ptr<LinearSolver> make_multigrid(GivesUp gives_up);
 
-/// Conjugate gradients without a hierarchy that end with limit_reached after so many iterations.
+/// Conjugate gradients without a hierarchy that end with limit_reached after `most_iterations`.
 std::unique_ptr<LinearSolver> make_pcg(int most_iterations);
 
 }  // namespace elastin

@@ -14,7 +14,7 @@ struct SharedSide {
   std::array<int, 4> molecules{-1, -1, -1, -1};  ///< of the side, ascending, −1 behind them
 };
 
-/// The cells between which a body can be parted: its tetrahedra, else its cubes, else its triangles.
+/// The cells between which a body can be split: its tetrahedra, else its cubes, else its triangles.
 struct Neighbours {
   explicit Neighbours(const Body& body);
 

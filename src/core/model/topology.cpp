@@ -19,7 +19,7 @@ void require_plain(const Body& body, const char* what) {
   if (!body.blocks.empty())
     throw InputError(std::string(what) + ": cells of other shapes or of second order (here " +
                      std::string(body.blocks.front().kind->name) +
-                     ") cannot be parted; tetrahedra, cubes of a lattice and triangles can");
+                     ") cannot be split; tetrahedra, cubes of a lattice and triangles can");
 }
 
 TopologyChange no_change(const Body& body, const Neighbours& cells) {
@@ -101,7 +101,7 @@ ChangedBody cut(const Body& body, const Positions& positions, const CutSurface& 
   for (int cell = 0; cell < cells.size(); ++cell) middles.col(cell) = cells.middle(cell, positions);
   for (std::size_t side = 0; side < cells.sides.size(); ++side) {
     const auto [a, b] = cells.sides[side].cells;
-    change.parted[side] = surface.crosses(middles.col(a), middles.col(b));
+    change.split[side] = surface.crosses(middles.col(a), middles.col(b));
   }
   return changed_body(body, positions, cells, std::move(change));
 }
@@ -121,7 +121,7 @@ ChangedBody tear(const Body& body, const Positions& positions, double strain) {
   } else {
     const CellTear crack(body, positions, cells);
     for (std::size_t side = 0; side < cells.sides.size(); ++side)
-      change.parted[side] = crack.parts(cells.sides[side], strain);
+      change.split[side] = crack.parts(cells.sides[side], strain);
   }
   return changed_body(body, positions, cells, std::move(change));
 }

@@ -66,8 +66,8 @@ class TopologyBuilder {
     touched_.assign(at(n), 0);
     for (std::size_t side = 0; side < cells_.sides.size(); ++side) {
       const SharedSide& shared = cells_.sides[side];
-      if (gone(shared.cells[0]) || gone(shared.cells[1])) change_.parted[side] = 1;
-      if (!change_.parted[side]) continue;
+      if (gone(shared.cells[0]) || gone(shared.cells[1])) change_.split[side] = 1;
+      if (!change_.split[side]) continue;
       for (const int molecule : shared.molecules)
         if (molecule >= 0) touched_[at(molecule)] = 1;
     }
@@ -99,7 +99,7 @@ class TopologyBuilder {
     for (const int side : sides) {
       const auto [a, b] = cells_.sides[at(side)].cells;
       before.join(index(a), index(b));
-      if (!change_.parted[at(side)]) after.join(index(a), index(b));
+      if (!change_.split[at(side)]) after.join(index(a), index(b));
     }
     std::map<int, int> keeps;   // the group, by that before
     std::map<int, int> number;  // of the molecule that a group has
@@ -297,7 +297,7 @@ class TopologyBuilder {
     if (of_cell) return;
     if (std::any_of(corners.begin(), corners.end(), [&](int corner) { return touched_[at(corner)] != 0; }))
       throw InputError("triangle " + std::to_string(number) +
-                       " is no face of a cell: where it goes when the body is parted there is not known");
+                       " is no face of a cell: where it goes when the body is split there is not known");
     auto& added = result_.body.triangles.emplace_back();
     for (std::size_t i = 0; i < 3; ++i) added[i] = number_[at(corners[i])];
   }

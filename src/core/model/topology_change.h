@@ -9,7 +9,7 @@ namespace elastin {
 
 /// What is to be removed from a body, and between which neighbours it is split.
 struct TopologyChange {
-  std::vector<char> parted;       ///< one of Neighbours::sides each: 1 = its cells no longer hang together there
+  std::vector<char> split;        ///< one of Neighbours::sides each: 1 = its cells no longer hang together there
   std::vector<char> cells;        ///< one a cell: 1 = removed
   std::vector<char> connections;  ///< one a connection: 1 = removed
   /// Whether what belongs to no cell is split between two positions [m]; empty: nothing is.

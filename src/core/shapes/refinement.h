@@ -16,7 +16,7 @@ namespace elastin {
 /// 1995]
 Body refined(const Body& body);
 
-/// Volume and its moments that tell whether two bodies of cells fill the same space: volume (or area) and, about the
+/// Volume and its moments, which show whether two bodies of cells fill the same space: volume (or area) and, about the
 /// origin, its three first and six second moments, in SI units.
 std::array<double, 10> moments_of_cells(const Body& body);
 

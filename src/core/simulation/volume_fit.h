@@ -20,7 +20,8 @@ using MeasureModuli = std::function<std::optional<std::pair<double, double>>(dou
 /// Fits both scalars by linear solves of the springs as they are with a changing volume term, ending when ν is within
 /// 0.001: the first solve of the springs alone, two where strain is affine, at most `most_solves`. E comes out exactly,
 /// for all stiffness scales with it. ν is a hyperbola of κ: with q = K + G/3 of isotropic springs a straight line in
-/// 1/(κ + q) from ½ for κ → ∞, else one that three solves tell. Returns nothing if a solve fails or measures no E > 0.
+/// 1/(κ + q) from ½ for κ → ∞, else one that three solves determine. Returns nothing if a solve fails or measures no E
+/// > 0.
 std::optional<VolumeFit> fit_volume(const Material& material, const MeasureModuli& measure, int most_solves = 4);
 
 }  // namespace elastin

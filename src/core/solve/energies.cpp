@@ -71,8 +71,9 @@ Ledger::Border Ledger::border(const Model& model, const State& state) const {
 
 namespace {
 
-/// The same of forces that take energy. What has parted by the step's end, and feels none then, felt none that counts:
-/// Newmark's scheme takes it out (see implicit.cpp), and energy that was not taken must not look as if it were made.
+/// The same of forces that take energy. What has separated by the step's end, and feels none then, felt none that
+/// counts: Newmark's scheme takes it out (see implicit.cpp), and energy that was not taken must not look as if it were
+/// made.
 double resisted_work(const Body& body, const Positions& before, const Positions& after, const Positions& displacement) {
   if (before.cols() == 0) return 0;
   return ordered_sum(owned_molecules(body), [&](int i) {

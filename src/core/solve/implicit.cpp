@@ -125,8 +125,8 @@ void Implicit::set_first_guess(const Model& model, const State& state, double dt
 
 /// Newmark's scheme gives half of the force at a step's beginning to the whole of it, also where something parts within
 /// the step: contact would push on through the air, and give back more than was put in. Where it does, the step is
-/// solved again without the pushes on molecules that have parted, which takes energy and never gives any; so [Kane et
-/// al. 1999], but for contact that lasts, which stays of order 2.
+/// solved again without the pushes on molecules that have separated, which takes energy and never gives any; so [Kane
+/// et al. 1999], but for contact that lasts, which stays of order 2.
 StaticResult Implicit::balance_parted(Model& model, const State& state, double dt) {
   set_kinematics(state, state.accelerations, dt);
   set_first_guess(model, state, dt);
@@ -138,7 +138,7 @@ StaticResult Implicit::balance_parted(Model& model, const State& state, double d
   }
   StaticResult solved = balance(model, next_, kinematics_);
   if (!may_part || !any_over(model.body(), !push_.forces.isZero(0))) return solved;
-  for (const double share : {0., 0.5})  // first what has parted, then what has nearly
+  for (const double share : {0., 0.5})  // first what has separated, then what has nearly
     while (solved.outcome == Outcome::converged && withhold_pushes(model, state, share)) {
       set_kinematics(state, withheld_, dt);
       set_first_guess(model, state, dt);
@@ -318,7 +318,7 @@ void ImplicitByNewton::transpose(Model& model, const State& from, const State& t
   at.accelerations = kinematics_.accelerations + weights.acceleration * (at.positions - kinematics_.start);
   const Positions reached = from.accelerations + of_inertia * (to.accelerations - from.accelerations);
   if (free(at.accelerations - reached).norm() > 1e-6 * (reached.norm() + weights.acceleration * at.positions.norm()))
-    throw InputError("something that pushed has parted within a step, which has no derivative there");
+    throw InputError("a contact that pushed has opened within a step, which has no derivative there");
   TransposedForces forces(model);
   forces.begin(from, at.time, at, dt);
   workspace_.tangent = std::make_unique<Tangent>(model, at, weights);

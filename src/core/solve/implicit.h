@@ -67,7 +67,7 @@ class Implicit : public Integrator, public HasEffort {
   std::vector<Support> ends_;  // of the step's supports
   Positions forces_;
   Push push_, pushed_;  // at the step's beginning and end
-  Positions withheld_;  // the accelerations at its beginning without the pushes of what has parted
+  Positions withheld_;  // the accelerations at its beginning without the pushes of what has separated
 };
 
 /// Those that Newton's method balances. One that ends after a number of iterations has the derivatives of a balanced

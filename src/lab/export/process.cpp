@@ -117,7 +117,7 @@ Ended run_process(const JobFolder& folder, const std::string& script, const std:
   const auto start = Clock::now();
   constexpr std::chrono::seconds kGrace(2);  // after SIGTERM
   Ended result;
-  std::optional<Clock::time_point> told;
+  std::optional<Clock::time_point> asked_to_end;
   int status = 0;
   const auto read_all = [&](Clock::time_point until) {
     for (bool more = true; more && Clock::now() < until;) {
@@ -126,15 +126,15 @@ Ended run_process(const JobFolder& folder, const std::string& script, const std:
     }
   };
   while (waitpid(process, &status, WNOHANG) != process) {
-    if (!told) {
+    if (!asked_to_end) {
       result.stopped = stop && stop();
       result.timed_out = !result.stopped && seconds_since(start) > seconds;
     }
-    if (!told && (result.stopped || result.timed_out)) {
+    if (!asked_to_end && (result.stopped || result.timed_out)) {
       kill(-process, SIGTERM);
-      told = Clock::now();
+      asked_to_end = Clock::now();
     }
-    if (told && Clock::now() - *told > kGrace) kill(-process, SIGKILL);
+    if (asked_to_end && Clock::now() - *asked_to_end > kGrace) kill(-process, SIGKILL);
     constexpr int kPatience = 5;  // [ms]
     std::array<pollfd, 2> ends{pollfd{pipes[0].reading(), POLLIN, 0}, pollfd{pipes[1].reading(), POLLIN, 0}};
     poll(ends.data(), ends.size(), kPatience);  // one that is closed, -1, is passed over

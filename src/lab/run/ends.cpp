@@ -175,7 +175,7 @@ void EndFinder::judge_molecules(const std::string& name, const Vector3& directio
       area_text(face.area) + " of the hull's " + area_text(whole) + (grip_depth_ > 0 ? "" : ": give a grip_depth"));
 }
 
-/// Of ends that were picked, or have a depth, no side tells that they are tilted: [°] between the axis and the line
+/// Tilt of ends that were picked, or have a depth, which no side of the body shows: [°] between the axis and the line
 /// that joins their middles, where the body's longest axis is nearer to that line; else 0.
 double askew_of(const Body& body, const Vector3& axis, const Face& fixed, const Face& loaded) {
   const Vector3 line = (middle_of(body, loaded, body.rest) - middle_of(body, fixed, body.rest)).normalized();

@@ -119,12 +119,12 @@ class TimedRun {
   };
 
   /// Where the run is, and how long the rest takes at this pace: four times a second.
-  void tell(double now) {
-    if (!options_.progress || told_.seconds() < 0.25) return;
+  void report_progress(double now) {
+    if (!options_.progress || reported_.seconds() < 0.25) return;
     const double left = (options_.time->duration - now) / (now - began_at_) * began_.seconds();
     options_.progress("t = " + number(now, 4) + " s of " + number(options_.time->duration, 4) + " s, about " +
                       number(left, 2) + " s left");
-    told_ = {};
+    reported_ = {};
   }
 
   bool advance_frame(double until) {
@@ -134,7 +134,7 @@ class TimedRun {
     const StepResult stepped = control_.advance(model_, state_, until, [&](const State& now) {
       ledger_.record(model_, now);
       if (now.time < until && is_sampled()) history_.push_back(read({}));
-      tell(now.time);
+      report_progress(now.time);
       return now.time >= until || model_.body().share || !is_stopped();  // processes that share it stop at frames
     });
     if (stepped.outcome == Outcome::interrupted) {
@@ -347,7 +347,7 @@ class TimedRun {
   double available_ = 0;  ///< the most energy that there has been [J]
   StepControl control_;
   double mass_;  ///< of the whole [kg]
-  Stopwatch began_, told_;
+  Stopwatch began_, reported_;
   double began_at_ = 0;  // [s] of the run, when the first was started
   int frame_ = 0;
 };

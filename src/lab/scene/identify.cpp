@@ -125,7 +125,7 @@ const Keys<DataTest>& data_test_keys() {
       key::choice("kind", &S::kind, kinds, "which test it is").needed(),
       key::text("name", &S::name, "how tables call it").otherwise("its kind"),
       Key<S>({"file", "text", "", "", "", "the CSV file, relative to the scene"},
-             [](const Reader& value, S& test) { test.file = beside(value); })
+             [](const Reader& value, S& test) { test.file = path_next_to(value); })
           .needed(),
       texts_by_name_key("rows", &S::rows, "all", "only the rows with this text in this column: `{region: cortex}`"),
       texts_by_name_key("columns", &S::columns, "as recognised",
@@ -185,7 +185,7 @@ const Keys<DataTest>& data_test_keys() {
           {"scene", "text", "", "", "this scene",
            "of `specimen`: body, grips and load; the material is the fitted one. Of `relaxation`: the specimen whose "
            "load is kept, in the place of `held` and `strain`"},
-          [](const Reader& value, S& test) { test.scene = value.source().other(beside(value)); })
+          [](const Reader& value, S& test) { test.scene = value.source().other(path_next_to(value)); })
           .when([](const S& test) { return !test.kind->homogeneous && !test.kind->layer && !test.kind->oscillates; }),
       Key<S>(
           {"indenter", "map", "", "", "needed",

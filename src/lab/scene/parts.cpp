@@ -152,7 +152,7 @@ std::shared_ptr<StaticEngine> make_engine(Reader& solver, const StaticEngineKind
 
 }  // namespace
 
-std::string beside(const Reader& reader) {
+std::string path_next_to(const Reader& reader) {
   return (std::filesystem::path(reader.file_path()).parent_path() / reader.text()).lexically_normal().string();
 }
 

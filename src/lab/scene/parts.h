@@ -171,8 +171,8 @@ struct SceneContact : contact::ContactOptions {
 SceneContact read_contact(const Reader& reader, const Body& body, const Material& material, const Matrix3& rotation);
 /// Throws InputError on a motion that means nothing in this experiment.
 void check_motions(const SceneContact& contact, bool timed);
-/// The path of a file that a value names, relative to the file in which it stands.
-std::string beside(const Reader& reader);
+/// The path of a file that a value names, relative to the folder of the scene or file in which the value stands.
+std::string path_next_to(const Reader& reader);
 StaticOptions read_solver(Reader reader, const Catalog& catalog);
 /// Adds one load, or internal damping, to a model of the scene's body.
 struct SceneLoad {

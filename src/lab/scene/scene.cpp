@@ -370,7 +370,7 @@ std::unique_ptr<Scene> read_other_format(const SceneFormat& format, const SceneS
 /// The file that `model` names.
 std::unique_ptr<Scene> read_model(const Reader& model, const SceneSource& source, const Reader& reader,
                                   const Catalog& catalog, double most_molecules) {
-  const std::string path = beside(model);
+  const std::string path = path_next_to(model);
   if (const SceneFormat* format = scene_format_of(path))
     return read_other_format(*format, source.other(path), source, reader, catalog, most_molecules);
   std::string endings;

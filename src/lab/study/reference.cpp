@@ -340,7 +340,7 @@ class Sequence {
   Body body_;  // as the scene describes it: not turned
   bool filled_ = false;
   double finer_spacing_ = 0;  ///< [m] of the boxes of an image, for the next body
-  bool of_image_ = false;     ///< whether the bodies after the first are made of the image anew
+  bool of_image_ = false;     ///< whether the bodies after the first are made from the image again
   std::string law_;
   Positions guess_;
   std::vector<Level> levels_;

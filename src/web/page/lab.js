@@ -134,8 +134,8 @@ class Lab {
     }));
     this.second = strategies.length > 1 ? '' : ['standard', ...scene.strategies.map(one => one.name)].find(name => name !== strategies[0] &&
       scene.strategies.some(one => one.name === name));
-    part('beside').textContent = strategies.length > 1 ? 'Back to one body' : `Compare with ${this.second}`;
-    part('beside').closest('li').hidden = strategies.length < 2 && !this.second;
+    part('compare').textContent = strategies.length > 1 ? 'Back to one body' : `Compare with ${this.second}`;
+    part('compare').closest('li').hidden = strategies.length < 2 && !this.second;
   }
 
   get strategies() { return all('.strategy').map(select => select.value).filter(Boolean); }
@@ -166,7 +166,7 @@ class Lab {
     on('play', 'click', () => this.play(!this.playing));
     on('step', 'click', () => { this.play(false); this.single = true; });
     on('reset', 'click', () => this.reset());
-    on('beside', 'click', () => this.put_beside(this.second));
+    on('compare', 'click', () => this.compare_with(this.second));
     on('test', 'click', () => this.testing ? this.stop_test() : this.test());
     on('jello', 'click', () => this.jello());
     on('scene-material', 'click', () => this.set_sliders(this.start));
@@ -291,7 +291,7 @@ class Lab {
   }
 
   /** A second body with this strategy, or, with none, the first alone. */
-  put_beside(strategy) {
+  compare_with(strategy) {
     part('strategy-2').value = strategy;
     if (!strategy) part('strategy-3').value = '';
     this.choose_bodies();

@@ -230,7 +230,7 @@ TEST_CASE("image: a scan gives E where its segmentation says what is body", "[im
                     Contains("image.youngs_modulus: goes with `as: hexahedra`"));
 }
 
-TEST_CASE("image: a label keeps E and density of its own beside a formula of the grey value", "[image]") {
+TEST_CASE("image: a label keeps E and density of its own next to a formula of the grey value", "[image]") {
   const TemporaryFolder folder;
   // The formula makes 10 kPa and 1000 kg/m³ of label 1, and would make 20 kPa and 2000 kg/m³ of label 2.
   for (const char* law : {"", ", law: yeoh, terms: [10 kPa], bulk_modulus: 13333.333333333334 Pa"}) {

@@ -37,7 +37,7 @@ struct CellGraph {
   struct Range {
     int first, last, begin, end;
   };
-  /// Into how many ranges a pass is parted: 1 where one thread is as fast; 0 where cells reach everywhere, so that
+  /// Into how many ranges a pass is split: 1 where one thread is as fast; 0 where cells reach everywhere, so that
   /// ranges would compute most cells again and slots are cheaper.
   int ranges() const;
   Range range(int number, int of) const;

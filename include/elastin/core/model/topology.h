@@ -54,14 +54,14 @@ struct ChangedBody {
 /// cubes, else triangles) is split between cells, where the line between the middles of two neighbours crosses the
 /// surface: no cell is lost, the volume stays as it is, and the new surface follows sides of cells. A molecule is split
 /// where its cells no longer hang together by sides. Connections of no cell are removed where they cross the surface,
-/// so that a body without cells is parted between its molecules. A cut that ends within the body leaves its tip whole.
+/// so that a body without cells is split between its molecules. A cut that ends within the body leaves its tip whole.
 /// Throws InputError on bodies of several parts, and on cells of other shapes or of second order. Cost O(n).
 ChangedBody cut(const Body& body, const Positions& positions, const CutSurface& surface);
 
 /// Parts a body where it is strained above `strain` > 0 at its present positions [m]. Without cells: removes
 /// connections that are longer than (1 + strain) times their rest. With cells: at each molecule where the largest
 /// principal stretch (of the mean deformation gradient of its cells) is above 1 + strain and above that of its
-/// neighbours, the cells on both sides of the plane across that stretch are parted: a crack grows by one molecule a
+/// neighbours, the cells on both sides of the plane across that stretch are split: a crack grows by one molecule a
 /// call.                                                                                    [O'Brien & Hodgins 1999]
 ChangedBody tear(const Body& body, const Positions& positions, double strain);
 

@@ -7,7 +7,7 @@ namespace elastin {
 class TaskRunner {
  public:
   virtual ~TaskRunner() = default;
-  /// Into how many tasks a loop is parted, ≥ 1.
+  /// Into how many tasks a loop is split, ≥ 1.
   virtual int width() const noexcept = 0;
   /// Calls task(context, 0) … task(context, count − 1), each once, on any threads, and comes back when all have ended.
   /// Called by one thread at a time for each simulation; must not throw.

@@ -15,9 +15,9 @@ namespace elastin {
 
 /// S = λ J (J − 1) C⁻¹ + μ (I − C⁻¹), W = μ/2 (tr C − 3) − μ ln J + λ/2 (J − 1)². [L03]
 ///
-/// Cannot tell an inverted cell from its mirror image; the cell driver does. A point so flat that rounding decides the
-/// sign of det C (at or below 1e-14) has energy +∞; its S and tangent are finite, as if J were 1e-7: a strong push
-/// apart. As a membrane it thins so that there is no stress across, see NeoHookeanDensity.
+/// Cannot distinguish an inverted cell from its mirror image; the cell driver does. A point so flat that rounding
+/// decides the sign of det C (at or below 1e-14) has energy +∞; its S and tangent are finite, as if J were 1e-7: a
+/// strong push apart. As a membrane it thins so that there is no stress across, see NeoHookeanDensity.
 struct NeoHookean {
   static constexpr std::string_view name = "neo_hookean";
   static constexpr std::string_view summary = "compressible rubber, tetrahedra: the finite-element solid at any strain";

@@ -178,7 +178,7 @@ class Motion final : public TimedExperiment {
   /// Whether the load is there before time 0 and gone from then on.
   bool released() const { return setup_.kind == MotionKind::release && !setup_.applied; }
   /// Balances mean nothing in motion, and moduli nothing once the load is gone.
-  bool tells(const std::string& name) const {
+  bool is_reported(const std::string& name) const {
     const MeasureInfo* info = all_measures_.find(name);
     return info && !(released() && is_property(info->role));
   }
@@ -330,7 +330,7 @@ class MotionRig final : public TimedRig {
     const Measures all = fixture_->measure(start_, state, {}, held);
     Measures kept;
     for (const auto& [name, value] : all.all())
-      if (experiment_.tells(name)) kept.set(name, value);
+      if (experiment_.is_reported(name)) kept.set(name, value);
     return kept;
   }
 

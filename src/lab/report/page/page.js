@@ -43,7 +43,7 @@ function hide_tip() { tip.style.visibility = 'hidden'; }
 function single_out(section, name) {
   all('svg', section).forEach(svg => {
     const own = all('.series', svg).filter(series => series.dataset.series === name);
-    svg.classList.toggle('told', own.length > 0);
+    svg.classList.toggle('chosen', own.length > 0);
     all('.series', svg).forEach(series => series.classList.toggle('on', own.includes(series)));
   });
 }

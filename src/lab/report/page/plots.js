@@ -140,8 +140,8 @@ class PlotView {
     this.cross.style.visibility = 'visible';
     const values = point ? point.series.points[point.index]
       : [this.value('x', (x - this.left) / (this.right - this.left)), this.value('y', (this.bottom - y) / (this.bottom - this.top))];
-    const mark = point?.series.marks[point.index], told = mark?.getAttribute('aria-label');
-    const text = told ?? `${point ? point.series.name + ': ' : ''}${this.data.x.title} ${axis_text(values[0], this.data.x)}, ${this.data.y.title} ${axis_text(values[1], this.data.y)}`;
+    const mark = point?.series.marks[point.index], label = mark?.getAttribute('aria-label');
+    const text = label ?? `${point ? point.series.name + ': ' : ''}${this.data.x.title} ${axis_text(values[0], this.data.x)}, ${this.data.y.title} ${axis_text(values[1], this.data.y)}`;
     const at = new DOMPoint(x, y).matrixTransform(this.svg.getScreenCTM());
     show_tip(text, {left: at.x, width: 0, top: at.y, bottom: at.y});
   }

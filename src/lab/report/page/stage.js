@@ -190,8 +190,8 @@ class Stage {
     if (kind === 'force' || kind === 'pressure')
       return {molecules: state[colour_kinds[kind].field] ?? new Float32Array(this.body.radius.length)};
     const best = this.runs.get(this.best).frames;
-    const beside = state_at(best, position / (this.run.frames.length - 1 || 1) * (best.length - 1));
-    return {molecules: lengths_of(state.displacements, beside.displacements)};
+    const compared = state_at(best, position / (this.run.frames.length - 1 || 1) * (best.length - 1));
+    return {molecules: lengths_of(state.displacements, compared.displacements)};
   }
 
   /** Numbers of everything that is shown: what has none of its own has the mean of its connections. */
@@ -237,7 +237,7 @@ class Stage {
     const to_scale = +this.part('scale').value === 1;
     viewer.set_lines(to_scale ? this.body.obstacles.flatMap(({lines}, i) => state[`pose ${i}`] ? [...lines_in_space(lines, state[`pose ${i}`])] : []) : []);
     this.state = {...state, values};
-    this.tell();
+    this.show_picked();
     this.show_slice();
     this.part('at').textContent = in_time ? with_prefix(state.at, 's') : `${(100 * state.at).toFixed(0)} % of the load`;
     this.show_legend();
@@ -267,10 +267,10 @@ class Stage {
     const box = this.canvas.getBoundingClientRect();
     this.picked = this.viewer.pick(event.clientX - box.left, event.clientY - box.top);
     this.viewer.set_picked(this.picked);
-    this.tell();
+    this.show_picked();
   }
 
-  tell() {
+  show_picked() {
     const {picked, body} = this, place = this.part('picked');
     place.hidden = !picked;
     if (!picked) return;

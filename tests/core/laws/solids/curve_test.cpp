@@ -116,7 +116,7 @@ TEST_CASE("curve: equal stretches are no special case", "[cell_law][curve]") {
   for (const Vector3& stretch : {Vector3(1, 1, 1), Vector3(1.1, 1.1, 1.1), Vector3(0.9, 0.9, 1.3)}) {
     const Matrix3 F = turn() * stretch.asDiagonal() * turn().transpose();
     const CellVector<4> s = squared_lengths(F * kCell);
-    // Another one that differs by less than the slope can tell, but whose stretches are not equal.
+    // Another one that differs by less than the slope can show, but whose stretches are not equal.
     const Matrix3 near = F + 1e-11 * (Matrix3() << 1, 2, 0, -1, 0.5, 3, 0, 1, -2).finished();
     const CellMatrix<4> slope = CurveSolid{}.slope(k, s), other = CurveSolid{}.slope(k, squared_lengths(near * kCell));
     CHECK(slope.allFinite());
