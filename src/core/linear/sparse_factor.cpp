@@ -2,7 +2,12 @@
 
 #include <Eigen/SparseCholesky>
 #include <algorithm>
+#include <limits>
+#include <new>
 #include <utility>
+
+#include "elastin/core/base/error.h"
+#include "elastin/core/base/text.h"
 
 namespace elastin {
 
@@ -29,16 +34,49 @@ struct BlockOrdering {
 };
 
 struct SparseFactor::Ldlt : Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>, Eigen::Lower, BlockOrdering> {
-  using SimplicialLDLT::SimplicialLDLT;
+  void factorise(const Eigen::SparseMatrix<double>& matrix) {
+    try {
+      analyzePattern(matrix);
+    } catch (const std::bad_alloc&) {  // the count of L's entries that it asks memory for may have overflowed
+      check_size();
+      throw;
+    }
+    check_size();
+    factorize(matrix);
+  }
+
+ private:
+  /// Eigen counts the entries of L by an int, and writes beyond them where there are more.
+  void check_size() const {
+    const double numbers = m_nonZerosPerCol.cast<double>().sum(), most = std::numeric_limits<int>::max();
+    if (numbers <= most) return;
+    throw InputError("a factor of this stiffness would hold " + number(numbers, 2) + " numbers (" +
+                     number(numbers * (sizeof(double) + sizeof(int)) * 1e-9, 2) + " GB), more than the " +
+                     number(most, 2) + " that it can: choose an iterative linear solver, such as multigrid");
+  }
 };
 
 namespace {
 
-/// Counts the entries of L's columns, and makes none.
-struct Counts : Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> {
-  explicit Counts(const Eigen::SparseMatrix<double>& matrix) { analyzePattern(matrix); }
-  auto of_columns() const { return m_nonZerosPerCol.cast<double>().array(); }
-};
+/// Entries of each column of L below its diagonal, without L: each row's columns are those of the elimination tree from
+/// its entries up to it. [Liu 1990]
+Eigen::ArrayXd column_counts(const Eigen::SparseMatrix<double>& lower) {
+  Eigen::AMDOrdering<int>::PermutationType order;
+  Eigen::AMDOrdering<int>()(lower.selfadjointView<Eigen::Lower>(), order);
+  Eigen::SparseMatrix<double> upper(lower.rows(), lower.cols());
+  upper.selfadjointView<Eigen::Upper>() = lower.selfadjointView<Eigen::Lower>().twistedBy(order.inverse());
+  std::vector<int> parent(lower.cols(), -1), seen_in(lower.cols(), -1);
+  Eigen::ArrayXd counts = Eigen::ArrayXd::Zero(lower.cols());
+  for (int row = 0; row < upper.cols(); ++row) {
+    seen_in[row] = row;
+    for (Eigen::SparseMatrix<double>::InnerIterator entry(upper, row); entry; ++entry)
+      for (auto column = static_cast<int>(entry.row()); seen_in[column] != row; column = parent[column]) {
+        if (parent[column] < 0) parent[column] = row;
+        seen_in[column] = row, ++counts[column];
+      }
+  }
+  return counts;
+}
 
 }  // namespace
 
@@ -48,8 +86,8 @@ FactorCost factor_cost(int blocks, const std::vector<std::array<int, 2>>& pairs)
   for (const auto& [a, b] : pairs) entries.emplace_back(std::max(a, b), std::min(a, b), 1);
   Eigen::SparseMatrix<double> matrix(blocks, blocks);
   matrix.setFromTriplets(entries.begin(), entries.end());
-  const Counts counts(matrix);
-  return {9 * counts.of_columns().sum(), 27. / 2 * counts.of_columns().square().sum()};
+  const Eigen::ArrayXd counts = column_counts(matrix);
+  return {9 * counts.sum(), 27. / 2 * counts.square().sum()};
 }
 
 SparseFactor::SparseFactor() : ldlt_(std::make_unique<Ldlt>()) {}
@@ -57,7 +95,7 @@ SparseFactor::SparseFactor(const Eigen::SparseMatrix<double>& matrix) : SparseFa
 SparseFactor::~SparseFactor() = default;
 
 void SparseFactor::compute(const Eigen::SparseMatrix<double>& matrix) {
-  ldlt_->compute(matrix);
+  ldlt_->factorise(matrix);
   if (usable()) pivots_ = ldlt_->vectorD();
 }
 bool SparseFactor::usable() const { return ldlt_->info() == Eigen::Success; }

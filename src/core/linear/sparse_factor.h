@@ -23,7 +23,8 @@ class SparseFactor {
   explicit SparseFactor(const Eigen::SparseMatrix<double>& matrix);
   ~SparseFactor();
 
-  void compute(const Eigen::SparseMatrix<double>& matrix);  ///< of its lower half
+  /// Of the lower half. Throws InputError where L has more than 2³¹ − 1 entries.
+  void compute(const Eigen::SparseMatrix<double>& matrix);
 
   bool usable() const;          ///< whether no pivot was zero; nothing else may be asked where one was
   int negative_pivots() const;  ///< as many as there are negative eigenvalues [Sylvester]

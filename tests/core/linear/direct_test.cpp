@@ -1,6 +1,9 @@
+#include <Eigen/SparseCholesky>
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <random>
 
+#include "core/linear/sparse_factor.h"
 #include "elastin/core/linear/linear_solver.h"
 #include "elastin/core/simulation/catalog.h"
 #include "elastin/core/solve/statics.h"
@@ -95,5 +98,27 @@ TEST_CASE("a factorisation still names a mechanism next to stiff parts", "[direc
     const StaticResult result = solve_static(model, state, {.linear = true, .method = "direct"});
     CHECK(result.outcome == Outcome::mechanism);
     CHECK(state.positions == body.rest);
+  }
+}
+
+TEST_CASE("what a factorisation would take is what Eigen's factor holds", "[direct]") {
+  std::mt19937 generator(7);
+  for (const int blocks : {1, 40, 300}) {
+    std::vector<std::array<int, 2>> pairs;
+    std::uniform_int_distribution<int> any(0, blocks - 1);
+    for (int pair = 0; pair < 2 * blocks; ++pair)
+      if (const int a = any(generator), b = any(generator); a != b) pairs.push_back({a, b});
+    Eigen::SparseMatrix<double> matrix(blocks, blocks);
+    std::vector<Eigen::Triplet<double>> entries;
+    for (int block = 0; block < blocks; ++block) entries.emplace_back(block, block, 100);
+    for (const auto& [a, b] : pairs) entries.emplace_back(std::max(a, b), std::min(a, b), -1);
+    matrix.setFromTriplets(entries.begin(), entries.end());
+    const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factor(matrix);
+    const Eigen::SparseMatrix<double> below = factor.matrixL().nestedExpression();
+    double squares = 0;
+    for (int column = 0; column < blocks; ++column) squares += std::pow(below.col(column).nonZeros(), 2);
+    const FactorCost cost = factor_cost(blocks, pairs);
+    CHECK(cost.numbers == 9. * static_cast<double>(below.nonZeros()));
+    CHECK(cost.products == 27. / 2 * squares);
   }
 }
