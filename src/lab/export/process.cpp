@@ -115,7 +115,7 @@ Ended run_process(const JobFolder& folder, const std::string& script, const std:
   if (failed) throw InputError("no process could be started: " + std::string(std::strerror(failed)));
   using Clock = std::chrono::steady_clock;
   const auto start = Clock::now();
-  constexpr std::chrono::seconds kGrace(2);  // after SIGTERM
+  constexpr std::chrono::seconds grace(2);  // after SIGTERM
   Ended result;
   std::optional<Clock::time_point> asked_to_end;
   int status = 0;
@@ -134,15 +134,15 @@ Ended run_process(const JobFolder& folder, const std::string& script, const std:
       kill(-process, SIGTERM);
       asked_to_end = Clock::now();
     }
-    if (asked_to_end && Clock::now() - *asked_to_end > kGrace) kill(-process, SIGKILL);
-    constexpr int kPatience = 5;  // [ms]
+    if (asked_to_end && Clock::now() - *asked_to_end > grace) kill(-process, SIGKILL);
+    constexpr int patience = 5;  // [ms]
     std::array<pollfd, 2> ends{pollfd{pipes[0].reading(), POLLIN, 0}, pollfd{pipes[1].reading(), POLLIN, 0}};
-    poll(ends.data(), ends.size(), kPatience);  // one that is closed, -1, is passed over
-    read_all(Clock::now() + std::chrono::milliseconds(kPatience));
+    poll(ends.data(), ends.size(), patience);  // one that is closed, -1, is passed over
+    read_all(Clock::now() + std::chrono::milliseconds(patience));
   }
   kill(-process, SIGKILL);  // what it has left behind
   result.seconds = seconds_since(start);
-  read_all(Clock::now() + kGrace);
+  read_all(Clock::now() + grace);
   for (KeptLines& lines : kept) lines.finish();
   result.complaint = kept[kept[1].complaint().empty() ? 0 : 1].complaint();
   result.well = WIFEXITED(status) && WEXITSTATUS(status) == 0;

@@ -208,13 +208,13 @@ class Motion final : public TimedExperiment {
     if (!whole) return;
     measures.set("fit_misfit", whole->misfit);
     if (whole->misfit > kMostForFrequency) return;  // it swings: a piece of that would look like the end of a fall
-    constexpr Eigen::Index kFewest = 6;
+    constexpr Eigen::Index fewest = 6;
     double late = all.times[0];
     for (Eigen::Index i = 0; i < all.times.size(); ++i)
       if (std::abs(all.values[i] - whole->end) > 0.05 * std::abs(all.values[0] - whole->end)) late = all.times[i];
-    if (all.times.size() >= kFewest) late = std::min(late, all.times[all.times.size() - kFewest]);
+    if (all.times.size() >= fewest) late = std::min(late, all.times[all.times.size() - fewest]);
     const auto end =
-        all.times.size() < kFewest ? whole : fit_exponential(series_of(history, response_.resistance, late));
+        all.times.size() < fewest ? whole : fit_exponential(series_of(history, response_.resistance, late));
     if (!end) return;
     measures.set("fit_misfit", end->misfit);
     if (end->misfit > kMostForTime) return;
@@ -374,12 +374,11 @@ ExperimentInfo motion(ExperimentInfo info, MotionKind kind, const char* fixture,
   entries.insert(entries.end(), own.begin(), own.end());
   info.in_time = info.of_shares = true;
   const std::string name = info.name;
-  return with_keys(std::move(info), Keys<MotionSetup>(std::move(entries)),
-                   [=](const ExperimentContext&, MotionSetup setup) {
-                     setup.name = name;
-                     setup.kind = kind;
-                     return std::make_unique<Motion>(std::move(setup));
-                   });
+  return with_keys(std::move(info), Keys<MotionSetup>(entries), [=](const ExperimentContext&, MotionSetup setup) {
+    setup.name = name;
+    setup.kind = kind;
+    return std::make_unique<Motion>(std::move(setup));
+  });
 }
 
 }  // namespace
