@@ -37,6 +37,21 @@ int cells_given_twice(const Body& body) {
   return count;
 }
 
+/// Pairs of molecules that more than one connection joins, of those whose first molecule is this process's.
+int connections_given_twice(const Body& body) {
+  std::vector<std::uint64_t> pairs;
+  pairs.reserve(body.connections.proper());
+  for (int c = 0; c < body.connections.proper(); ++c) {
+    const auto [a, b] = body.connections.ends[c];
+    const auto low = static_cast<std::uint64_t>(std::min(a, b)), high = static_cast<std::uint64_t>(std::max(a, b));
+    if (lowest_in_whole(body, body.connections.ends[c]) < owned_molecules(body)) pairs.push_back(low << 32 | high);
+  }
+  std::sort(pairs.begin(), pairs.end());
+  int count = 0;
+  for (std::size_t pair = 1; pair < pairs.size(); ++pair) count += pairs[pair] == pairs[pair - 1];
+  return count;
+}
+
 double largest_in(const Body& body, const std::vector<Material>& materials) {
   double most = -1;
   for (const Material& material : materials) most = std::max(most, largest_poissons_ratio(material, body));
@@ -108,10 +123,14 @@ std::string warning_of_seams(const Body& body, const std::string& name) {
 }
 
 std::string warning_of_doubles(const Body& body, bool uses_cells) {
-  const int doubles = static_cast<int>(sum_over(body, cells_given_twice(body)));
-  if (doubles == 0) return "";
-  return counted(doubles, "cell") + (doubles == 1 ? " is" : " are") + " given twice" +
-         (uses_cells ? ": there the body is twice as stiff" : "");
+  const auto said = [&](int doubles, const char* what, const char* how, bool counts) {
+    return counted(doubles, what) + (doubles == 1 ? " is" : " are") + how +
+           (counts ? ": there the body is twice as stiff" : "");
+  };
+  if (const int cells = static_cast<int>(sum_over(body, cells_given_twice(body))); cells > 0)
+    return said(cells, "cell", " given twice", uses_cells);
+  const int pairs = uses_cells ? 0 : static_cast<int>(sum_over(body, connections_given_twice(body)));
+  return pairs == 0 ? "" : said(pairs, "connection", " given twice, or both ways", true);
 }
 
 std::string warning_of_modes(const ModeReport& report) {

@@ -18,7 +18,8 @@ std::string warning_of_pieces(const Body& body, const std::string& name);
 /// are not one, or with sides of cells that have other cells behind them. A cut makes such, too.
 std::string warning_of_seams(const Body& body, const std::string& name);
 
-/// Cells whose nodes are another's, too. Of a body that several processes share: of all of them.
+/// Cells whose nodes are another's, too; of springs also connections whose ends are. Of a body that several processes
+/// share: of all of them.
 std::string warning_of_doubles(const Body& body, bool uses_cells);
 
 std::string warning_of_modes(const ModeReport& report);

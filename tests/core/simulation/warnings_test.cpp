@@ -67,6 +67,12 @@ TEST_CASE("a simulation warns as the laboratory does", "[simulation]") {
   chain.connections = {{0, 1}, {1, 2}};
   CHECK(warnings_of(chain, "standard") == std::vector<std::string>{"mechanism: 1 zero-energy mode"});
 
+  BodyArrays triangle = chain;  // with one side there and back
+  triangle.positions(1, 2) = 1e-2;
+  triangle.connections = {{0, 1}, {1, 2}, {2, 0}, {1, 0}};
+  CHECK(warnings_of(triangle, "standard") ==
+        std::vector<std::string>{"1 connection is given twice, or both ways: there the body is twice as stiff"});
+
   BodyArrays sheet;
   sheet.positions = chain.positions;
   sheet.triangles = {{0, 1, 2}};
