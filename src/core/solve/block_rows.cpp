@@ -2,12 +2,15 @@
 
 #include <map>
 
+#include "core/forces/full_tangent.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/forces/tangent.h"
 
 namespace elastin {
 
 BlockRows stiffness_blocks(Model& model, const State& state) {
+  if (const std::string why = without_full_tangent(model, state.positions); !why.empty())
+    throw InputError("no stiffness matrix of this state: " + why);
   const Tangent tangent(model, state);
   if (!tangent.wide_terms().empty())
     throw InputError(

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/forces/full_tangent.h"
 #include "core/solve/newton.h"
 #include "core/solve/responses.h"
 #include "core/solve/stiffness_slopes.h"
@@ -101,7 +102,10 @@ struct Sensitivity::Impl {
         options(some_options),
         tolerance(a_tolerance),
         responses(model, state, options, last),
-        fixed(fixed_directions(model)) {}
+        fixed(fixed_directions(model)) {
+    if (const std::string why = without_full_tangent(model, state.positions); !why.empty())
+      throw InputError("no derivatives of this equilibrium: " + why);
+  }
 
   Model& model;
   StaticOptions options;

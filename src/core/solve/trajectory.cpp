@@ -17,7 +17,8 @@ namespace {
 
 /// Why a model's steps have no derivatives, or "".
 std::string without_derivatives(const Model& model) {
-  if (!model.has_energy() || !model.has_full_tangent()) return "a law has no energy, or constants that change";
+  if (!model.has_energy() || !model.has_full_tangent())
+    return "a law has no energy, or constants that change, as those of angles_update";
   if (!model.symmetric()) return "friction, or a load that follows the surface, has no symmetric stiffness";
   for (std::size_t law = 0; law < model.elasticity().size(); ++law)
     if (const auto* past = dynamic_cast<const LawHistory*>(model.elasticity()[law].get())) {

@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "core/base/dense.h"
+#include "core/forces/full_tangent.h"
 #include "elastin/core/base/stop.h"
 #include "elastin/core/linear/linear_solver.h"
 
@@ -252,6 +253,11 @@ void solve_by_blocks(const ScaledStiffness& op, int count, double tolerance, con
 Vibrations find_vibrations(Model& model, const State& state, int count, double tolerance,
                            const std::function<bool()>& stop) {
   Vibrations found;
+  if (const std::string why = without_full_tangent(model, state.positions); !why.empty()) {
+    found.outcome = Outcome::limit_reached;
+    found.cause = why;
+    return found;
+  }
   const ScaledStiffness op(model, state);
   found.rigid_motions = static_cast<int>(op.rigid().cols());
   if (op.size() <= kDenseLimit)

@@ -233,9 +233,11 @@ void Derivatives::check(const Specimen& specimen, const Experiment& experiment, 
   if (!why.empty()) throw InputError("no derivatives of these measures: " + why);
 }
 
-bool Derivatives::by_whole_runs(const Experiment& experiment, Rig& rig, const StrategyChoice& choice) {
+bool Derivatives::by_whole_runs(const Experiment& experiment, Rig& rig, const StrategyChoice& choice,
+                                const Model& model, const RunOptions& options) {
   const StaticExperiment* at_rest = experiment.at_rest();
-  return !at_rest || rig.at_rest()->seeks_load() || choice.name.softened;  // what softens knows where it has been
+  return !at_rest || rig.at_rest()->seeks_load() || choice.name.softened ||  // what softens knows where it has been
+         (!options.statics.linear && !model.has_full_tangent());
 }
 
 /// The run with another value of a number; it has to end as the run did.

@@ -46,7 +46,8 @@ class Derivatives {
   void check(const Specimen& specimen, const Experiment& experiment, const StrategyChoice& choice,
              const RunOptions& options) const;
   /// Whether they are differences of whole runs.
-  static bool by_whole_runs(const Experiment& experiment, Rig& rig, const StrategyChoice& choice);
+  static bool by_whole_runs(const Experiment& experiment, Rig& rig, const StrategyChoice& choice, const Model& model,
+                            const RunOptions& options);
   /// Adds them to such a run. A measure that jumps, or of which too few digits are known, is a warning instead.
   void of_whole_runs(const RunOptions& options, Run& run) const;
   /// Adds a warning to the run for each of these numbers by whose deviation, up and down, a measure changes unevenly:

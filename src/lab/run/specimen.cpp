@@ -426,7 +426,7 @@ Run run_strategy(const Specimen& specimen, const Experiment& experiment, const S
   if (whole && !experiment.stiffened_by_load() && !(specimen.material.bending_rigidity > 0)) count_modes(model, run);
 
   std::shared_ptr<Derivatives> of_whole_runs;
-  if (options.derivatives && Derivatives::by_whole_runs(experiment, *held->rig, choice))
+  if (options.derivatives && Derivatives::by_whole_runs(experiment, *held->rig, choice, model, options))
     of_whole_runs = std::exchange(options.derivatives, nullptr);
   const Stopwatch solve;
   if (TimedRig* timed = held->rig->in_time())

@@ -7,6 +7,8 @@
 #include "core/forces/surface_load.h"
 #include "elastin/core/parallel/threads.h"
 #include "elastin/core/simulation/catalog.h"
+#include "elastin/core/solve/block_rows.h"
+#include "elastin/core/solve/vibrations.h"
 #include "support/bodies.h"
 
 using namespace elastin;
@@ -199,6 +201,21 @@ TEST_CASE("derivatives by forces, supports and the stiffness of each element are
       CHECK((with(step) - with(-step)) / (2 * step) == Approx(by_constant[connection]).epsilon(1e-5));
     }
   }
+}
+
+TEST_CASE("a stiffness that leaves out how constants change is refused where the body is strained", "[adjoint]") {
+  Body body = jittered_lattice();
+  Model model(body);
+  model.add(built_in_catalog().find("angles_update").make(body, {.youngs_modulus = 1e4, .poissons_ratio = 0.2}, {}));
+  State state = state_at_rest(body);
+  Sensitivity(model, state);  // there it leaves nothing out
+  CHECK(stiffness_blocks(model, state).values.size() > 0);
+  CHECK(find_vibrations(model, state, 1).outcome == Outcome::converged);
+  state.positions *= 1.01;
+  using Catch::Matchers::Contains;
+  CHECK_THROWS_WITH(Sensitivity(model, state), Contains("as those of angles_update"));
+  CHECK_THROWS_WITH(stiffness_blocks(model, state), Contains("as those of angles_update"));
+  CHECK_THAT(find_vibrations(model, state, 1).cause, Contains("as those of angles_update"));
 }
 
 TEST_CASE("derivatives by all elements are bitwise identical on any number of threads", "[adjoint]") {

@@ -150,6 +150,19 @@ TEST_CASE(
   }
 }
 
+TEST_CASE("derivatives of springs whose constants change with the shape are those of whole runs", "[derivatives]") {
+  const std::string scene =
+      kLattice + kSoft + "stiffness: angles_update\nexperiment: {kind: tension, axis: z, force: 0.4 N}\n";
+  const Number numbers[] = {
+      {"experiment.force", 0.4}, {"material.youngs_modulus", 9000}, {"body.lattice.spacing", 0.01}};
+  const LaboratoryResult result = run(scene, {}, {numbers[0].key, numbers[1].key, numbers[2].key});
+  for (const Number& number : numbers) {
+    INFO(number.key);
+    CHECK(gradient_of(result, "elongation", number.key) ==
+          Approx(difference(scene, "elongation", number, 1e-3)).epsilon(1e-6));
+  }
+}
+
 TEST_CASE("what is left of a change along a derivative is of second order", "[derivatives]") {
   check_taylor(
       kRough + kSoft + "stiffness: neo_hookean\nexperiment: {kind: bending, axis: z, force: 20 mN, direction: x}\n",
