@@ -22,8 +22,11 @@ constexpr double kTolerance = 1e-11;  ///< of the linear solves
 /// |f(p + h) − 2 f(p) + f(p − h)| / |f(p + h) − f(p − h)|: a difference is off by about its square.
 constexpr double kBend = 3e-5, kCalibratedBend = 1e-3;
 /// Of the displacements and reactions, over which measures are differenced: the most that leaves no error of fourth
-/// order worth naming, for the positions of small displacements have few digits. What touches changes sooner.
-constexpr double kMotion = 1e-3, kContactMotion = 1e-4;
+/// order worth naming, for the positions of small displacements have few digits.
+constexpr double kMotion = 1e-3;
+/// Of what touches: how often its motion is corrected, and by which part of it for the last time.
+constexpr int kTouchingRounds = 4;
+constexpr double kTouchingChange = 1e-10;
 constexpr double kEnough = 1e-7;         ///< residual with which a solve that rounding stops is taken
 constexpr double kSameDirection = 1e-9;  ///< of projectors
 /// The same ratio of a number at which the forces have a kink or jump.
@@ -142,6 +145,9 @@ struct Derivatives::Number {
   std::array<std::unique_ptr<Side>, 2> sides = {};  ///< p − h, p + h
   std::unique_ptr<Side> middle = {};                ///< p, of what calibrates: with the same tolerance as the sides
   Positions start = {}, start_reactions = {};       ///< what it changes of the start; empty: that is at rest
+  /// Of what touches: p ∓ h and p ∓ h/2, h the step that was given.
+  std::array<std::array<std::unique_ptr<Side>, 2>, 2> touching = {};
+  double touching_step = of.step;
 
   void make_sides(const Model& model, const RunOptions& options) {
     for (const double sign : {-1., 1.})
@@ -200,6 +206,8 @@ struct Derivatives::Number {
     }
   }
 
+  void correct(Model& model, Responses& responses, const State& state, double load_factor, const RunOptions& options,
+               StaticResponse& found);
   StaticResponse response(Model& model, Responses& responses, const State& state, double load_factor,
                           const RunOptions& options) {
     const Change by = change(model, responses.tangent(), state, load_factor, options);
@@ -209,6 +217,32 @@ struct Derivatives::Number {
     return found;
   }
 };
+
+/// Contact yields by next to nothing: of forces, what a number changes and what the body's motion does nearly cancel,
+/// and each of them alone goes beyond what is pressed in. Along both at once nothing is left of an exact motion: what
+/// is left corrects this one. Measures are differenced along both, too, over h and h/2.
+void Derivatives::Number::correct(Model& model, Responses& responses, const State& state, double load_factor,
+                                  const RunOptions& options, StaticResponse& found) {
+  for (const int half : {0, 1})
+    for (const int side : {0, 1}) {
+      const double step = touching_step / (1 + half);
+      std::unique_ptr<Side>& own = touching[half][side];
+      if (!own) own = std::make_unique<Side>(of, of.value + (side ? step : -step), model, options);
+      lab::set_load(*own->held->model, own->rig(), load_factor);
+    }
+  const Positions displaced = state.positions - model.body().rest, none = Positions::Zero(3, displaced.cols());
+  for (int round = 0; round < kTouchingRounds; ++round) {
+    const auto forces = [&](int side) {
+      return forces_of(*touching[0][side], displaced + (side ? touching_step : -touching_step) * found.motion, state,
+                       load_factor, options.statics.linear);
+    };
+    Positions left = (forces(1) - forces(0)) / (2 * touching_step);
+    keep_free(model.supports, left);
+    const StaticResponse more = responses.to(left, none, std::min(kTolerance, options.statics.tolerance));
+    found.motion += more.motion, found.result.reactions += more.result.reactions;
+    if (!(more.motion.norm() > kTouchingChange * found.motion.norm())) break;
+  }
+}
 
 Derivatives::Derivatives(std::vector<SceneNumber> numbers) {
   for (SceneNumber& number : numbers) numbers_.push_back({std::move(number)});
@@ -372,13 +406,46 @@ Gradients Derivatives::at(Model& model, const StaticExperiment& experiment, cons
     if (last && its.has_full_tangent()) by.measure_end(at, exact.statics, measures, iterations);
     return measures;
   };
+  Measures now;
+  if (contact_of(model)) {
+    StaticResponse still_there;
+    still_there.motion = Positions::Zero(3, state.positions.cols());
+    still_there.result.reactions = Positions::Zero(3, solved.reactions.cols());
+    now = read(model, experiment, rig, start, still_there, 0);
+  }
   Gradients gradients;
   for (Number& number : numbers_) {
-    const StaticResponse found = number.response(model, responses, state, load_factor, options);
+    StaticResponse found = number.response(model, responses, state, load_factor, options);
+    if (contact_of(model)) {
+      number.correct(model, responses, state, load_factor, options, found);
+      std::array<Slopes, 2> over;
+      for (const int half : {0, 1})
+        for (const int side : {0, 1}) {
+          const Side& varied = *number.touching[half][side];
+          Model& its = *varied.held->model;
+          const double step = (side ? 1 : -1) * number.touching_step / (1 + half);
+          Start from{its.body().rest + (start.positions - model.body().rest), start.reactions};
+          if (number.start.size() > 0)
+            from.positions += step * number.start, from.reactions += step * number.start_reactions;
+          over[half].add(read(its, *varied.problem.experiment->at_rest(), varied.rig(), from, found, step), 0.5 / step);
+        }
+      const auto whole = over[0].taken(), halved = over[1].taken();
+      for (std::size_t i = 0; i < whole.size() && i < halved.size(); ++i) {
+        const auto& [name, value] = whole[i];
+        if (!is_smooth(name) || halved[i].first != name) continue;
+        const double least = kInsensitive * std::abs(now.get(name) / number.of.value);
+        if (std::abs(value - halved[i].second) <= kNoSlope * std::max(std::abs(value), least))
+          put_gradient(gradients, name, number.of.key, value);
+        else
+          doubts_.push_back("no derivative by " + number.of.key + " of " + name +
+                            ": over a step of half the size it is another, for contact begins, ends or slides there");
+      }
+      continue;
+    }
     Slopes slopes;
     const double size = std::max(relative(found.motion, state.positions - model.body().rest),
                                  relative(found.result.reactions, solved.reactions)),
-                 step = size > 0 ? (contact_of(model) ? kContactMotion : kMotion) / size : 0;
+                 step = size > 0 ? kMotion / size : 0;
     for (const auto& [times, weight] : {std::pair{-2, 1.}, {-1, -8.}, {1, 8.}, {2, -1.}}) {
       if (step == 0) break;
       Start from = start;

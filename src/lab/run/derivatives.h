@@ -62,12 +62,15 @@ class Derivatives {
   Gradients at(Model& model, const StaticExperiment& experiment, const StaticRig& rig, const Start& start,
                const State& state, const StaticResult& solved, double load_factor, bool last, const RunOptions& options,
                LastSolve& left);
+  /// What at() has left out since the last call, a sentence each: where contact begins, ends or slides.
+  std::vector<std::string> take_doubts() { return std::exchange(doubts_, {}); }
 
  private:
   struct Side;
   struct Number;
   static Run run_at(const SceneNumber& number, double value, const RunOptions& options, const Run& run);
   std::vector<Number> numbers_;
+  std::vector<std::string> doubts_;
 };
 
 /// Adds to the gradients of the last load step those of the mean over all steps of one of their measures.

@@ -418,9 +418,11 @@ void solve_load_curve(Model& model, const StaticExperiment& experiment, StaticRi
       return;
     }
     run.curve.push_back({load_factor, measures, solved.newton_iterations, solved.linear_iterations, solved.residual});
-    if (options.derivatives)
+    if (options.derivatives) {
       run.curve.back().gradients = options.derivatives->at(model, experiment, rig, start, path.state(), solved,
                                                            load_factor, steps > 1 && step == steps, options, *last);
+      for (const std::string& doubt : options.derivatives->take_doubts()) warn_once(doubt, run);
+    }
     keep(load_factor, step);
   }
   run.measures = run.curve.back().measures;

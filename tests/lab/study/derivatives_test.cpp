@@ -163,6 +163,25 @@ TEST_CASE("derivatives of springs whose constants change with the shape are thos
   }
 }
 
+TEST_CASE("derivatives of what is pressed in hardly at all are differences of whole runs", "[derivatives]") {
+  // From as stiff as the command takes it to a penetration of 1e-8 of the depth.
+  for (const std::string stiffness : {"1e8", "1e10", "1e12"}) {
+    const std::string scene =
+        "body: {tetrahedra: {kind: kuhn, cubes: [4, 4, 3], size: [20 mm, 20 mm, 15 mm]}}\n" + kSoft +
+        "stiffness: neo_hookean\nexperiment: {kind: indentation, axis: z, indenter: {sphere: {radius: 8 mm}}, depth: "
+        "0.5 mm}\ncontact: {friction: 0, stiffness: " +
+        stiffness + " Pa/m}\n";
+    const Number depth{"experiment.depth", 0.5e-3, " m"}, modulus{"material.youngs_modulus", 9000};
+    const LaboratoryResult result = run(scene, {}, {depth.key, modulus.key});
+    for (const Number& number : {depth, modulus})
+      for (const char* measure : {"force", "energy", "indentation_modulus", "largest_pressure"}) {
+        INFO(measure << " by " << number.key << " at " << stiffness << " Pa/m");
+        const double expected = difference(scene, measure, number, 1e-3);
+        CHECK(gradient_of(result, measure, number.key) == Approx(expected).epsilon(stiffness == "1e12" ? 2e-3 : 1e-5));
+      }
+  }
+}
+
 TEST_CASE("what is left of a change along a derivative is of second order", "[derivatives]") {
   check_taylor(
       kRough + kSoft + "stiffness: neo_hookean\nexperiment: {kind: bending, axis: z, force: 20 mN, direction: x}\n",
