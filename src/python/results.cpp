@@ -50,16 +50,22 @@ void add_results(py::module_& module) {
       .def_readonly("newton_iterations", &StaticResult::newton_iterations)
       .def_readonly("linear_iterations", &StaticResult::linear_iterations)
       .def_readonly("residual", &StaticResult::residual, "Unbalanced force over the size of loads and reactions.")
+      .def_readonly("left_saddle", &StaticResult::left_saddle,
+                    "Whether it went down from an equilibrium that was no minimum, as a column that buckles does.")
+      .def_readonly(
+          "unstable", &StaticResult::unstable,
+          "Whether the equilibrium found has a direction of negative stiffness: the body does not stay there.")
       .def(py::pickle(
           [](const StaticResult& r) {
             return py::make_tuple(static_cast<int>(r.outcome), r.cause, r.solver, r.newton_iterations,
-                                  r.linear_iterations, r.residual);
+                                  r.linear_iterations, r.residual, r.left_saddle, r.unstable);
           },
           [](const py::tuple& state) {
             StaticResult r;
             r.outcome = static_cast<Outcome>(state[0].cast<int>()), r.cause = state[1].cast<std::string>();
             r.solver = state[2].cast<std::string>(), r.newton_iterations = state[3].cast<int>();
             r.linear_iterations = state[4].cast<int>(), r.residual = state[5].cast<double>();
+            r.left_saddle = state[6].cast<bool>(), r.unstable = state[7].cast<bool>();
             return r;
           }))
       .def("__bool__", [](const StaticResult& r) { return r.outcome == Outcome::converged; })

@@ -527,8 +527,9 @@ void add_simulation(py::module_& module) {
             return checked(self.in_turn([](Simulation& s) { return s.settle(); }), check);
           },
           py::kw_only(), py::arg("check") = true,
-          "Goes to the equilibrium of all that acts now, at rest: a start. Raises StepError where none is found, "
-          "unless check=False.")
+          "Goes to the equilibrium of all that acts now, at rest: a start. One that is no minimum is left; the "
+          "result's "
+          "`unstable` says where that did not succeed. Raises StepError where none is found, unless check=False.")
       .def_property_readonly(
           "effort", [](const Moving& self) { return self.simulation.effort(); },
           "Sweeps or iterations of the last step; 0 where the scheme takes no number of them. With a budget it differs "

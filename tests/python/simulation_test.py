@@ -49,6 +49,18 @@ class Vibrations(unittest.TestCase):
         with self.assertRaisesRegex(elastin.InputError, "count: is 0"):
             simulation.vibrations(0)
 
+    def test_an_unstable_equilibrium_has_frequencies_that_are_not_numbers(self):
+        """Pushed together by a strain e, two springs in line let the molecule between them go sideways: k = -2 k e."""
+        mass, k, e = 2e-3, 50.0, 0.1
+        body = elastin.Body([[-0.01, 0, 0], [0, 0, 0], [0.01, 0, 0]], [[0, 1], [1, 2]], masses=[mass] * 3)
+        simulation = elastin.Simulation(body, "uniform", elastin.Material(1e3), parameters={"constant": k})
+        simulation.positions = body.positions * (1 - e)
+        simulation.fix([0, 2])
+        frequencies, shapes = simulation.vibrations(3)
+        numpy.testing.assert_array_equal(numpy.isnan(frequencies), [True, True, False])
+        self.assertAlmostEqual(frequencies[2], numpy.sqrt(2 * k / mass) / (2 * numpy.pi), delta=1e-4 * frequencies[2])
+        numpy.testing.assert_allclose(abs(shapes[:2, 1, 0]), 0, atol=1e-9)
+
 
 class States(unittest.TestCase):
     def test_cells_under_a_homogeneous_deformation_have_the_laws_stress(self):

@@ -262,7 +262,7 @@ ELASTIN_API elastin_status elastin_set_effort(elastin_simulation*, int effort);
  * molecule from where backward Euler's balance to the end has it, and the largest distance that it goes there [m]. NaN
  * where one of the two fails. */
 ELASTIN_API elastin_status elastin_iteration_error(elastin_simulation*, double dt, double* off, double* motion);
-/* Goes to the equilibrium of all that acts now, at rest: a start. */
+/* Goes to the equilibrium of all that acts now, at rest: a start. One that is no minimum is left. */
 ELASTIN_API elastin_status elastin_settle(elastin_simulation* simulation, elastin_step_result* result);
 ELASTIN_API elastin_status elastin_time(const elastin_simulation* simulation, double* time); /* [s] */
 

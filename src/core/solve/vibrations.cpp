@@ -264,10 +264,6 @@ Vibrations find_vibrations(Model& model, const State& state, int count, double t
     solve_whole(op, count, found);
   else
     solve_by_blocks(op, count, tolerance, stop, found);
-  if (found.outcome == Outcome::converged && found.frequencies.hasNaN()) {
-    found.outcome = Outcome::diverged;
-    found.cause = "the state is no stable equilibrium: a vibration has negative stiffness";
-  }
   return found;
 }
 

@@ -250,6 +250,12 @@ class StaticResult:
     @property
     def residual(self) -> float:
         """Unbalanced force over the size of loads and reactions."""
+    @property
+    def left_saddle(self) -> bool:
+        """Whether it went down from an equilibrium that was no minimum, as a column that buckles does."""
+    @property
+    def unstable(self) -> bool:
+        """Whether the equilibrium found has a direction of negative stiffness: the body does not stay there."""
     def __bool__(self) -> bool: ...
 
 class SimulationState:
@@ -323,8 +329,8 @@ class Simulation:
         """Brings the body forward by dt [s], `count` times, and gives the last step's result. A step that fails leaves
         the state as it was and raises StepError; with check=False its result says so, and no step follows."""
     def settle(self, *, check: bool = True) -> StaticResult:
-        """Goes to the equilibrium of all that acts now, at rest: a start. Raises StepError where none is found, unless
-        check=False."""
+        """Goes to the equilibrium of all that acts now, at rest: a start. One that is no minimum is left; the result's
+        `unstable` says where that did not succeed. Raises StepError where none is found, unless check=False."""
     @property
     def warnings(self) -> list[str]:
         """What makes its results doubtful, a sentence each: pieces, cells given twice, mechanisms, cells that lock, a

@@ -496,3 +496,27 @@ TEST_CASE("simulation: a grip at the end of explicit steps tends to the motion o
   CHECK(coarse > 0);
   CHECK(std::log2(coarse / fine) == Approx(1).margin(0.1));
 }
+
+TEST_CASE("simulation: settle leaves an equilibrium that is no minimum, unless it is told not to look") {
+  // Two links in line, their joint held sideways by two springs of 100 N/m: straight up to 50 N, as in
+  // relaxation_test.cpp.
+  Body body = listed_body({{0, 0, 0}, {0, 0, 1}, {0, 0, 2}, {1, 0, 1}, {0, 1, 1}}, {{0, 1}, {1, 2}, {1, 3}, {1, 4}});
+  set_matter(body, 0.1, 1000, 0, 1);
+  Matrix3 along = Matrix3::Zero();
+  along(2, 2) = 1;
+  const auto settled = [&](double force, const StaticOptions* options) {
+    Simulation column(body, [](const Body& own) { return make_springs(own, Eigen::Vector4d(1e5, 1e5, 100, 100)); }, {});
+    for (const int molecule : {0, 3, 4}) column.fix(molecule);
+    column.fix(2, along);
+    column.host_forces()(2, 2) = -force;
+    const StaticResult result = options ? column.settle(*options) : column.settle();
+    REQUIRE(result.outcome == Outcome::converged);
+    CHECK_FALSE((result.left_saddle && result.unstable));
+    return std::pair(result.left_saddle, column.positions().col(1).head<2>().norm());
+  };
+  CHECK(settled(45, nullptr).second < 1e-4);
+  CHECK(settled(60, nullptr).first);
+  CHECK(settled(60, nullptr).second > 0.01);
+  const StaticOptions blind{};
+  CHECK_FALSE(settled(60, &blind).first);
+}

@@ -71,6 +71,10 @@ class VibrationRig final : public StaticRig {
     solved.residual = 0;  // of a state without loads it would be that of rounding
     solved.outcome = found.outcome;
     solved.cause = found.cause;
+    if (found.outcome == Outcome::converged && found.frequencies.hasNaN()) {
+      solved.outcome = Outcome::diverged;
+      solved.cause = "the state is no stable equilibrium: a vibration has negative stiffness";
+    }
     Measures measures;
     measures.set("rigid_motions", found.rigid_motions);
     for (Eigen::Index k = 0; k < found.frequencies.size(); ++k)
