@@ -5,6 +5,7 @@
 #include "core/forces/unstressed_lengths.h"
 #include "core/shapes/orders.h"
 #include "elastin/core/base/text.h"
+#include "elastin/core/forces/tangent.h"
 #include "lab/export/problem.h"
 
 namespace elastin::lab {
@@ -61,9 +62,33 @@ void set_cells(const Specimen& specimen, ExportedBody& result) {
                                      {body.triangles[i].begin(), body.triangles[i].end()}, i, &Part::triangles));
 }
 
-void set_connections(const Body& body, const VectorX& constants, ExportedBody& result) {
+/// The lengths that connections want under all of the body's rest.
+UnstressedLengths wanted_lengths(const Body& body) {
   UnstressedLengths lengths(body);
   if (body.unstressed) lengths.set(body.unstressed->part ? body.unstressed->part(1) : 1);
+  return lengths;
+}
+
+/// Of springs with a history, which have no constants as such: k = 2 l³/L ∂q/∂s at rest after all time, before any
+/// softening.
+VectorX constants_after_all_time(const Body& body, ElasticTerms springs) {
+  Model model(body);
+  model.add(std::move(springs));
+  State rest = state_at_rest(body);
+  model.declare_history(rest);
+  model.begin_step(rest, std::numeric_limits<double>::infinity());
+  const Tangent tangent(model, rest);
+  const UnstressedLengths lengths = wanted_lengths(body);
+  VectorX constants(body.connections.size());
+  for (int c = 0; c < constants.size(); ++c) {
+    const Tangent::Link link = tangent.link(c);
+    constants[c] = link.slope * std::pow(link.d.norm(), 3) / lengths[c];
+  }
+  return constants;
+}
+
+void set_connections(const Body& body, const VectorX& constants, ExportedBody& result) {
+  const UnstressedLengths lengths = wanted_lengths(body);
   int without = 0;
   for (int i = 0; i < std::min<int>(body.connections.proper(), static_cast<int>(constants.size())); ++i)
     if (constants[i] == 0)
@@ -123,7 +148,9 @@ void add_notes(const Scene& scene, const StrategyChoice& choice, const Run& run,
   say(curve, "the springs are straight: the material's curve is not written, only its slope at no strain");
   say(fibres, "fibres and muscle are not written");
   say(bends, "the bending stiffness is not written");
-  say(strategy.has_history, "relaxation and softening are not written");
+  say(strategy.has_history,
+      "relaxation and softening are not written: the constants are those of a body that has had all time and was never "
+      "strained");
   say(!specimen.body.cables.empty(), "cables are not written");
   say(!specimen.body.ties.empty(), "ties between bodies are not written");
   say(specimen.contact.has_value(), "contact is not written");
@@ -167,10 +194,13 @@ ExportedBody exported_body(const Scene& scene, const StrategyChoice& choice) {
   }
   if (run.cause.empty() && specimen.body.unstressed && choice.strategy.kind == StrategyKind::cell_law)
     run.cause = "`rest` of cells is not exported; that of springs is, as rest lengths: choose a spring rule";
-  if (!run.cause.empty() || !make_elasticity(specimen, *scene.experiment, choice, options, run))
-    throw InputError(SourceLocation{scene.source.path()}, "'" + choice.label + "': " + run.cause);
+  std::optional<ElasticTerms> elasticity;
+  if (run.cause.empty()) elasticity = make_elasticity(specimen, *scene.experiment, choice, options, run);
+  if (!elasticity) throw InputError(SourceLocation{scene.source.path()}, "'" + choice.label + "': " + run.cause);
   if (choice.strategy.constants_at)
     run.constants = choice.strategy.constants_at(specimen.body, specimen.material, choice.values)(specimen.body.rest);
+  if (choice.strategy.has_history && choice.strategy.kind != StrategyKind::cell_law)
+    run.constants = constants_after_all_time(specimen.body, std::move(*elasticity));
   ExportedBody result;
   result.name = scene.name;
   result.title = scene.title;

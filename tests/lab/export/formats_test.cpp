@@ -312,6 +312,43 @@ TEST_CASE("Supports that slide askew to the axes are named where engines have no
   CHECK(body_of("lattice\nrotate: {axis: x, angle: 41 deg}", sliding).supports.size() == 9);
 }
 
+TEST_CASE("Springs with a history are exported with what they are after all time, which is said", "[export]") {
+  const auto body_of = [&](const std::string& stiffness, const std::string& history) {
+    const TemporaryFolder folder;
+    const auto scene = Problem{"lattice: {kind: cubic, molecules: [3, 3, 4], spacing: 5 mm, connections: [axis, face]}",
+                               "{youngs_modulus: 5 kPa, poissons_ratio: 0.25, " + history + "}", stiffness}
+                           .load(folder);
+    return exported_body(*scene, scene->stiffness);
+  };
+  const std::string relaxing = "relaxation: {terms: [[0.3, 1 s]]}",
+                    softening = "softening: {r: 1.5, m: 10 Pa, beta: 0.1}";
+  struct Case {
+    std::string stiffness, plain, history;
+    double part;
+  };
+  for (const auto& [stiffness, plain, history, part] :
+       {Case{"prony:lattice", "lattice", relaxing, 1},
+        Case{"prony:lattice", "lattice", "relaxation: {moduli: instantaneous, terms: [[0.3, 1 s]]}", 0.7},
+        Case{"mullins:lattice", "lattice", softening, 1},
+        Case{"prony:mullins:patch", "patch", relaxing + ", " + softening, 1},
+        Case{"prony:lattice+volume", "lattice", relaxing, 1}}) {
+    INFO(stiffness << ", " << history);
+    const ExportedBody own = body_of(stiffness, history), other = body_of(plain, history);
+    REQUIRE(own.connections.size() > 100);
+    REQUIRE(own.connections.size() == other.connections.size());
+    for (std::size_t i = 0; i < own.connections.size(); ++i) {
+      CHECK(own.connections[i].b == other.connections[i].b);
+      CHECK(own.connections[i].rest_length == other.connections[i].rest_length);
+      CHECK(own.connections[i].stiffness == Approx(part * other.connections[i].stiffness).epsilon(1e-9));
+    }
+    CHECK(std::count_if(own.notes.begin(), own.notes.end(), [](const std::string& note) {
+            return note.find("relaxation and softening are not written: the constants are those") == 0;
+          }) == 1);
+    for (const char* format : {"json", "csv", "lammps", "mujoco", "sofa", "newton", "usd"})
+      CHECK_THAT(engine_files(*export_formats().find(format), own).back().text, Contains("relaxation and softening"));
+  }
+}
+
 TEST_CASE("What a process prints comes through pipes, and fills no file and no memory", "[export][engines]") {
   const JobFolder folder("test");
   std::vector<std::string> objects;
