@@ -148,6 +148,7 @@ elastin_status elastin_lab_stable_step(elastin_simulation* simulation, double* s
   return guarded([&] {
     Simulation& tissue = given(simulation, "simulation").simulation;
     given(step, "step") = find_stable_step(tissue.model(), state_at_rest(tissue.body())).step;
+    tissue.model().begin_step(tissue.state(), tissue.time());
   });
 }
 

@@ -17,6 +17,8 @@ namespace {
 
 /// Of one step.
 constexpr double kMaxSubsteps = 10000;
+/// Of a body's size, by forces within one step: a stable step moves no molecule by more than four times the amplitude.
+constexpr double kMostMotion = 1000;
 
 void set_accelerations(const Model& model, const State& state, Positions& accelerations, Workspace& workspace) {
   model.set_forces(state, accelerations, workspace);
@@ -35,6 +37,10 @@ class Explicit final : public Integrator, public FrequencyWatch, public Transpos
 
   /// In substeps where a stiffness sets in that the step is too long for, or something would be passed through.
   StepResult advance(Model& model, State& state, double dt) override {
+    if (state.history.empty() && !model.history().empty()) {
+      model.declare_history(state);
+      model.begin_step(state, state.time);  // the first forces are those of the history that begins here
+    }
     model.declare_history(state);
     const double substeps = std::max(1., std::ceil(dt * std::sqrt(model.square_frequency(state, dt))));
     if (!(substeps > 1)) return step(model, state, dt);
@@ -126,11 +132,15 @@ class Explicit final : public Integrator, public FrequencyWatch, public Transpos
     std::array<double, 2> worst{most, model.admissible(next_.positions) ? 0. : 1.};
     largest_over(model.body(), worst);
     const auto [largest, inverted] = worst;
+    const double moved = dt * dt * std::sqrt(largest);
     // Local error: Verlet's is dt³/6 of the third derivative, as in central differences; Euler's dt²/2 of the second.
-    result.error = dt * dt / (verlet_ ? 6 : 2) * std::sqrt(largest);
+    result.error = moved / (verlet_ ? 6 : 2);
     if (!std::isfinite(largest)) {
       result.outcome = Outcome::diverged;
       result.cause = "the next step has no finite velocities: the step is too long";
+    } else if (moved > kMostMotion * size_of(model.body())) {
+      result.outcome = Outcome::diverged;
+      result.cause = "forces move a molecule by over a thousand times the size of the body in a step: it is too long";
     } else if (inverted != 0) {
       result.outcome = Outcome::inverted;
       result.cause = inverted_anywhere(model, next_.positions);
@@ -159,9 +169,12 @@ class Explicit final : public Integrator, public FrequencyWatch, public Transpos
   /// ω² = |M^−½ Δf|² / (−Δx·Δf) is at most the largest of M⁻¹ K, and the more of what vibrates fastest there is in the
   /// motion, the nearer to it. What the steps are too long for grows until it is most of Δf, long before it shows.
   void look(const Model& model, const Positions& positions, const Positions& elastic) {
+    if (!model.has_energy() || model.dissipates()) {  // forces change by themselves there
+      watches_ = false;
+      return;
+    }
     const int turn = std::exchange(seen_.turn, (seen_.turn + 1) % kBetweenLooks);
     if (turn == 0) {
-      if (!model.has_energy() || model.dissipates()) watches_ = false;  // forces change by themselves there
       seen_.positions = positions, seen_.elastic_forces = elastic;
     }
     if (turn != 1) return;
@@ -296,6 +309,17 @@ class Explicit final : public Integrator, public FrequencyWatch, public Transpos
     return std::all_of(sums, sums + 3 * kBlock, [](double sum) { return std::isfinite(sum); });
   }
 
+  /// [m]; infinite where nothing joins molecules, so that nothing grows by steps that are too long.
+  double size_of(const Body& body) {
+    if (sized_ != &body) {
+      const auto [low, high] = outline_of_whole(body);
+      const bool joined = body.connections.size() > 0 || !body.blocks.empty();
+      size_ = any_over(body, joined) ? (high - low).norm() : std::numeric_limits<double>::infinity();
+      sized_ = &body;
+    }
+    return size_;
+  }
+
   struct Point {
     int molecule;
     double stiffness, damping;
@@ -304,6 +328,8 @@ class Explicit final : public Integrator, public FrequencyWatch, public Transpos
   static constexpr int kBetweenLooks = 8;  ///< steps
 
   bool verlet_, watches_ = false;
+  const Body* sized_ = nullptr;
+  double size_ = 0;  // of that body
   SeenFrequency seen_;
   std::vector<Point> points_;  // forces on single molecules, each molecule once
   State next_, before_;

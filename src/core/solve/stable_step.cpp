@@ -180,6 +180,26 @@ bool resists(const Model& model) {
          std::any_of(model.loads().begin(), model.loads().end(), [](const auto& load) { return load->changes(); });
 }
 
+/// Begins the history of the laws at the state: what relaxes then has the stiffness that steps meet, which is larger
+/// than that of a body that has had all time.
+State begun(Model& model, State state) {
+  model.declare_history(state);
+  model.begin_step(state, state.time);
+  return state;
+}
+
+/// Damping rate of laws with a history, which a dashpot in them has: the stiffness of a step h so short that all else
+/// is a millionth of the frequency, θ K/h, times h.
+template <class LargestSquare>
+double rate_of_dashpots(Model& model, const State& state, double frequency, LargestSquare largest_square) {
+  if (model.history().empty()) return 0;
+  const double h = 1e-6 / std::max(frequency, 1.);
+  model.begin_step(state, state.time + h);
+  const double square = largest_square(Tangent(model, state));
+  model.begin_step(state, state.time);
+  return std::max(0., h * (square - frequency * frequency));
+}
+
 double longest(const StableStep& found) {
   const double w = found.frequency, c = found.damping_rate, sum = std::sqrt(w * w + c * c) + c;
   return sum > 0 ? 2 / sum : std::numeric_limits<double>::infinity();
@@ -187,18 +207,22 @@ double longest(const StableStep& found) {
 
 }  // namespace
 
-StableStep bounded_stable_step(Model& model, const State& state) {
+StableStep bounded_stable_step(Model& model, const State& given) {
   StableStep found;
+  const State state = begun(model, given);
   const auto [square, molecule] = bound_of(Tangent(model, state));
   found.frequency = found.bound = std::sqrt(square);
   found.molecule = molecule;
   if (resists(model)) found.damping_rate = damping_bound(model, state, found.frequency);
+  found.damping_rate +=
+      rate_of_dashpots(model, state, found.frequency, [](const Tangent& tangent) { return bound_of(tangent).first; });
   found.step = longest(found);
   return found;
 }
 
-StableStep find_stable_step(Model& model, const State& state) {
+StableStep find_stable_step(Model& model, const State& given) {
   StableStep found;
+  const State state = begun(model, given);
   const Body& body = model.body();
   const VectorX root = inverse_root_mass(body);
   const Tangent stiffness(model, state);
@@ -230,6 +254,11 @@ StableStep find_stable_step(Model& model, const State& state) {
         },
         mode);
   }
+  found.damping_rate += rate_of_dashpots(model, state, found.frequency, [&](const Tangent& tangent) {
+    mode = fastest * body.mass.cwiseSqrt().asDiagonal();
+    return largest_eigenvalue(
+        body, [&](const Positions& motion, Positions& result) { scaled(tangent, motion, result); }, mode);
+  });
   found.step = longest(found);
   const auto [bound, molecule] = bound_of(stiffness);
   found.bound = std::sqrt(bound);

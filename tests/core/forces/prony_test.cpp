@@ -5,6 +5,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "core/solve/stable_step.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/forces/tangent.h"
 #include "elastin/core/shapes/shapes.h"
@@ -281,4 +282,49 @@ TEST_CASE("relaxation that cannot be is refused", "[prony]") {
   CHECK_THROWS_WITH(catalog.find("pruny:lattice"), Catch::Contains("did you mean 'prony:'"));
   CHECK_THROWS_WITH(catalog.find("prony"), Catch::Contains("prony:lattice"));
   CHECK(catalog.find("prony:lattice").unsuited_material(Material{}) == "needs `relaxation` in the material");
+}
+
+TEST_CASE("explicit steps are as long as the instantaneous stiffness and the dashpot allow", "[prony]") {
+  // Two molecules: ω² = 2 k G(0)/m, of the dashpot c = 2 θ k/m.
+  for (const double retardation : {0., 0.05}) {
+    Relaxation relaxation = kTwoTerms;
+    relaxation.retardation = retardation;
+    Pair pair(relaxation);
+    pair.body.mass.setConstant(0.2);
+    const double unit = 2 * 100 / pair.body.mass[0], w = std::sqrt(1.8 * unit), c = retardation * unit;
+    for (const auto& find : {find_stable_step, bounded_stable_step})
+      for (const State& state : {state_at_rest(pair.body), pair.state}) {
+        const StableStep found = find(*pair.model, state);
+        CHECK(found.frequency == Approx(w).epsilon(1e-9));
+        CHECK(found.damping_rate == Approx(c).epsilon(1e-6).margin(1e-9 * w));
+        CHECK(found.step == Approx(2 / (std::sqrt(w * w + c * c) + c)).epsilon(1e-6));
+      }
+  }
+}
+
+TEST_CASE("a relaxing body that was pushed stays whole in explicit steps of any scheme", "[prony]") {
+  for (const double retardation : {0., 1e-3})
+    for (const char* name : {"prony:lattice", "prony:neo_hookean"})
+      for (const char* scheme : {"symplectic_euler", "velocity_verlet"}) {
+        INFO(name << " by " << scheme << ", " << retardation << " s");
+        Body body = std::string(name) == "prony:lattice" ? jittered_lattice() : jittered_block();
+        Simulation tissue(
+            body, built_in_catalog().find(name),
+            {.youngs_modulus = 2e4, .poissons_ratio = 0.3, .relaxation = Relaxation{{{3, 1}}, false, retardation}},
+            {.integrator = {std::string(scheme)}});
+        tissue.set_velocities(0.05 * random_motion(body, 7));
+        int substeps = 0;
+        for (int step = 0; step < 300; ++step) {
+          const StepResult result = tissue.step(1e-2);
+          INFO(result.cause);
+          REQUIRE(result.outcome == Outcome::converged);
+          substeps += result.substeps;
+        }
+        CHECK(substeps > 1000);
+        for (int c = 0; c < body.connections.size(); ++c) {
+          const auto& [a, b] = body.connections.ends[c];
+          const double rest = body.connections.rest_length[c];
+          CHECK((tissue.positions().col(b) - tissue.positions().col(a)).norm() == Approx(rest).margin(0.1 * rest));
+        }
+      }
 }
