@@ -51,6 +51,18 @@ void Simulation::Impl::ensure_couplings() {
   if (std::exchange(has_couplings, true)) return;
   model.add(std::make_unique<Couplings>(couplings));
   ++known;
+  order_loads();
+}
+
+/// The host's forces and couplings last, whenever they came: sums of forces, too, are then those of another simulation
+/// that goes on from a saved state.
+void Simulation::Impl::order_loads() {
+  std::vector<std::unique_ptr<Load>> all = model.extract_loads();
+  const auto last = [](const std::unique_ptr<Load>& load) {
+    return dynamic_cast<const Couplings*>(load.get()) ? 2 : dynamic_cast<const HostForces*>(load.get()) ? 1 : 0;
+  };
+  std::stable_sort(all.begin(), all.end(), [&](const auto& a, const auto& b) { return last(a) < last(b); });
+  for (auto& load : all) model.add(std::move(load));
 }
 
 Positions& Simulation::host_forces() noexcept {
@@ -124,7 +136,8 @@ SimulationState Simulation::save() const {
                         impl_->tools->all,
                         impl_->shared_topology(),
                         impl_->effort,
-                        impl_->watch ? impl_->watch->seen() : SeenFrequency()};
+                        impl_->watch ? impl_->watch->seen() : SeenFrequency(),
+                        impl_->bound()};
   if (saved.seen.turn != 1) saved.seen.positions.resize(3, 0), saved.seen.elastic_forces.resize(3, 0);
   impl_->host_supports.save(saved);
   return saved;
@@ -163,6 +176,10 @@ void Simulation::Impl::restore(const SimulationState& saved) {
   if (saved.seen.positions.cols() != seen || saved.seen.elastic_forces.cols() != seen || !(saved.seen.frequency >= 0) ||
       saved.seen.turn < 0)
     throw InputError("the saved state has seen frequencies of another body");
+  const auto& [frequency, rate, added_square, added_rate] = saved.bound;
+  for (const double part : {frequency, rate, added_square, added_rate})
+    if (!(part >= 0 && std::isfinite(part)))
+      throw InputError("the saved state has a bound of explicit steps of " + number(part) + ", below 0 or not finite");
   for (const Support& support : saved.supports) in.check_molecule(support.molecule);
   if (saved.others_supports < 0 || static_cast<std::size_t>(saved.others_supports) > saved.supports.size())
     throw InputError("the saved state has " + std::to_string(saved.supports.size()) + " supports, " +
@@ -192,6 +209,13 @@ void Simulation::Impl::restore(const SimulationState& saved) {
   in.tools->start = in.tools->end = in.shown.time;
   if (saved.effort > 0 && saved.effort != in.effort) in.set_effort(saved.effort);
   if (in.watch) in.watch->watch(saved.seen);
+  const StepBound own = in.bound(), none;
+  const bool whole = in.restored == none && own.added_square == 0 && own.added_rate == 0;
+  if (saved.bound != own && !(saved.bound == none && whole)) {  // of no step yet: the next would find the whole model's
+    in.restored = saved.bound;
+    in.stable.reset();
+    for (Added& added : in.recipe.added) added.frequency = added.damping_rate = 0;
+  }
   in.forces_known = in.tensions_known = false;
 }
 

@@ -13,7 +13,7 @@ namespace elastin {
 namespace {
 
 /// Grows with every change of what follows. Read as a number it also states the byte order.
-constexpr std::uint64_t kMark = 0x656c617374310004;  // "elast1", version 4
+constexpr std::uint64_t kMark = 0x656c617374310005;  // "elast1", version 5
 
 /// Stands before the state.
 struct Head {
@@ -27,6 +27,9 @@ inline auto members(Coupling& coupling) {
                   coupling.velocity);
 }
 inline auto members(SimulationState::HostSupport& support) { return std::tie(support.molecule, support.next); }
+inline auto members(StepBound& bound) {
+  return std::tie(bound.frequency, bound.damping_rate, bound.added_square, bound.added_rate);
+}
 inline auto members(Pose& pose) { return std::tie(pose.turn, pose.position); }
 inline auto members(Tool& tool) { return std::tie(tool.pose, tool.next); }
 inline auto members(Topology& topology) { return std::tie(topology.body, topology.constants, topology.origin); }
@@ -37,7 +40,7 @@ void visit(Archive& archive, SimulationState& saved) {
   if (saved.topology) topology = *saved.topology;
   visit_each(archive, saved.state, saved.supports, saved.host_forces, saved.couplings, saved.host_supports,
              saved.others_supports, saved.tools, saved.effort, saved.seen.frequency, saved.seen.turn,
-             saved.seen.positions, saved.seen.elastic_forces, topology);
+             saved.seen.positions, saved.seen.elastic_forces, saved.bound, topology);
   if constexpr (Archive::reads)
     if (topology) saved.topology = std::make_shared<const Topology>(std::move(*topology));
 }

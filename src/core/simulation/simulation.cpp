@@ -115,19 +115,38 @@ void Simulation::Impl::make_model() {
   known = terms();
 }
 
+/// Of the body as it is; or as it was where a state comes from that was restored, if steps were no longer there.
+void Simulation::Impl::find_bound() {
+  const auto saved_couplings = std::exchange(couplings, {});
+  const auto saved_supports = std::exchange(model.supports, {});
+  // Somebody waits for the step after a cut: it does with a bound.
+  stable = original ? bounded_stable_step(model, state_at_rest(body)) : find_stable_step(model, state_at_rest(body));
+  model.begin_step(work, work.time);
+  couplings = saved_couplings;
+  model.supports = saved_supports;
+  const auto& [frequency, rate, added_square, added_rate] = restored;
+  constexpr double rounding = 1 - 1e-9;
+  if (frequency * frequency + added_square < rounding * stable->frequency * stable->frequency ||
+      rate + added_rate < rounding * stable->damping_rate)
+    restored = {};
+  else
+    stable->frequency = frequency, stable->damping_rate = rate;
+}
+
+StepBound Simulation::Impl::bound() const {
+  if (!stable) return {};
+  double square = 0, rate = 0;
+  for (const Added& added : recipe.added) square += added.frequency * added.frequency, rate += added.damping_rate;
+  return {stable->frequency, stable->damping_rate, restored.added_square + square, restored.added_rate + rate};
+}
+
 /// The longest part of an explicit step [s]. Where the scheme takes them at the start of a step, grips add to the
 /// square of the fastest vibration's frequency, and to the largest damping rate, no more than what they are worth on
 /// their own molecules.
 double Simulation::Impl::longest_substep() {
   if (!options.integrator.scheme->is_explicit) return std::numeric_limits<double>::infinity();
-  if (!stable) {
-    const auto saved_couplings = std::exchange(couplings, {});
-    const auto saved_supports = std::exchange(model.supports, {});
-    // Somebody waits for the step after a cut: it does with a bound.
-    stable = original ? bounded_stable_step(model, state_at_rest(body)) : find_stable_step(model, state_at_rest(body));
-    couplings = saved_couplings;
-    model.supports = saved_supports;
-  }
+  if (!stable) find_bound();
+  const StepBound own = bound();
   double stiffest = 0, most_damped = 0;
   for (const Coupling& coupling : couplings) {
     if (options.integrator.scheme->points_at_end) break;
@@ -137,11 +156,11 @@ double Simulation::Impl::longest_substep() {
     stiffest = std::max(stiffest, stiffness / body.mass[coupling.molecule]);
     most_damped = std::max(most_damped, damping / body.mass[coupling.molecule]);
   }
-  const double frequency = std::max(stable->frequency, watch ? watch->seen().frequency : 0);
-  double square = frequency * frequency + stiffest, rate = stable->damping_rate + most_damped;
+  const double frequency = std::max(own.frequency, watch ? watch->seen().frequency : 0);
   // The largest eigenvalue of a sum is at most the sum of both: the whole body is not searched for it while somebody
   // waits for the next step.
-  for (const Added& added : recipe.added) square += added.frequency * added.frequency, rate += added.damping_rate;
+  const double square = frequency * frequency + stiffest + own.added_square,
+               rate = own.damping_rate + most_damped + own.added_rate;
   const double sum = std::sqrt(square + rate * rate) + rate;
   return sum > 0 ? options.safety * 2 / sum : std::numeric_limits<double>::infinity();
 }
@@ -208,6 +227,7 @@ void Simulation::Impl::begin_step(double start, double end) {
 
 void Simulation::Impl::go_back() {
   work = shown;
+  model.begin_step(work, work.time);
   if (model.drive) model.drive(shown.time, model.supports);
   host_supports.go_back();
   tools->go_back();
@@ -371,6 +391,7 @@ void Simulation::Impl::put(Added added, std::size_t place) {
   recipe.added[place] = std::move(added);
   if (recipe.added[place].add) perform(recipe.added[place]);
   known += terms() - before;
+  order_loads();
   keep_history();
   work.accelerations = shown.accelerations = {};  // those of the loads before
   make_own_integrator();
@@ -455,7 +476,6 @@ std::pair<double, double> Simulation::iteration_error(double dt) {
     const StepResult result = in.substeps_of(dt, substeps);
     const Positions positions = in.work.positions;
     in.go_back();
-    in.model.begin_step(in.work, in.work.time);
     return result.outcome == Outcome::converged ? positions : Positions();
   };
   const Positions cut_short = reached(1);

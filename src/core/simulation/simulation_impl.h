@@ -21,6 +21,8 @@ struct Simulation::Impl {
   StepResult step(double dt);
   StepResult substeps_of(double dt, int substeps);
   double longest_substep();
+  void find_bound();
+  StepBound bound() const;
   void make_own_integrator();
   void begin_step(double start, double end);
   void go_back();
@@ -30,6 +32,7 @@ struct Simulation::Impl {
   Coupling& find(CouplingId id);  ///< throws InputError for an unknown one
   void ensure_host_forces();
   void ensure_couplings();
+  void order_loads();
   void restore(const SimulationState& saved);
 
   /// What was added to the model by a function, and what it put there.
@@ -89,6 +92,7 @@ struct Simulation::Impl {
   bool has_host_forces = false, has_couplings = false;
   CouplingId next_coupling = 1;
   std::optional<StableStep> stable;  // of the body at rest, nothing fixed or coupled
+  StepBound restored;                // of another simulation's steps, which may have been shorter
   FrequencyWatch* watch = nullptr;   // of an integrator that has one
   // Read off the state shown when the host asks.
   Workspace workspace;

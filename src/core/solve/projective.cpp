@@ -21,16 +21,25 @@ constexpr int kFactorLimit = 1000;
 /// (K at rest + w_a M + w_v C)⁻¹, exactly or nearly, made once for a step length and a set of supports.
 class RestInverse {
  public:
-  /// Makes it again where it is another's. Returns false where it is not positive.
-  bool prepare(Model& model, const Weights& weights) {
+  /// Makes it again where it is another's: that of a step from rest, whatever went before, and of couplings as they
+  /// are. Returns false where it is not positive. @param next of the step that is under way
+  bool prepare(Model& model, const Weights& weights, const State& next) {
+    std::vector<Point>& points = new_points_;
+    points.clear();
+    for (const auto& load : model.loads())
+      load->visit_points([&](int molecule, double stiffness, double damping) {
+        points.push_back({molecule, stiffness, damping});
+      });
     const bool same = model_ == &model && weights_.acceleration == weights.acceleration &&
-                      weights_.velocity == weights.velocity && same_supports(model.supports);
+                      weights_.velocity == weights.velocity && same_supports(model.supports) && points == points_;
     if (same) return positive_;
+    points_ = points;
     model_ = &model;
     weights_ = weights;
     supports_ = model.supports;
     rest_ = state_at_rest(model.body());
     model.declare_history(rest_);
+    model.begin_step(rest_, 1 / weights.velocity);
     tangent_.emplace(model, rest_, weights);
     factor_.reset(), multigrid_.reset();
     if (model.body().size() <= kFactorLimit) {
@@ -41,6 +50,7 @@ class RestInverse {
       blocks_.compute(*tangent_, supports_);
       positive_ = multigrid_->positive();
     }
+    model.begin_step(next, next.time);
     return positive_;
   }
   const Tangent& tangent() const { return *tangent_; }
@@ -61,6 +71,11 @@ class RestInverse {
   }
 
  private:
+  struct Point {
+    int molecule;
+    double stiffness, damping;
+    bool operator==(const Point&) const = default;
+  };
   bool same_supports(const std::vector<Support>& now) const {
     return std::equal(now.begin(), now.end(), supports_.begin(), supports_.end(),
                       [](const auto& a, const auto& b) { return a.molecule == b.molecule && a.free == b.free; });
@@ -69,6 +84,7 @@ class RestInverse {
   Model* model_ = nullptr;
   Weights weights_;
   std::vector<Support> supports_;
+  std::vector<Point> points_, new_points_;  // so that steps allocate no memory
   State rest_;
   std::optional<Tangent> tangent_;
   std::optional<SparseFactor> factor_;
@@ -92,7 +108,7 @@ class Projective final : public Implicit {
 
   StaticResult balance(Model& model, State& next, const Kinematics& kinematics) override {
     StaticResult result;
-    if (!inverse_.prepare(model, kinematics.weights)) {
+    if (!inverse_.prepare(model, kinematics.weights, next)) {
       result.outcome = Outcome::diverged;
       result.cause = "the stiffness at rest is not positive";
       return result;

@@ -5,6 +5,7 @@
 #include <catch2/catch.hpp>
 
 #include "core/simulation/tissues.h"
+#include "elastin/core/forces/load_table.h"
 #include "support/own_rows.h"
 
 using namespace elastin;
@@ -99,4 +100,52 @@ TEST_CASE("a state of a model with another history is refused", "[saved-state]")
   CHECK_THROWS_WITH(add_load(twice, own::ratchet_row(),
                              {.vectors = {{"growth", Vector3(0, 0, 1)}}, .molecules = {{"molecules", {1}}}}),
                     Contains("under the name 'ratchet'"));
+}
+
+TEST_CASE("steps go on bitwise identically in another simulation, whatever went before there", "[saved-state]") {
+  Material material = kTissue;
+  material.relaxation = Relaxation{{{0.6, 3e-3}, {0.3, 0.1}}, false, 0};
+  material.softening = Softening{1.5, 1, 0.1};
+  const LoadValues water{.numbers = {{"viscosity", 10}}};
+  for (const Scheme& scheme : kSchemes)
+    for (const char* name : {"lattice", "prony:lattice", "mullins:lattice"}) {
+      const Strategy strategy = built_in_catalog().find(name);
+      Body body = tissue_cube(3);
+      Model model(body);
+      model.add(strategy.make(body, material, {}));
+      if (!unsuited_for(*scheme, model).empty()) continue;
+      INFO(scheme->name << " of " << name);
+      SimulationOptions options;
+      options.integrator.scheme = scheme;
+      if (scheme->name == "projective") options.integrator.parameters = {{"solves", 3}};
+      // Loads that come before the first step or after some, of which explicit steps know bounds alone.
+      for (const int before : {0, 4}) {
+        Simulation whole(body, strategy, material, options), other(body, strategy, material, options);
+        whole.fix(0);
+        whole.host_forces().row(2).setConstant(-1e-4);
+        step(whole, before);
+        for (Simulation* each : {&whole, &other}) each->add_load(*built_in_loads().find("stokes_drag"), water);
+        step(whole, 3);
+        whole.couple(26, body.rest.col(26) + Vector3(0, 0, 1e-4), 5);
+        step(whole, 4);
+        other.restore(whole.save());
+        step(whole, 5);
+        step(other, 5);
+        CHECK((other.positions().array() == whole.positions().array()).all());
+        CHECK(bytes_of(other.save()) == bytes_of(whole.save()));
+      }
+    }
+}
+
+TEST_CASE("a state that comes from slower vibrations does not make explicit steps too long", "[saved-state]") {
+  Material stiff = kTissue;
+  stiff.youngs_modulus *= 100;
+  Simulation soft = simulation_of(tissue_cube(3));
+  Simulation hard(tissue_cube(3), built_in_catalog().find("lattice"), stiff, {});
+  step(soft, 1);
+  const int substeps = hard.step(kStep).substeps;
+  hard.restore(soft.save());
+  CHECK(hard.step(kStep).substeps == substeps);
+  hard.restore(simulation_of(tissue_cube(3)).save());
+  CHECK(hard.step(kStep).substeps == substeps);
 }

@@ -81,6 +81,13 @@ struct TopologyReport {
   std::shared_ptr<const void> before;
 };
 
+/// What sets the longest explicit step: frequencies [rad/s] and damping rates [1/s] of the body and, squared and
+/// summed, of what was added to it since. All 0 before the first step.
+struct StepBound {
+  double frequency = 0, damping_rate = 0, added_square = 0, added_rate = 0;
+  bool operator==(const StepBound&) const = default;
+};
+
 /// Everything that a simulation changes while it runs; restoring it goes on bitwise identically.
 struct SimulationState {
   State state;
@@ -98,6 +105,7 @@ struct SimulationState {
   std::shared_ptr<const Topology> topology;  ///< null: the body is as the simulation was made with it
   int effort = 0;                            ///< of the last step; see Simulation::effort
   SeenFrequency seen = {};                   ///< in explicit steps; see SimulationOptions::safety
+  StepBound bound = {};                      ///< of explicit steps
 };
 
 /// A body that moves: what a simulator embeds. Any number may run in as many threads, each in one at a time.
