@@ -9,6 +9,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <stdexcept>
 #include <string>
 #include <type_traits>
 #include <utility>
@@ -207,15 +208,41 @@ struct Moving {
     if (recipe) (*recipe)[3].cast<py::list>().append(py::make_tuple(method, keywords));
   }
   bool stepping = false;
+  bool in_use = false;  ///< by a turn that may call functions of the caller's; not while its observers run
 
-  /// Does it without the interpreter's lock, in its turn.
+  /// Does it without the interpreter's lock, in its turn. Not within a turn, from a load, law or stepper of the
+  /// caller's: it would change, or compute once more, what is being computed. Throws std::runtime_error.
   template <class Do>
   auto in_turn(Do&& act) {
+    return look([&](Simulation& own) {
+      if (in_use)
+        throw std::runtime_error(
+            "a load or stepper must not use the simulation that calls it, but for its positions, "
+            "velocities and time: do it before the step or after it");
+      const Within within(in_use, true);
+      return act(own);
+    });
+  }
+  /// The same for what only shows the state reached; at any time.
+  template <class Do>
+  auto look(Do&& act) {
     return interruptible([&] {
       const std::lock_guard turn(busy);
       return act(simulation);
     });
   }
+  /// A flag that has a value as long as it lives.
+  class Within {
+   public:
+    Within(bool& flag, bool value) : flag_(flag), before_(std::exchange(flag, value)) {}
+    ~Within() { flag_ = before_; }
+    Within(const Within&) = delete;
+    Within& operator=(const Within&) = delete;
+
+   private:
+    bool& flag_;
+    bool before_;
+  };
 };
 
 using MovingClass = py::class_<Moving, std::shared_ptr<Moving>>;

@@ -117,6 +117,7 @@ StepResult step(Moving& self, double dt, int count, bool check) {
 
 void observe(Moving& self, py::function see, int every) {
   const auto call = [&self, kept = keep(std::move(see))](const Simulation&) {
+    const Moving::Within between_steps(self.in_use, false);
     Signals::guarded([&] { return (*kept)(py::cast(&self)), true; }, true);
   };
   self.in_turn([&](Simulation& simulation) { simulation.observe(every, call); });
@@ -163,6 +164,15 @@ auto shown(Show show) {
   };
 }
 
+/// A view of what need not be computed.
+template <class Show>
+auto known(Show show) {
+  return [show](const py::object& self) {
+    const auto* values = self.cast<Moving&>().look([&](Simulation& simulation) { return &show(simulation); });
+    return view(*values, owner_of_views(self));
+  };
+}
+
 using Class = MovingClass;
 
 void add_views(Class& simulation) {
@@ -176,7 +186,7 @@ void add_views(Class& simulation) {
       .def_property_readonly(
           "time", [](const Moving& self) { return self.simulation.time(); }, "[s]")
       .def_property(
-          "positions", shown([](Simulation & s) -> auto& { return s.positions(); }),
+          "positions", known([](Simulation & s) -> auto& { return s.positions(); }),
           [](Moving& self, const py::object& positions) {
             const Positions values = positions_from(positions, "positions");
             self.in_turn([&](Simulation& s) { s.set_positions(values); });
@@ -184,7 +194,7 @@ void add_views(Class& simulation) {
           "[m], (n, 3): a view that changes with each step. To be set between steps where the body is to "
           "be elsewhere: velocities stay, and supports where they are.")
       .def_property(
-          "velocities", shown([](Simulation & s) -> auto& { return s.velocities(); }),
+          "velocities", known([](Simulation & s) -> auto& { return s.velocities(); }),
           [](Moving& self, const py::object& velocities) {
             const Positions values = positions_from(velocities, "velocities");
             self.in_turn([&](Simulation& s) { s.set_velocities(values); });

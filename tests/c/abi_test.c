@@ -568,7 +568,18 @@ static void run_tasks(void* context, int count, elastin_task task, void* task_co
   ++*(int*)context;
 }
 
+/* An observer that does what it must not. */
+static void steps(void* context, const elastin_simulation* simulation) {
+  union {
+    const elastin_simulation* seen;
+    elastin_simulation* own;
+  } both;
+  both.seen = simulation;
+  *(elastin_status*)context = elastin_step(both.own, 1e-3, NULL);
+}
+
 static void hooks(void) {
+  elastin_status inner = ELASTIN_OK;
   double seen[2] = {0, 0}, plain[3 * 36], run[3 * 36];
   int runs = 0;
   elastin_options options = {sizeof options, "velocity_verlet", 0, 0, NULL, 0, 0, NULL, NULL, 0, NULL, 0, 0};
@@ -581,6 +592,11 @@ static void hooks(void) {
   elastin_simulation_free(simulation);
   options.run = run_tasks, options.run_context = &runs;
   REFUSED(elastin_simulate(NULL, "lattice", &kSoft, &options, &simulation), "body is null");
+  simulation = tissue(NULL);
+  OK(elastin_observe(simulation, 1, steps, &inner));
+  OK(elastin_step(simulation, 1e-3, NULL));
+  CHECK(inner == ELASTIN_STOPPED);
+  elastin_simulation_free(simulation);
   options.run_width = 3;
   simulation = tissue(&options);
   OK(elastin_fix(simulation, 0, 4));

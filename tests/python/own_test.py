@@ -90,6 +90,30 @@ class Loads(unittest.TestCase):
         with self.assertRaisesRegex(elastin.InputError, "forces: has 63 rows; the body has 64 molecules"):
             simulation.step(1e-3)
 
+    def test_it_sees_the_simulation_that_calls_it_and_changes_nothing_there(self):
+        state = None
+        for scheme in ("symplectic_euler", "velocity_verlet", "backward_euler"):
+            for act in (lambda s: s.remove_load(1), lambda s: s.set_load(1), lambda s: s.add_load("gravity", acceleration=(0, 0, -1)),
+                        lambda s: s.couple(0, (0, 0, 0), 1), lambda s: s.add_contact(1e6), lambda s: s.vibrations(1),
+                        lambda s: s.host_forces, lambda s: s.forces, lambda s: s.reaction(0), lambda s: s.step(1e-3),
+                        lambda s: s.settle(), lambda s: s.fix(3), lambda s: s.cut_plane((0, 0, 0), (1, 0, 0)),
+                        lambda s: s.restore(state), lambda s: s.trajectory(1e-4, 1), lambda s: s.stiffness(),
+                        lambda s: setattr(s, "positions", s.body.positions)):
+                simulation = elastin.Simulation(cube(), "lattice", MATERIAL, scheme=scheme)
+                state = simulation.save()
+                simulation.fix(0)
+
+                def pull(positions):
+                    self.assertEqual(simulation.time, 0)
+                    self.assertEqual(len(simulation.positions), len(simulation.velocities))
+                    act(simulation)
+                    return 0 * positions
+
+                simulation.add_load(elastin.load("pulls", pull))
+                with self.assertRaisesRegex(RuntimeError, "must not use the simulation that calls it"):
+                    simulation.step(1e-3)
+                self.assertEqual(simulation.time, 0)
+
     def test_a_scene_takes_it(self):
         """As it is, or by its name with a value, as gravity of the same size."""
         catalog = elastin.Catalog()

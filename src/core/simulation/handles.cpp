@@ -40,11 +40,15 @@ Coupling& Simulation::Impl::find(CouplingId id) {
   return *found;
 }
 
+/// Within a step they are kept for the next.
 void Simulation::Impl::ensure_host_forces() {
-  if (std::exchange(has_host_forces, true)) return;
-  host_forces.setZero(3, body.size());
+  if (has_host_forces) return;
+  if (host_forces.cols() == 0) host_forces.setZero(3, body.size());
+  if (in_use) return;
+  has_host_forces = true;
   model.add(std::make_unique<HostForces>(body, host_forces));
   ++known;
+  order_loads();
 }
 
 void Simulation::Impl::ensure_couplings() {
@@ -71,12 +75,14 @@ Positions& Simulation::host_forces() noexcept {
 }
 
 void Simulation::fix(int molecule, const Matrix3& free) {
+  impl_->check_idle("fix");
   impl_->check_molecule(molecule);
   if (!is_projector(free)) throw InputError("fix: 'free' is no projector (symmetric, its own square)");
   impl_->host_supports.fix(molecule, free, impl_->shown.positions.col(molecule));
 }
 
 void Simulation::release(int molecule) {
+  impl_->check_idle("release");
   impl_->check_molecule(molecule);
   impl_->host_supports.release(molecule);
 }
@@ -97,6 +103,7 @@ Vector3 Simulation::reaction(int molecule) const noexcept {
 }
 
 CouplingId Simulation::couple(int molecule, const Vector3& position, double stiffness, double damping) {
+  impl_->check_idle("couple");
   impl_->check_molecule(molecule);
   check_finite(position);
   if (!(stiffness > 0 && std::isfinite(stiffness)))
@@ -117,6 +124,7 @@ void Simulation::move_coupling(CouplingId id, const Vector3& position, const Vec
 Vector3 Simulation::coupling_force(CouplingId id) const { return force_of(impl_->find(id), impl_->shown); }
 
 void Simulation::decouple(CouplingId id) {
+  impl_->check_idle("decouple");
   impl_->couplings.erase(impl_->couplings.begin() + (&impl_->find(id) - impl_->couplings.data()));
 }
 
@@ -168,6 +176,7 @@ void Simulation::set_velocities(const Positions& velocities) {
 
 void Simulation::Impl::restore(const SimulationState& saved) {
   Impl& in = *this;
+  check_idle("restore, set_positions, set_velocities");
   check_state(saved.state, in.body.size(), in.model.history(), "the saved state");
   if (saved.host_forces.cols() > 0 && (saved.host_forces.cols() != in.body.size() || !saved.host_forces.allFinite()))
     throw InputError("the saved state has host forces on " + std::to_string(saved.host_forces.cols()) +

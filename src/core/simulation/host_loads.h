@@ -11,11 +11,18 @@ namespace elastin {
 class HostForces final : public Load {
  public:
   HostForces(const Body& body, const Positions& forces) : body_(body), forces_(forces) {}
-  void add_forces(const State&, Positions& forces) const override { forces += forces_; }
-  double energy(const State& state) const override { return -forces_.cwiseProduct(state.positions - body_.rest).sum(); }
+  void add_forces(const State&, Positions& forces) const override {
+    if (fit()) forces += forces_;
+  }
+  double energy(const State& state) const override {
+    return fit() ? -forces_.cwiseProduct(state.positions - body_.rest).sum() : 0;
+  }
   bool steady() const override { return false; }
 
  private:
+  /// A host may have made the array another size, which the next step says.
+  bool fit() const { return forces_.cols() == body_.size(); }
+
   const Body& body_;
   const Positions& forces_;
 };

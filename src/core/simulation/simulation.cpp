@@ -79,6 +79,19 @@ std::string fixed_topology(const Strategy& strategy, const Material& material) {
   return "";
 }
 
+/// True as long as it lives.
+class While {
+ public:
+  explicit While(bool& flag) : flag_(flag), before_(std::exchange(flag, true)) {}
+  ~While() { flag_ = before_; }
+  While(const While&) = delete;
+  While& operator=(const While&) = delete;
+
+ private:
+  bool& flag_;
+  bool before_;
+};
+
 StepResult refused(std::string cause) { return {Outcome::limit_reached, std::move(cause), 0, 0, 0, 0}; }
 
 }  // namespace
@@ -192,6 +205,9 @@ void Simulation::Impl::perform(Added& added) {
 StepResult Simulation::Impl::step(double dt) {
   if (!(dt > 0 && std::isfinite(dt)))
     return refused("a step of " + number(dt) + " s: a step must be above 0 s and finite");
+  if (host_forces.cols() > 0) ensure_host_forces();
+  if (const std::string why = odd_size(); !why.empty()) return refused(why);
+  const While used(in_use);
   const ThreadScope scope(options.runner, options.threads);
   const double substeps = std::max(1., std::ceil(dt / longest_substep() * (1 - 1e-9)));
   if (!(substeps <= options.max_substeps))
@@ -246,6 +262,20 @@ StepResult Simulation::Impl::substeps_of(double dt, int substeps) {
     all.error = std::max(all.error, one.error);
   }
   return all;
+}
+
+void Simulation::Impl::check_idle(const char* call) const {
+  if (in_use)
+    throw InputError(std::string(call) +
+                     ": the simulation is within a step or a solve, which must end first; a load "
+                     "or law must not change the simulation that calls it");
+}
+
+/// Of the host's forces, which no step can do with, or "".
+std::string Simulation::Impl::odd_size() const {
+  if (!has_host_forces || host_forces.cols() == body.size()) return "";
+  return "host_forces() has forces on " + std::to_string(host_forces.cols()) + " molecules and the body has " +
+         std::to_string(body.size()) + ": write to its columns, and leave their number as it is";
 }
 
 /// What the host has given that no step can go well with, or "".
@@ -317,12 +347,16 @@ const State& Simulation::state() const noexcept { return impl_->shown; }
 
 StepResult Simulation::step(double dt) noexcept {
   if (!impl_) return refused("an empty simulation: it is a moved-from object");
+  if (impl_->observed || impl_->in_use)
+    return refused("a step within a step or a solve: observers, loads and laws must not step what calls them");
   StepResult result = impl_->step(dt);
   if (result.outcome != Outcome::converged) return result;
-  for (Impl::Observer& observer : impl_->observers)
-    if (++observer.waited == observer.every) {
+  for (std::size_t i = 0; i < impl_->observers.size(); ++i)  // of another body where one cuts it
+    if (Impl::Observer& observer = impl_->observers[i]; ++observer.waited == observer.every) {
       observer.waited = 0;
+      impl_->observed = true;
       observer.see(*this);
+      impl_->observed = false;
     }
   return result;
 }
@@ -338,6 +372,9 @@ Sensitivity Simulation::sensitivity() {
 
 StaticResult Simulation::settle(const StaticOptions& options) {
   Impl& in = *impl_;
+  in.check_idle("settle");
+  if (const std::string why = in.odd_size(); !why.empty()) throw InputError(why);
+  const While used(in.in_use);
   const ThreadScope scope(in.options.runner, in.options.threads);
   const auto go_back = [&] {
     in.work = in.shown;
@@ -369,6 +406,7 @@ StaticResult Simulation::settle(const StaticOptions& options) {
 void Simulation::add(std::function<void(Model&)> add) {
   if (!add) throw InputError("add: there is no function to call");
   Impl& in = *impl_;
+  in.check_idle("add");
   Model trial(in.body);
   for (const auto& law : in.model.elasticity()) trial.add(law->clone());
   const auto has = [](const std::vector<HistoryBlock>& blocks, const std::string& name) {
@@ -384,6 +422,7 @@ void Simulation::add(std::function<void(Model&)> add) {
 
 /// At this place of the recipe, in place of what stands there.
 void Simulation::Impl::put(Added added, std::size_t place) {
+  check_idle("add_load, set_load, remove_load");
   bound_step(added);
   if (place == recipe.added.size()) recipe.added.emplace_back();
   take_away(recipe.added[place]);
@@ -467,6 +506,9 @@ std::pair<double, double> Simulation::iteration_error(double dt) {
     throw InputError("iteration_error: the scheme '" + scheme.name + "' takes no number of sweeps or iterations");
   if (!(dt > 0 && std::isfinite(dt)))
     throw InputError("iteration_error: a step of " + number(dt) + " s: a step must be above 0 s and finite");
+  in.check_idle("iteration_error");
+  if (const std::string why = in.odd_size(); !why.empty()) throw InputError(why);
+  const While used(in.in_use);
   const ThreadScope scope(in.options.runner, in.options.threads);
   const ParameterValues values = complete_values(scheme.name, scheme.parameters, in.options.integrator.parameters);
   const auto own_parts = values.find("substeps");

@@ -1,4 +1,5 @@
 #pragma once
+#include <deque>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -27,7 +28,10 @@ struct Simulation::Impl {
   void begin_step(double start, double end);
   void go_back();
   void set_effort(int number);
+  std::string odd_size() const;
   std::string odd_input() const;
+  /// Throws InputError where a load or law that a step calls wants to change what the step works on.
+  void check_idle(const char* call) const;
   void check_molecule(int molecule) const;
   Coupling& find(CouplingId id);  ///< throws InputError for an unknown one
   void ensure_host_forces();
@@ -103,7 +107,9 @@ struct Simulation::Impl {
     int every, waited;
     std::function<void(const Simulation&)> see;
   };
-  std::vector<Observer> observers;
+  std::deque<Observer> observers;  // which may add others: those that are there stay where they are
+  bool observed = false;           // an observer is at work
+  bool in_use = false;             // the model and the states, by a step or a solve
 };
 
 }  // namespace elastin

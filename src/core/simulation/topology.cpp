@@ -103,6 +103,7 @@ std::unique_ptr<Simulation::Impl> Simulation::Impl::on(Topology other) const {
 
 TopologyReport Simulation::change(ChangedBody changed) {
   Impl& in = *impl_;
+  in.check_idle("cut, tear, remove");
   TopologyReport report{changed.changed,
                         changed.split_molecules,
                         changed.removed_connections,
@@ -163,6 +164,7 @@ std::shared_ptr<const void> Simulation::restore(const SimulationState& saved) {
     in.restore(saved);
     return nullptr;
   }
+  in.check_idle("restore");
   in.check_follows();
   if (saved.topology) check_read(*saved.topology, static_cast<bool>(in.recipe.constants));
   auto made = in.on(saved.topology ? *saved.topology : *in.original);

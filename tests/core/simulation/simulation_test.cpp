@@ -497,6 +497,92 @@ TEST_CASE("simulation: a grip at the end of explicit steps tends to the motion o
   CHECK(std::log2(coarse / fine) == Approx(1).margin(0.1));
 }
 
+namespace {
+
+/// A load without a force that calls the host while the step is under way.
+struct CallsHost final : Load {
+  explicit CallsHost(std::function<void()> host) : call(std::move(host)) {}
+  void add_forces(const State&, Positions&) const override { call(); }
+  double energy(const State&) const override { return 0; }
+  bool feels_velocity() const override { return false; }
+  std::function<void()> call;
+};
+
+/// NaN on one molecule from some time on.
+struct Breaks final : Load {
+  void add_forces(const State& state, Positions& forces) const override {
+    if (state.time > 1.5 * kStep) forces(1, 5) = kNaN;
+  }
+  double energy(const State&) const override { return 0; }
+  bool feels_velocity() const override { return false; }
+};
+
+}  // namespace
+
+TEST_CASE("simulation: forces of the host for another number of molecules are said, not read") {
+  for (const Scheme& scheme : kSchemes) {
+    CAPTURE(scheme->name);
+    Simulation tissue = simulation_of(tissue_cube(3), scheme);
+    tissue.host_forces().row(2).setConstant(1e-5);
+    run(tissue, 1);
+    const Positions before = tissue.positions();
+    for (const int columns : {0, 5, 1000}) {
+      tissue.host_forces().setZero(3, columns);
+      const std::string said = "forces on " + std::to_string(columns) + " molecules and the body has 27";
+      CHECK_THAT(tissue.step(kStep).cause, Contains(said));
+      CHECK_THAT(refusal([&] { tissue.settle(); }), Contains(said));
+      CHECK(tissue.forces().allFinite());
+      CHECK(tissue.positions() == before);
+    }
+    tissue.host_forces().setZero(3, 27);
+    run(tissue, 1);
+  }
+}
+
+TEST_CASE("simulation: what a step calls can neither step nor change it, an observer can change it") {
+  for (const Scheme& scheme : kSchemes) {
+    CAPTURE(scheme->name);
+    Simulation tissue = simulation_of(tissue_cube(3), scheme);
+    const LoadKind& gravity = *built_in_loads().find("gravity");
+    const LoadValues down{.vectors = {{"acceleration", Vector3(0, 0, -10)}}};
+    const LoadId load = tissue.add_load(gravity, down);
+    std::vector<std::string> said;
+    bool calls = true;
+    tissue.model().add(std::make_unique<CallsHost>([&] {
+      if (!std::exchange(calls, false)) return;
+      said = {refusal([&] { tissue.add_load(gravity, down); }),
+              refusal([&] { tissue.set_load(load, down); }),
+              refusal([&] { tissue.remove_load(load); }),
+              refusal([&] { tissue.couple(1, Vector3::Zero(), 1); }),
+              refusal([&] { tissue.fix(0); }),
+              refusal([&] { tissue.release(0); }),
+              refusal([&] { tissue.settle(); }),
+              refusal([&] { tissue.restore(tissue.save()); }),
+              refusal([&] {
+                tissue.cut(CutSurface::plane({0, 0, 0}, {1, 0, 0}));
+              }),
+              tissue.step(kStep).cause};
+      tissue.host_forces().row(0).setConstant(1e-5);  // from the next step on
+    }));
+    run(tissue, 1);
+    REQUIRE(said.size() == 10);
+    for (const std::string& one : said) CHECK_THAT(one, Contains("within a step"));
+    CHECK(tissue.velocities().row(0).cwiseAbs().maxCoeff() < 1e-12);
+    run(tissue, 1);
+    CHECK(tissue.velocities().row(0).minCoeff() > 0);
+    int seen = 0;
+    tissue.observe(1, [&](const Simulation&) {
+      said.push_back(tissue.step(kStep).cause);
+      if (++seen > 1) return;
+      for (int more = 0; more < 50; ++more) tissue.observe(1, [&](const Simulation&) { ++seen; });
+      tissue.fix(0);
+    });
+    run(tissue, 2);
+    CHECK(seen == 102);
+    CHECK_THAT(said.back(), Contains("observers"));
+  }
+}
+
 TEST_CASE("simulation: settle leaves an equilibrium that is no minimum, unless it is told not to look") {
   // Two links in line, their joint held sideways by two springs of 100 N/m: straight up to 50 N, as in
   // relaxation_test.cpp.

@@ -177,7 +177,8 @@ class Simulation {
   /// Force of each connection with its damping [N], pulling is positive; as forces.
   const VectorX& tensions() const noexcept;
 
-  /// The host's own forces [N], 3 × n: act from the next step on until they are changed. The first call allocates.
+  /// The host's own forces [N], 3 × n: act from the next step on until they are changed. The first call allocates. With
+  /// another number of columns no step is taken.
   Positions& host_forces() noexcept;
 
   /// Fixes a molecule at its present position in all directions, or in those that `free` (a projector) leaves; again:
@@ -245,8 +246,8 @@ class Simulation {
   /// @param mechanisms whether zero-energy modes are counted, which takes longest
   std::vector<std::string> warnings(bool mechanisms = true) const;
 
-  /// Calls `see` after every `every` (≥ 1) steps that converged. It must not step; what it throws ends in
-  /// std::terminate.
+  /// Calls `see` after every `every` (≥ 1) steps that converged. A step that it takes ends as limit_reached, with the
+  /// reason; what it throws ends in std::terminate.
   void observe(int every, std::function<void(const Simulation&)> see);
 
   /// The state to go on from; with the same model the steps after it are bitwise identical.
