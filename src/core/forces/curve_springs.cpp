@@ -2,6 +2,7 @@
 #include <limits>
 #include <utility>
 
+#include "core/forces/finite_constants.h"
 #include "core/forces/own_slopes.h"
 #include "core/forces/unstressed_lengths.h"
 #include "core/parallel/parallel.h"
@@ -146,6 +147,7 @@ class CurveSprings final : public EdgeDensities,
 }  // namespace
 
 std::unique_ptr<Elasticity> make_curve_springs(const Body& body, VectorX sections, const StressStrain& curve) {
+  check_finite_constants(sections, "section", "m");
   return std::make_unique<CurveSprings>(body, std::move(sections), curve);
 }
 

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "core/forces/element_forces.h"
+#include "core/forces/finite_constants.h"
 #include "core/forces/graph.h"
 #include "core/forces/grid_springs.h"
 #include "core/forces/own_slopes.h"
@@ -183,6 +184,7 @@ class UpdatedSprings final : public EdgeDensities {
 }  // namespace
 
 std::unique_ptr<Elasticity> make_springs(const Body& body, VectorX constants) {
+  check_finite_constants(constants, "spring constant", "N/m");
   return std::make_unique<Springs>(body, std::move(constants));
 }
 

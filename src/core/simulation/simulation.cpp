@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <utility>
 
@@ -231,7 +232,8 @@ StepResult Simulation::Impl::step(double dt) {
     forces_known = tensions_known = false;
   } else {
     go_back();
-    if (const std::string odd = odd_input(); !odd.empty()) result.outcome = Outcome::diverged, result.cause = odd;
+    if (const std::string odd = odd_input(shown.time + dt); !odd.empty())
+      result.outcome = Outcome::diverged, result.cause = odd;
   }
   return result;
 }
@@ -278,14 +280,41 @@ std::string Simulation::Impl::odd_size() const {
          std::to_string(body.size()) + ": write to its columns, and leave their number as it is";
 }
 
-/// What the host has given that no step can go well with, or "".
-std::string Simulation::Impl::odd_input() const {
+/// What the host has given that no step to this time [s] can go well with, or "".
+std::string Simulation::Impl::odd_input(double end) const {
   for (Eigen::Index i = 0; i < host_forces.cols(); ++i)
     if (!host_forces.col(i).allFinite()) return "the host's force on molecule " + std::to_string(i) + " is not finite";
   for (const Coupling& coupling : couplings)
     if (!coupling.position.allFinite() || !coupling.velocity.allFinite())
       return "coupling " + std::to_string(coupling.id) + " was moved to a position or at a velocity that is not finite";
-  return "";
+  for (const Support& support : model.supports)
+    if (!support.displacement.allFinite() || !support.velocity.allFinite())
+      return "the support of molecule " + std::to_string(support.molecule) +
+             " has a displacement or velocity that is not finite";
+  const auto odd = [&](const std::string& what, const auto& add) {
+    Positions all = Positions::Zero(3, body.size());
+    add(all);
+    for (Eigen::Index i = 0; i < all.cols(); ++i)
+      if (!all.col(i).allFinite()) return what + " gives molecule " + std::to_string(i) + " a force that is not finite";
+    return std::string();
+  };
+  std::string found;
+  for (std::size_t load = 0; load < model.loads().size() && found.empty(); ++load) {
+    std::string name = "a load";
+    for (const Added& added : recipe.added)
+      if (added.kind && std::count(added.loads.begin(), added.loads.end(), model.loads()[load].get()))
+        name = "the load '" + added.kind->name + "'";
+    State at_end = shown;
+    at_end.time = end;
+    for (const State& at : {std::cref(shown), std::cref<State>(at_end)})
+      if (found.empty()) found = odd(name, [&](Positions& all) { model.loads()[load]->add_forces(at, all); });
+  }
+  if (found.empty())
+    found = odd("the elastic law", [&](Positions& all) {
+      Workspace own;
+      model.add_elastic_forces(shown.positions, all, own);
+    });
+  return found;
 }
 
 Simulation::Simulation(Body body, const Strategy& any, const Material& material, SimulationOptions options) {
@@ -389,6 +418,8 @@ StaticResult Simulation::settle(const StaticOptions& options) {
     StaticResult result = solve_static(in.model, in.work, options);
     if (result.outcome != Outcome::converged) {
       go_back();
+      if (const std::string odd = in.odd_input(in.shown.time); !odd.empty())
+        result.outcome = Outcome::diverged, result.cause = odd;
       return result;
     }
     in.model.commit_step(in.work);

@@ -29,7 +29,7 @@ struct Simulation::Impl {
   void go_back();
   void set_effort(int number);
   std::string odd_size() const;
-  std::string odd_input() const;
+  std::string odd_input(double end) const;
   /// Throws InputError where a load or law that a step calls wants to change what the step works on.
   void check_idle(const char* call) const;
   void check_molecule(int molecule) const;

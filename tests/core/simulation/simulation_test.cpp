@@ -583,6 +583,30 @@ TEST_CASE("simulation: what a step calls can neither step nor change it, an obse
   }
 }
 
+TEST_CASE("simulation: the cause of a step or an equilibrium that fails names what is not finite") {
+  for (const Scheme& scheme : kSchemes) {
+    CAPTURE(scheme->name);
+    Simulation tissue = simulation_of(tissue_cube(3), scheme);
+    tissue.add([](Model& model) { model.add(std::make_unique<Breaks>()); });
+    StepResult result;
+    for (int step = 0; step < 4 && result.outcome == Outcome::converged; ++step) result = tissue.step(kStep);
+    CHECK(result.outcome == Outcome::diverged);
+    CHECK_THAT(result.cause, Contains("load") && Contains("molecule 5"));
+    CHECK(tissue.positions().allFinite());
+  }
+  Simulation tissue = simulation_of(tissue_cube(3));
+  tissue.fix(0);
+  tissue.host_forces()(0, 7) = kNaN;
+  CHECK_THAT(tissue.settle().cause, Contains("the host's force on molecule 7 is not finite"));
+  const Body body = tissue_cube(3);
+  VectorX constants = VectorX::Constant(body.connections.size(), 1);
+  constants[4] = kNaN;
+  CHECK(refusal([&] { make_springs(body, constants); }) ==
+        "connection 4 has a spring constant of nan N/m: it must be finite");
+  CHECK_THAT(refusal([&] { make_curve_springs(body, constants, StressStrain::linear(1)); }),
+             Contains("a section of nan"));
+}
+
 TEST_CASE("simulation: settle leaves an equilibrium that is no minimum, unless it is told not to look") {
   // Two links in line, their joint held sideways by two springs of 100 N/m: straight up to 50 N, as in
   // relaxation_test.cpp.
