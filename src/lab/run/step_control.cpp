@@ -176,7 +176,7 @@ StepResult StepControl::one_step(Model& model, State& state, double until) {
 namespace {
 
 constexpr std::string_view kName = "elastin-restart-";
-constexpr const char* kHead = "elastin-restart-7";  // another format, or another meaning of a number, counts on
+constexpr const char* kHead = "elastin-restart-8";  // another format, or another meaning of a number, counts on
 constexpr std::string_view kEnd = "\nend\n";
 
 std::string hex(std::uint64_t value) {

@@ -288,6 +288,51 @@ TEST_CASE("a drop without damping gives back its speed; with damping less", "[ti
   CHECK(measured(fallen, "impact_speed") == Approx(std::sqrt(2 * 9.81 * 5e-3)).epsilon(1e-4));
 }
 
+TEST_CASE("restitution is that of the whole impact, however its molecules bounce meanwhile", "[time][drop]") {
+  const std::string block =
+      "body: {lattice: {kind: cubic, molecules: [6, 6, 6], spacing: 1 cm, connections: [axis, face]}}\n"
+      "material: {youngs_modulus: 100 kPa, density: 1000 kg/m3}\nstiffness: lattice\n";
+  const std::string fine = ", step: 20 us, integrator: velocity_verlet}\n";
+  for (const std::string floor : {"2 kN/m", "100 kN/m"}) {
+    INFO(floor);
+    const std::string thrown = block + "experiment: {kind: drop, speed: 1 m/s, stiffness: " + floor + "}\n";
+    // Without weight the centre goes as fast before the impact as at first, and after it as in the end.
+    const Run run = run_of(thrown + "time: {duration: 60 ms, frames: 200}\n"),
+              exact = run_of(thrown + "time: {duration: 60 ms, frames: 200" + fine);
+    CHECK(measured(run, "impact_speed") == Approx(1).epsilon(1e-9));
+    CHECK(measured(run, "restitution") == Approx(-run.curve.back().measures.get("fall_speed")).epsilon(1e-9));
+    CHECK(measured(run, "restitution") ==
+          Approx(-exact.curve.back().measures.get("fall_speed")).epsilon(0.01));  // of steps near the stable one
+    CHECK(measured(exact, "contact_duration") > 0.01);
+    CHECK(measured(run, "contact_duration") == Approx(measured(exact, "contact_duration")).epsilon(0.1));
+    CHECK(run.remark.empty());
+    // With weight it falls again: what counts is the speed with which it rose, g t until its centre stands still.
+    const Run fallen = run_of(block + "experiment: {kind: drop, gravity: 9.81 m/s2, height: 5 cm, stiffness: " + floor +
+                              "}\ntime: {duration: 0.4 s, frames: 400" + fine);
+    CHECK(measured(fallen, "impact_speed") == Approx(std::sqrt(2 * 9.81 * 0.05)).epsilon(1e-3));
+    const double left = std::sqrt(2 * 0.05 / 9.81) + measured(fallen, "contact_duration");
+    double highest = 0;
+    for (const CurvePoint& row : fallen.curve)
+      if (row.time > left && row.measures.get("fall_speed") < 0)
+        highest = row.time;
+      else if (row.time > left)
+        break;
+    CHECK(measured(fallen, "rebound_speed") == Approx(9.81 * (highest - left)).margin(9.81 * 1.5e-3));
+  }
+  const auto drop = [&](const std::string& duration) {
+    return run_of(block + "experiment: {kind: drop, gravity: 9.81 m/s2, height: 5 cm}\ntime: {frames: 50, duration: " +
+                  duration + "}\n");
+  };
+  const Run above = drop("50 ms"), pressed = drop("105 ms");
+  CHECK_THAT(above.remark, Contains("has not reached the floor within the duration, at whose end it is 37.7 mm away"));
+  CHECK_THAT(pressed.remark, Contains("has not left the floor for good"));
+  for (const char* name : {"impact_speed", "rebound_speed", "restitution", "contact_duration"})
+    CHECK_FALSE(std::isfinite(above.measures.get(name)));
+  CHECK(measured(pressed, "impact_speed") > 0);
+  for (const char* name : {"rebound_speed", "restitution", "contact_duration"})
+    CHECK_FALSE(std::isfinite(pressed.measures.get(name)));
+}
+
 TEST_CASE("a released twisted bar turns back and forth; a sheared one, too", "[time]") {
   const std::string bar =
       "body: {lattice: {kind: cubic, molecules: [2, 2, 7], spacing: 1 cm, connections: [axis, face]}}\n"
@@ -423,9 +468,9 @@ TEST_CASE("a restart file of another run, or a damaged one, is refused", "[time]
   };
   refuse("nothing of the kind", kRelease + time, "this is no restart file");
   std::string older = kept;
-  REQUIRE(older.starts_with("elastin-restart-7 "));
+  REQUIRE(older.starts_with("elastin-restart-8 "));
   older[std::string("elastin-restart-").size()] = '6';
-  refuse(older, kRelease + time, "of another version of the program ('elastin-restart-6', here 'elastin-restart-7')");
+  refuse(older, kRelease + time, "of another version of the program ('elastin-restart-6', here 'elastin-restart-8')");
   refuse(kept.substr(0, kept.size() / 2), kRelease + time, "cut off");
   refuse(kept, kRelease + "time: {duration: 2 s, frames: 4}\n", "of another run");
   refuse(kept, kRelease + "time: {duration: 1 s, frames: 4, integrator: newmark}\n", "newmark");

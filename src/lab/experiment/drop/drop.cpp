@@ -4,6 +4,7 @@
 
 #include "core/forces/floor.h"
 #include "elastin/contact/contact.h"
+#include "elastin/core/base/text.h"
 #include "elastin/core/model/share.h"
 #include "lab/experiment/keys.h"
 #include "lab/run/contact_measures.h"
@@ -27,17 +28,24 @@ const MeasureList& drop_measures() {
   using namespace dimension;
   using Role = MeasureRole;
   static const MeasureList list{
-      {{"impact_speed", velocity, "speed of the mass centre towards the floor at first contact"},
-       {"rebound_speed", velocity, "speed of the mass centre away from the floor at its end"},
+      {{"impact_speed", velocity, "speed of the mass centre towards the floor at the first touch"},
+       {"rebound_speed", velocity, "speed of the mass centre away from the floor after the last touch of the impact"},
        {"restitution", none, "rebound speed / impact speed"},
-       {"contact_duration", dimension::time, "duration of the first contact"},
-       {"compression", none, "shortening of the body across the floor / its length, the largest of all frames",
+       {"contact_duration", dimension::time,
+        "duration of the impact: from the first touch until the body has left for good, to fall again or not at all"},
+       {"compression", none, "shortening of the body across the floor / its length, the largest of the impact",
         Role::share},
-       {"floor_force", force, "force of the floor on the body, the largest of all frames"},
+       {"floor_force", force, "force of the floor on the body, the largest of the impact"},
+       {"fall_speed", velocity, "speed of the mass centre towards the floor"},
        {"gap", length, "distance between the floor and the nearest sphere; negative: penetration"}},
       {{"time", "compression"}}};
   return list;
 }
+
+/// Of the largest speed of the mass centre: a change between two frames beyond that of a free fall is of a touch.
+constexpr double kPushed = 5e-3;
+/// Of the impact's duration: a free flight up to the end of the run that is shorter may only be between two touches.
+constexpr double kFlight = 0.25;
 
 class Drop final : public TimedExperiment {
  public:
@@ -61,37 +69,46 @@ class Drop final : public TimedExperiment {
   MeasureList measures() const override { return drop_measures(); }
   std::unique_ptr<TimedRig> timed_rig(Model& model) const override;
 
-  /// The first contact: from the gap's fall below zero to its rise above; where no gap is known, by frames that touch.
-  /// On obstacles and without weight it comes but once, and what touched first may bounce before the rest has come:
-  /// there the last touch counts.
+  /// The first impact. Molecules bounce one by one while the body is pressed: it is over when the body flies free until
+  /// its centre falls again, or to the end. A touch shorter than the rows are apart shows in the centre's speed.
   void read_history(const std::vector<CurvePoint>& history, Measures& measures) const override {
-    const auto gap = [&](std::size_t i) { return history[i].measures.get("gap"); };
-    const auto touches = [&](std::size_t i) { return plane_ ? gap(i) < 0 : history[i].measures.get("contacts") > 0; };
-    const auto crossing = [&](std::size_t i) {  // between frames i - 1 and i
-      const double part = plane_ ? gap(i - 1) / (gap(i - 1) - gap(i)) : 0.5;
+    const std::size_t count = history.size();
+    const auto get = [&](std::size_t i, const char* name) { return history[i].measures.get(name); };
+    const auto fall = [&](std::size_t i) { return get(i, "fall_speed"); };
+    double fastest = 0;
+    for (std::size_t i = 0; i < count; ++i) fastest = std::max(fastest, std::abs(fall(i)));
+    const auto touches = [&](std::size_t i) { return plane_ ? get(i, "gap") < 0 : get(i, "contacts") > 0; };
+    const auto crossing = [&](std::size_t i) {  // of the ground, between frames i - 1 and i
+      const double before = plane_ ? get(i - 1, "gap") : 1, after = plane_ ? get(i, "gap") : -1;
+      const double part = before * after < 0 ? before / (before - after) : 0.5;
       return history[i - 1].time + (history[i].time - history[i - 1].time) * part;
     };
     std::size_t first = 1;
-    while (first < history.size() && !touches(first)) ++first;
-    if (first == history.size()) return;
+    while (first < count && !touches(first)) ++first;
+    if (first >= count) return;
+    const double weight = first > 1 ? (fall(first - 1) - fall(0)) / (history[first - 1].time - history[0].time)
+                                    : setup_.gravity;  // of all loads [m/s²]
+    const auto pushed = [&](std::size_t i) {           // at frame i, or since the one before
+      const double free = fall(i - 1) + weight * (history[i].time - history[i - 1].time);
+      return touches(i) || std::abs(fall(i) - free) > kPushed * fastest;
+    };
     std::size_t last = first;
+    for (std::size_t i = first + 1; i < count && !(fall(last + 1) < 0 && fall(i) > 0); ++i)
+      if (pushed(i)) last = i;
     double deepest = 0, force = 0;
-    std::size_t end = first;
-    for (std::size_t i = first; i < history.size(); ++i)
-      if (touches(i) && ((setup_.contact && setup_.gravity == 0) || i == end)) end = i + 1;
-    for (; last < end; ++last) {
-      deepest = std::max(deepest, history[last].measures.get("compression"));
-      force = std::max(force, history[last].measures.get("floor_force"));
+    for (std::size_t i = first; i <= last; ++i) {
+      deepest = std::max(deepest, get(i, "compression"));
+      force = std::max(force, get(i, "floor_force"));
     }
     measures.set("compression", deepest);
     measures.set("floor_force", force);
     const double touched = touches(first - 1) ? history[first - 1].time : crossing(first);
-    const CurvePoint& before = history[first - 1];
-    const double impact = before.measures.get("impact_speed") + setup_.gravity * (touched - before.time);
+    const double impact = fall(first - 1) + weight * (touched - history[first - 1].time);
     measures.set("impact_speed", impact);
-    if (last == history.size()) return;  // it has not left
-    const double left = crossing(last);
-    const double rebound = -history[last].measures.get("impact_speed") + setup_.gravity * (history[last].time - left);
+    if (last + 1 == count || (plane_ && fall(last + 1) > 0)) return;
+    const double left = crossing(last + 1);
+    if (history.back().time - left < kFlight * (left - touched)) return;
+    const double rebound = weight * (history[last + 1].time - left) - fall(last + 1);
     measures.set("contact_duration", left - touched);
     measures.set("rebound_speed", rebound);
     measures.set("restitution", rebound / impact);
@@ -103,7 +120,12 @@ class Drop final : public TimedExperiment {
 
   std::string remark(const Measures& measures) const override {
     if (std::isfinite(measures.get("restitution"))) return "";
-    return "the body has not left the floor within the duration";
+    if (std::isfinite(measures.get("impact_speed")))
+      return "the body has not left the floor for good within the duration: write a longer one";
+    const double gap = measures.get("gap");
+    return "the body has not reached the floor within the duration" +
+           (gap > 0 ? ", at whose end it is " + number(1e3 * gap, 3) + " mm away" : std::string()) +
+           ": write a longer duration, a smaller height or a speed";
   }
 
  private:
@@ -161,7 +183,7 @@ class DropRig final : public TimedRig {
     std::array<double, 2> sums{-experiment_.up_.dot(state.velocities.leftCols(owned) * body_.mass.head(owned)),
                                body_.mass.head(owned).sum()};
     sum_over(body_, sums);
-    measures.set("impact_speed", sums[0] / sums[1]);
+    measures.set("fall_speed", sums[0] / sums[1]);
     return measures;
   }
 
