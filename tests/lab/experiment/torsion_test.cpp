@@ -124,6 +124,17 @@ TEST_CASE("only a rectangle's torsion constant is known", "[torsion]") {
   CHECK(run.cause == "the experiment torsion measures on this body no modulus to calibrate to");
 }
 
+TEST_CASE("between clamps a section that warps shows no G, and asks for a reference", "[torsion]") {
+  // Of a cube the ends stiffen the whole: its torque is some 1.07 times that of a free bar.
+  const Specimen specimen = reference_cube(8);
+  TorsionSetup setup;
+  setup.angle = 0.01;
+  setup.straight = true;
+  const auto experiment = make_torsion(specimen.body, setup);
+  CHECK_THAT(experiment->no_reference(), Catch::Contains("the section cannot warp there"));
+  CHECK(turn(specimen, 0.01, 1, "neo_hookean", {.linear = true}).measures.get("shear_modulus") > 1.05 * 1e5 / 2.6);
+}
+
 TEST_CASE("a rough bar and a round one have a shear modulus", "[torsion]") {
   Specimen bar;
   bar.material = {.youngs_modulus = 1e5, .poissons_ratio = 0.3};

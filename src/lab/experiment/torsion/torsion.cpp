@@ -27,11 +27,17 @@ const MeasureList& torsion_measures() {
   return list;
 }
 
-/// J of a section whose outline is, within 2 %, a rectangle or a circle, of the same area; 0 of any other, of hollow
-/// ones, and of bodies that are no prism.
-double section_constant(const Points2& hull, const Section& section) {
+/// How a section takes torsion.
+struct TorsionSection {
+  double constant = 0;  ///< J [m⁴]; 0: not known
+  bool round = false;   ///< so that it does not warp
+};
+
+/// Of a section whose outline is, within 2 %, a rectangle or a circle, of the same area; nothing of any other, of
+/// hollow ones, and of bodies that are no prism.
+TorsionSection torsion_section(const Points2& hull, const Section& section) {
   const Eigen::Index count = hull.cols();
-  if (count < 3 || !section.prism()) return 0;
+  if (count < 3 || !section.prism()) return {};
   double area = 0, box = std::numeric_limits<double>::infinity();
   Eigen::Vector2d sides, centre = Eigen::Vector2d::Zero();
   for (Eigen::Index i = 0; i < count; ++i) {
@@ -43,11 +49,11 @@ double section_constant(const Points2& hull, const Section& section) {
     if (own.prod() < box) box = own.prod(), sides = own;
   }
   centre /= area, area = std::abs(area);
-  if (std::abs(section.area - area) > 0.03 * area) return 0;
-  if (area > 0.98 * box) return torsion_constant(sides[0], sides[1]) * std::pow(section.area / box, 2);
+  if (std::abs(section.area - area) > 0.03 * area) return {};
+  if (area > 0.98 * box) return {torsion_constant(sides[0], sides[1]) * std::pow(section.area / box, 2)};
   const auto radii = (hull.colwise() - centre).colwise().norm().eval();
-  return count > 6 && radii.maxCoeff() < 1.02 * radii.minCoeff() ? std::pow(section.area, 2) / (2 * std::numbers::pi)
-                                                                 : 0;
+  if (!(count > 6 && radii.maxCoeff() < 1.02 * radii.minCoeff())) return {};
+  return {std::pow(section.area, 2) / (2 * std::numbers::pi), true};
 }
 
 class Torsion final : public Driven {
@@ -62,14 +68,21 @@ class Torsion final : public Driven {
     middle_ = middle_of(body, loaded, body.rest);
     const double from = setup.axis.dot(middle_of(body, fixed, body.rest));
     length_ = setup.axis.dot(middle_) - from;
-    section_ = section_constant(hull_of_section(body, fixed, across(setup.axis)),
-                                find_section(body, setup.axis, from, from + length_, 0));
+    section_ = torsion_section(hull_of_section(body, fixed, across(setup.axis)),
+                               find_section(body, setup.axis, from, from + length_, 0));
   }
 
   std::string name() const override { return "torsion"; }
   MeasureList measures() const override { return torsion_measures(); }
   ResponseMeasures response_measures() const override { return {"angle", "torque"}; }
   std::optional<std::size_t> first_released() const override { return first_loaded_; }
+
+  std::string no_reference() const override {
+    return section_.constant > 0 && !section_.round
+               ? "the ends are clamped, so that the section cannot warp there and no bar shows the material's G; "
+                 "compare with the solid itself (neo_hookean, refined)"
+               : "";
+  }
 
   Measures measure(const Held& held, const Start& start, const State& state, const StaticOptions&,
                    StaticResult& solved) const override {
@@ -90,14 +103,19 @@ class Torsion final : public Driven {
     measures.set("axial_force", axial);
     measures.set("angle", angle);
     if (is_strained(angle)) measures.set("torsional_stiffness", torque / angle);
-    if (is_strained(angle) && section_ > 0) measures.set("shear_modulus", torque * length_ / (section_ * angle));
+    if (is_strained(angle) && section_.constant > 0)
+      measures.set("shear_modulus", torque * length_ / (section_.constant * angle));
     add_state(held.model, state, solved, size, measures);
     return measures;
   }
 
-  std::vector<MainMeasure> main_measures(const Material& material, const Measures& /*measured*/) const override {
-    std::vector<MainMeasure> measures{{"torque"}, {"axial_force"}};
-    if (section_ > 0) measures.insert(measures.begin(), {"shear_modulus", lab::shear_modulus(material)});
+  std::vector<MainMeasure> main_measures(const Material& material, const Measures& measured) const override {
+    constexpr double little =
+        0.02;  // of the torque over the length: of small angles the axial force is next to nothing
+    std::vector<MainMeasure> measures{{"torque"}};
+    if (!(std::abs(measured.get("axial_force")) * length_ < little * std::abs(measured.get("torque"))))
+      measures.push_back({"axial_force"});
+    if (section_.constant > 0) measures.insert(measures.begin(), {"shear_modulus", lab::shear_modulus(material)});
     return measures;
   }
 
@@ -141,7 +159,8 @@ class Torsion final : public Driven {
   TorsionSetup setup_;
   std::size_t first_loaded_ = 0;
   Vector3 middle_;
-  double length_ = 0, section_ = 0;  // section: its torsion constant J, 0 = not known
+  double length_ = 0;
+  TorsionSection section_;
 };
 
 }  // namespace
