@@ -10,6 +10,7 @@
 #include "elastin/core/parallel/threads.h"
 #include "lab/report/comparison.h"
 #include "lab/report/table.h"
+#include "lab/run/section.h"
 
 namespace elastin::lab {
 namespace {
@@ -201,7 +202,9 @@ Record make_record(const Scene& scene, Run run) {
   // Moduli of the matrix alone are not the body's, nor is that of one material where there are several, or fields, nor
   // any material's where something disturbs what is measured and no reference is next to it.
   const bool disturbed = !no_reference(scene).empty() && references_of(scene).empty();
-  if (disturbed || (scene.specimen.material.fibre && !scene.experiment->axis()) ||
+  if (disturbed ||
+      (!no_isotropic_moduli(scene.specimen.material).empty() && !scene.experiment->axis() &&
+       (scene.specimen.material.fibre || scene.experiment->in_time())) ||
       scene.specimen.materials.size() > 1 || has_other_stiffness(body))
     for (MainMeasure& measure : record.main_measures) measure.prescribed = std::nan("");
   for (MainMeasure& measure : record.main_measures)

@@ -9,6 +9,7 @@
 #include "core/geometry/reference_slopes.h"
 #include "core/model/block_geometry.h"
 #include "core/model/faces.h"
+#include "elastin/core/base/text.h"
 #include "elastin/core/model/share.h"
 
 namespace elastin::lab {
@@ -211,6 +212,19 @@ double shear_modulus(const Material& material) { return material.youngs_modulus 
 
 double bulk_modulus(const Material& material) {
   return material.youngs_modulus / (3 * (1 - 2 * material.poissons_ratio));
+}
+
+std::string no_isotropic_moduli(const Material& material, double strain) {
+  constexpr double tiny = 1e-9, same = 0.05;
+  if (material.fibre) return "the material has fibres";
+  if (material.active) return "muscle is at work";
+  if (material.law && !material.law->directions.empty()) return "the law " + material.law->law + " has directions";
+  if (!material.curve) return "";
+  const double at = std::max(strain, tiny), tension = material.curve->secant(at),
+               compression = material.curve->secant(-at), E = material.youngs_modulus;
+  if (std::abs(tension - E) <= same * E && std::abs(compression - E) <= same * E) return "";
+  return "the material's curve has a secant modulus of " + number(1e-3 * tension, 3) + " kPa in tension and " +
+         number(1e-3 * compression, 3) + " kPa in compression at a strain of " + number(100 * at, 2) + " %";
 }
 
 double torsion_constant(double a, double b) {

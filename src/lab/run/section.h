@@ -24,6 +24,9 @@ Section find_section(const Body& body, const Vector3& axis, double from, double 
 double shear_modulus(const Material& material);
 /// K = E / (3 (1 − 2ν)) [Pa].
 double bulk_modulus(const Material& material);
+/// Why a material with the same E, G and K in all directions, in tension and in compression, is not what it is at rest
+/// and up to a strain, or "".
+std::string no_isotropic_moduli(const Material& material, double strain = 0);
 
 /// Torsion constant J [m⁴] of a rectangle, T = G J θ/l, of a bar whose ends are free to warp.
 /// J = a b³ (1/3 − 64 b/(π⁵ a) Σ tanh(nπa/2b)/n⁵), n odd.                                [Timoshenko & Goodier, §109]

@@ -1,6 +1,7 @@
 #include "lab/scene/scene.h"
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <new>
 #include <stdexcept>
@@ -17,6 +18,7 @@
 #include "elastin/core/simulation/prepare.h"
 #include "elastin/core/solve/engine.h"
 #include "lab/run/common_measures.h"
+#include "lab/run/section.h"
 #include "lab/run/specimen.h"
 #include "lab/scene/parts.h"
 
@@ -496,10 +498,34 @@ const StrategyChoice* find_strategy(const std::vector<StrategyChoice>& choices, 
   return found == choices.end() ? nullptr : &*found;
 }
 
+namespace {
+
+/// Why the material's E, G and K at rest are no targets of an experiment that has no uniform strain, in which the law
+/// would show its own, or "".
+std::string no_target(const Scene& scene) {
+  constexpr double usual = 0.01;  // strain up to which a curve must be straight
+  const StaticExperiment* experiment = scene.experiment->at_rest();
+  const Material& material = scene.specimen.material;
+  if (!experiment || scene.specimen.materials.size() > 1) return "";
+  const bool small = scene.statics.linear || experiment->of_small_strains(), along = experiment->axis().has_value();
+  if (small ? along && !material.law : along || experiment->uniform({})) return "";
+  const std::vector<MainMeasure> measures = experiment->main_measures(material, {});
+  if (std::none_of(measures.begin(), measures.end(), [](const auto& one) { return std::isfinite(one.prescribed); }))
+    return "";
+  const std::string why = no_isotropic_moduli(material, small ? 0 : usual);
+  return why.empty() ? ""
+                     : why +
+                           ", so its E, G and nu at rest are no targets of this experiment; compare with its own law "
+                           "on cells, refined";
+}
+
+}  // namespace
+
 std::string no_reference(const Scene& scene) {
-  return is_stressed(scene.specimen) ? "the body is stressed without its load, which no modulus shows; compare with "
-                                       "a law of cells, refined"
-                                     : scene.experiment->no_reference();
+  if (is_stressed(scene.specimen))
+    return "the body is stressed without its load, which no modulus shows; compare with a law of cells, refined";
+  const std::string own = scene.experiment->no_reference();
+  return own.empty() ? no_target(scene) : own;
 }
 
 StrategyChoice choose_strategy(const Scene& scene, const Catalog& catalog, const std::string& label) {

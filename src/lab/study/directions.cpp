@@ -7,6 +7,7 @@
 #include "elastin/core/base/error.h"
 #include "lab/experiment/homogenisation/homogenisation.h"
 #include "lab/run/load_path.h"
+#include "lab/run/section.h"
 
 namespace elastin::lab {
 namespace {
@@ -16,7 +17,7 @@ std::string unsuited(const Scene& scene, bool known) {
   const Specimen& specimen = scene.specimen;
   const Body& body = specimen.body;
   if (!body.parts.empty()) return "the scene has several bodies";
-  if (specimen.material.fibre) return "the material has fibres";
+  if (std::string why = no_isotropic_moduli(specimen.material); !why.empty()) return why;
   if (!body.cables.empty()) return "the body has cables";
   if (specimen.material.field || is_stressed(specimen) || body.connection_stiffness.size() > 0 ||
       body.cell_stiffness.size() > 0)

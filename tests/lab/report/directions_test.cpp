@@ -10,6 +10,7 @@
 #include "lab/report/comparison.h"
 #include "lab/report/files.h"
 #include "lab/report/records.h"
+#include "lab/study/reference.h"
 #include "lab/study/study.h"
 #include "support/shell.h"
 #include "support/temporary_folder.h"
@@ -218,6 +219,40 @@ TEST_CASE("where no other direction has a modulus the reason is stated", "[direc
       "body: {lattice: {kind: cubic, molecules: [28, 28, 28], spacing: 1 mm, connections: [axis, face]}}\n";
   const auto scene = load_scene(folder.write("scene.yaml", scene_of(pull, large)), built_in_catalog());
   CHECK(measure_directions(*scene, scene->stiffness, {}, {}).trouble == "the body has more than 20000 molecules");
+}
+
+TEST_CASE("a law with directions has its own moduli as the target, or none", "[directions][reference]") {
+  const std::string tendon =
+      "body: {tetrahedra: {kind: body_centred, cubes: [3, 3, 6], size: [3 mm, 3 mm, 6 mm]}}\nmaterial: {law: "
+      "transversely_isotropic, c1: 10 kPa, c3: 2 kPa, c4: 20, c5: 300 kPa, lambda_max: 1.07, direction: z, "
+      "bulk_modulus: "
+      "30 kPa}\nstiffness: transversely_isotropic\n";
+  const Catalog catalog = built_in_catalog();
+  const TemporaryFolder folder;
+  const auto load = [&](const std::string& experiment) {
+    return load_scene(folder.write("scene.yaml", tendon + "experiment: {" + experiment + "}\n"), catalog);
+  };
+  const std::string why = "the law transversely_isotropic has directions";
+  for (const char* experiment : {"kind: material", "kind: bending, axis: z, force: 1 uN, direction: x"}) {
+    INFO(experiment);
+    const auto scene = load(experiment);
+    CHECK_THAT(no_reference(*scene), Catch::Matchers::StartsWith(why + ", so its E, G and nu at rest"));
+    const Run run = run_strategy(scene->specimen, *scene->experiment, scene->stiffness, {.statics = scene->statics});
+    CHECK(measure_directions(*scene, scene->stiffness, {}, run).trouble == why);
+    const Record blind = make_record(*scene, run);
+    CHECK(rank_strategies({blind}).best == nullptr);
+    CHECK(blind.errors.empty());
+    ReferenceStore store;
+    ComputedReferences found = compute_references(*scene, catalog, {}, store, {}, {});
+    REQUIRE_FALSE(found.references.empty());
+    scene->specimen.references = found.references;
+    const Record record = make_record(*scene, run);
+    if (scene->experiment->name() == "material")  // a uniform body is exact at any fineness
+      CHECK(record.error("effective_modulus_to_reference") == Approx(0).margin(1e-5));
+    CHECK(rank_strategies({record}).best != nullptr);
+  }
+  CHECK(no_reference(*load("kind: tension, axis: z, strain: 1 %")).empty());
+  CHECK_THAT(no_reference(*load("kind: torsion, axis: z, angle: 1 deg")), Contains("cannot warp"));
 }
 
 TEST_CASE("calibration may have an experiment of its own", "[directions][scene]") {

@@ -201,6 +201,8 @@ class StaticExperiment : public Experiment {
   /// The part of the load (0 … 1) at step 1 … load_steps(); a body may be unloaded in between.
   virtual double load_factor(int step) const { return static_cast<double>(step) / load_steps(); }
   virtual ResponseMeasures response_measures() const { return {}; }
+  /// Whether what it measures is the response to small strains, however large its load is.
+  virtual bool of_small_strains() const { return false; }
   /// The test that shows a law's own value of what was measured (a curve has another secant modulus at every strain);
   /// none where no uniform strain does.
   virtual std::optional<UniformTest> uniform(const Measures& /*measured*/) const { return std::nullopt; }

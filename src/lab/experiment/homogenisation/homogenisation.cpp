@@ -40,6 +40,7 @@ class Homogenisation final : public Driven {
 
   std::string name() const override { return "material"; }
   MeasureList measures() const override { return homogenisation_measures(); }
+  bool of_small_strains() const override { return true; }
 
   Measures measure(const Held& held, const Start&, const State& state, const StaticOptions& options,
                    StaticResult& solved) const override {
