@@ -147,7 +147,8 @@ Extrapolation extrapolate(const std::vector<std::pair<double, double>>& spacings
 Extrapolation limit_of(const std::vector<std::pair<double, double>>& spacings_and_values);
 
 /// Gives all records of a scene the strategy's own extrapolated values as references, of each main measure that it has;
-/// returns what went wrong, or "".
+/// returns what went wrong, or "". Records whose variants differ in more than the fineness of one body, in keys of
+/// another map than `body` or in the body's size, have references of their own.
 std::string refer_to_own(std::vector<Record>& records, const std::string& strategy);
 
 /// The time [s] of the fastest of the runs (time, error) that has at most this error; NaN if none has. Nothing is drawn

@@ -489,6 +489,7 @@ void record_fields(Io& io, AnyRecord& record) {
   io.kept("path", record.path);
   io.kept("order", run.order);
   io.kept("obstacles", record.obstacles);
+  io.kept("extent", record.extent);
   io.kept("run_warnings", run.warnings);
   io.kept_object("neighbours", [&](auto& inner) {
     inner.field("mean", record.neighbours.mean);

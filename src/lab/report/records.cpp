@@ -234,6 +234,8 @@ Record make_record(const Scene& scene, Run run) {
   if (!run.remark.empty()) record.warnings.push_back(run.remark);
   record.run = std::move(run);
   record.spacing = relative_spacing(body);
+  const auto [low, high] = outline_of_whole(body);
+  record.extent = {high[0] - low[0], high[1] - low[1], high[2] - low[2]};
   set_references(record, references_of(scene));
   return record;
 }

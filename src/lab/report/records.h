@@ -90,6 +90,7 @@ struct Record {
   std::optional<DirectionErrors> directions;  ///< of a strategy that comes near; empty: not requested
   std::string no_reference;                   ///< why the material's values rank no strategy here; empty where they do
   double spacing = 0;  ///< of the body's molecules, up to a factor that refinement leaves alone; see relative_spacing
+  std::vector<double> extent;  ///< of the body along x, y, z, spheres included [m]; empty: not known
   /// Build and solve of every repeat [s]; `run` has those of the fastest. Empty: one run, not repeated.
   std::vector<std::array<double, 2>> repeats;
   /// Takes a repeat of the same row in: the fastest counts.

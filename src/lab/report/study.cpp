@@ -152,29 +152,69 @@ Extrapolation limit_of(const std::vector<std::pair<double, double>>& spacings_an
   return result;
 }
 
-std::string refer_to_own(std::vector<Record>& records, const std::string& strategy) {
-  if (records.empty()) return "";
-  std::vector<Reference> references;
-  std::string trouble;
-  for (const MainMeasure& measure : records.front().main_measures) {
-    std::vector<std::pair<double, double>> rows;
-    for (const Record& record : records)
-      if (record.run.strategy == strategy && solved(record) && std::isfinite(record.run.measures.get(measure.name)))
-        rows.emplace_back(record.spacing, record.run.measures.get(measure.name));
-    if (rows.empty()) continue;
-    try {
-      const Extrapolation found = extrapolate(rows);
-      references.push_back({std::string(measure.name), found.value,
-                            fmt::format("own: {} extrapolated over {} spacings, order {:.2f}, ± {:.2g} %", strategy,
-                                        rows.size(), found.order, 100 * found.uncertainty / std::abs(found.value)),
-                            found.uncertainty / std::abs(found.value)});
-    } catch (const InputError& error) {
-      trouble += fmt::format("{}no own reference of {}: {}", trouble.empty() ? "" : "; ", measure.name, error.what());
-    }
+namespace {
+
+/// Whether two rows of a study show one problem, on bodies of any fineness.
+bool same_problem(const Record& one, const Record& other) {
+  constexpr double same = 0.05;  // of the longest side: a coarse packing does not quite fill its box
+  const auto elsewhere = [](const Record& record) {
+    auto changed = record.variant;
+    std::erase_if(changed, [](const auto& change) { return of_the_body(change.first); });
+    return changed;
+  };
+  if (elsewhere(one) != elsewhere(other)) return false;
+  double longest = 0, off = 0;
+  for (std::size_t axis = 0; axis < std::min(one.extent.size(), other.extent.size()); ++axis) {
+    longest = std::max({longest, one.extent[axis], other.extent[axis]});
+    off = std::max(off, std::abs(one.extent[axis] - other.extent[axis]));
   }
-  if (!references.empty())
-    for (Record& record : records) set_references(record, references);
-  return trouble;
+  return off <= same * longest;
+}
+
+/// Spacings and values of one measure; throws InputError where rows of one spacing differ: they change more than that.
+std::vector<std::pair<double, double>> values_by_spacing(const std::vector<Record*>& records,
+                                                         const std::string& strategy, const std::string& measure) {
+  constexpr double same = 1e-9;
+  std::vector<std::pair<double, double>> rows;
+  for (const Record* record : records) {
+    const double value = record->run.measures.get(measure);
+    if (record->run.strategy != strategy || !solved(*record) || !std::isfinite(value)) continue;
+    for (const auto& [spacing, other] : rows)
+      if (spacing == record->spacing && std::abs(value - other) > same * std::abs(other))
+        throw InputError("bodies of the same fineness differ in what the study changes, as " + variant_text(*record) +
+                         " does; let it change the fineness of one body alone");
+    rows.emplace_back(record->spacing, value);
+  }
+  return rows;
+}
+
+}  // namespace
+
+std::string refer_to_own(std::vector<Record>& records, const std::string& strategy) {
+  std::vector<std::vector<Record*>> problems;
+  for (Record& record : records)
+    found_or_added(problems, [&](const auto& own) { return same_problem(*own.front(), record); }, {})
+        .push_back(&record);
+  std::vector<std::string> troubles;
+  for (const std::vector<Record*>& problem : problems) {
+    std::vector<Reference> references;
+    for (const MainMeasure& measure : problem.front()->main_measures) try {
+        const auto rows = values_by_spacing(problem, strategy, measure.name);
+        if (rows.empty()) continue;
+        const Extrapolation found = extrapolate(rows);
+        references.push_back({std::string(measure.name), found.value,
+                              fmt::format("own: {} extrapolated over {} spacings, order {:.2f}, ± {:.2g} %", strategy,
+                                          rows.size(), found.order, 100 * found.uncertainty / std::abs(found.value)),
+                              found.uncertainty / std::abs(found.value)});
+      } catch (const InputError& error) {
+        const std::string trouble = fmt::format("no own reference of {}: {}", measure.name, error.what());
+        found_or_added(
+            troubles, [&](const std::string& known) { return known == trouble; }, trouble);
+      }
+    if (!references.empty())
+      for (Record* record : problem) set_references(*record, references);
+  }
+  return joined(troubles, "; ");
 }
 
 double time_to(const std::vector<std::pair<double, double>>& times_and_errors, double error) {

@@ -112,6 +112,34 @@ TEST_CASE("rows that differ in the body are one curve; a reference of their own 
   CHECK(refer_to_own(records, "standard").find("cannot be extrapolated") != std::string::npos);
 }
 
+TEST_CASE("bodies of one problem alone are extrapolated together", "[study]") {
+  std::vector<Record> records;
+  for (const double h : {1., 0.5, 0.25})
+    for (const double modulus : {100., 40.}) {  // of two materials, in turn
+      records.push_back(row("neo_hookean", std::to_string(4 / h), h, modulus * (1 + 0.08 * h * h), 0.01));
+      records.back().variant.emplace_back("material.youngs_modulus", std::to_string(modulus));
+      records.back().extent = {1, 1, 2};
+    }
+  for (const double h : {1., 0.5, 0.25}) {  // and of the first material twice as long
+    records.push_back(row("neo_hookean", "[long]" + std::to_string(4 / h), h, 300 + 8 * h, 0.01));
+    records.back().variant.emplace_back("material.youngs_modulus", std::to_string(100.));
+    records.back().extent = {1, 1, 4};
+  }
+  CHECK(refer_to_own(records, "neo_hookean").empty());
+  for (const Record& record : records) {
+    REQUIRE(record.references.size() == 1);
+    CHECK(record.references[0].value == Approx(record.extent[2] == 4                                  ? 300
+                                               : record.variant.back().second == std::to_string(100.) ? 100
+                                                                                                      : 40));
+    CHECK_THAT(record.references[0].source, Contains("over 3 spacings"));
+  }
+  // Two values at one fineness: what the study changes in the body is not its fineness alone.
+  for (Record& record : records) record.extent.clear(), record.variant.resize(1), record.references.clear();
+  CHECK_THAT(refer_to_own(records, "neo_hookean"),
+             Contains("bodies of the same fineness differ in what the study changes"));
+  for (const Record& record : records) CHECK(record.references.empty());
+}
+
 TEST_CASE("another program's time to an error stands next to Elastin's best", "[study]") {
   std::vector<Record> records;
   for (const double h : {1., 0.5, 0.25})  // errors of 8, 2, 0.5 % at 0.01, 0.04, 0.16 s: 1 % by the last one alone
