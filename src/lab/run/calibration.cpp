@@ -284,6 +284,8 @@ std::optional<ElasticTerms> make_rule(const Specimen& specimen, const Experiment
   std::optional<StressStrain> curve = specimen.material.curve;
   if (curve && choice.name.calibrated && !run.calibrated_to_reference && !options.statics.linear && calibration->axis())
     curve = fitted_curve(specimen, *calibration, choice, options, run);
+  if (!curve && choice.name.softened)  // springs as rods of the material have an energy density
+    curve = StressStrain::linear(specimen.material.youngs_modulus);
   return assembled(specimen, choice, run, run.volume_modulus, curve);
 }
 

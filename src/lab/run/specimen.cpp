@@ -14,6 +14,8 @@
 #include "core/solve/unloaded.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/base/text.h"
+#include "elastin/core/forces/mullins.h"
+#include "elastin/core/forces/prony.h"
 #include "elastin/core/model/parts.h"
 #include "elastin/core/model/share.h"
 #include "elastin/core/simulation/parts.h"
@@ -36,7 +38,13 @@ StrategyChoice chosen(const Catalog& catalog, const std::string& label, Strategy
             order = position + (name.calibrated || name.fitted ? kCalibrated : 0) +
                     (name.volume || name.wrinkling ? kWithEnding : 0);
   if (name.calibrated && found.calibrates) found = Strategy(*found.calibrates);
-  return {label, std::move(name), std::move(found), {}, order};
+  std::shared_ptr<const Strategy> rule;
+  if (name.calibrated && found.has_history) {
+    StrategyName bare = name;
+    bare.relaxed = bare.softened = bare.calibrated = false;
+    rule = std::make_shared<const Strategy>(catalog.find(bare));
+  }
+  return {label, std::move(name), std::move(found), {}, order, std::move(rule)};
 }
 
 }  // namespace
@@ -215,10 +223,28 @@ std::string unsuited(const Specimen& specimen, const Experiment& experiment, con
   return reason;
 }
 
+namespace {
+
+/// Springs of a rule that is calibrated as the scene says, and then relaxes or softens.
+std::optional<ElasticTerms> make_calibrated_with_history(const Specimen& specimen, const Experiment& experiment,
+                                                         const StrategyChoice& choice, const RunOptions& options,
+                                                         Run& run) {
+  StrategyChoice plain = choice;
+  plain.strategy = *choice.rule;
+  const Material& material = specimen.material;
+  auto terms = make_rule(specimen, experiment, on_body(std::move(plain), specimen), options, run);
+  if (terms && choice.name.softened) terms = make_mullins(std::move(*terms), *material.softening);
+  if (terms && choice.name.relaxed) terms = make_prony(specimen.body, std::move(*terms), *material.relaxation);
+  return terms;
+}
+
+}  // namespace
+
 std::optional<ElasticTerms> make_elasticity(const Specimen& specimen, const Experiment& experiment,
                                             const StrategyChoice& any, const RunOptions& options, Run& run) {
   const StrategyChoice choice = on_body(any, specimen);
-  auto elasticity = choice.strategy.by_parts && !choice.name.calibrated ? make_by_parts(specimen, choice, run)
+  auto elasticity = choice.rule ? make_calibrated_with_history(specimen, experiment, choice, options, run)
+                    : choice.strategy.by_parts && !choice.name.calibrated ? make_by_parts(specimen, choice, run)
                     : choice.strategy.constants ? make_rule(specimen, experiment, choice, options, run)
                                                 : choice.strategy.make(specimen.body, specimen.material, choice.values);
   if (!elasticity) return std::nullopt;

@@ -19,6 +19,7 @@ struct StrategyChoice {
   Strategy strategy;  ///< the rule or law itself, with its volume term if any; for calibrated:RULE the rule
   ParameterValues values;
   int order = 0;  ///< among all_strategies, the simplest first: the catalog's, then with an ending, then calibrated
+  std::shared_ptr<const Strategy> rule = {};  ///< of prony:calibrated:RULE and its like: the rule; else null
 };
 
 /// The strategy of this name in the catalog. Throws InputError as Catalog::find does.

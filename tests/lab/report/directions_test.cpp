@@ -255,6 +255,34 @@ TEST_CASE("a law with directions has its own moduli as the target, or none", "[d
   CHECK_THAT(no_reference(*load("kind: torsion, axis: z, angle: 1 deg")), Contains("cannot warp"));
 }
 
+TEST_CASE("springs that relax are calibrated as the scene says", "[directions][scene]") {
+  const TemporaryFolder folder;
+  const Catalog catalog = built_in_catalog();
+  const auto factor = [&](const std::string& strategy, const std::string& more) {
+    std::string text = scene_of("kind: tension, axis: z, displacement: 1 um") + more;
+    text.replace(text.find("material: {"), 11,
+                 "material: {relaxation: {terms: [[0.5, 1 s]]}, softening: {r: 2, m: 1 Pa, beta: 0.1}, ");
+    const auto scene = load_scene(folder.write("scene.yaml", text), catalog);
+    Run run = run_strategy(scene->specimen, *scene->experiment, choose_strategy(catalog, strategy),
+                           {.statics = scene->statics});
+    INFO(run.cause);
+    REQUIRE(run.outcome == Outcome::converged);
+    REQUIRE(run.suited);
+    return std::pair{run.calibration_factor, run.measures.get("effective_modulus")};
+  };
+  const std::string shear = "calibrate: {experiment: {kind: shear, direction: x, strain: 1e-6, sides: affine}}\n";
+  for (const std::string& more : {std::string(), shear}) {
+    const auto [expected, modulus] = factor("calibrated:standard", more);
+    for (const std::string strategy :
+         {"prony:calibrated:standard", "mullins:calibrated:standard", "prony:mullins:calibrated:standard"}) {
+      INFO(strategy << more);
+      const auto [found, shown] = factor(strategy, more);
+      CHECK(found == Approx(expected).epsilon(1e-12));
+      CHECK(shown == Approx(modulus).epsilon(1e-3));  // rods of a curve, and what has softened a little
+    }
+  }
+}
+
 TEST_CASE("calibration may have an experiment of its own", "[directions][scene]") {
   const TemporaryFolder folder;
   const Catalog catalog = built_in_catalog();
