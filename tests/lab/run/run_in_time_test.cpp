@@ -242,6 +242,38 @@ TEST_CASE("experiments at rest see what has relaxed alone, in energy and tangent
     }
 }
 
+TEST_CASE("what relaxes vibrates with the storage modulus at its own frequency", "[time][vibration]") {
+  // All of the stress relaxes, so that f² is in proportion to the storage modulus: with the plain law's frequency f₀
+  // and x = 2π f τ it is (f / f₀)² = 1 + Σ gᵢ xᵢ² / (1 + xᵢ²).
+  const auto frequency = [](const std::string& body, const std::string& stiffness, const std::string& relaxation) {
+    return measured(
+        run_of("body: {" + body + "}\nmaterial: {youngs_modulus: 100 kPa, poissons_ratio: 0.25, density: 1000 kg/m3" +
+               relaxation + "}\nstiffness: \"" + stiffness +
+               "\"\nexperiment: {kind: vibration, count: 1, fixture: {kind: tension, axis: z, force: 1 mN, fixed_grip: "
+               "clamped}}\n"),
+        "frequency_1");
+  };
+  for (const auto& [body, law] :
+       {std::pair<std::string, std::string>{
+            "lattice: {kind: cubic, molecules: [3, 3, 9], spacing: 1 cm, connections: [axis, face]}", "lattice"},
+        {"tetrahedra: {kind: body_centred, cubes: [2, 2, 6], size: [2 cm, 2 cm, 6 cm]}", "neo_hookean"}}) {
+    const double plain = frequency(body, law, "");
+    for (const double time : {1e-6, 0.3 / (2 * M_PI * plain), 2 / (2 * M_PI * plain), 1e6}) {
+      INFO(law << " " << time);
+      const std::string relaxation = ", relaxation: {terms: [[0.6, " + std::to_string(1e6 * time) + " us], [0.4, " +
+                                     std::to_string(3e6 * time) + " us]]}";
+      const double found = frequency(body, "prony:" + law, relaxation);
+      double stored = 1;
+      for (const auto& [share, own] : {std::pair{0.6, time}, {0.4, 3 * time}}) {
+        const double square = std::pow(2 * M_PI * found * own, 2);
+        stored += share * square / (1 + square);
+      }
+      CHECK(found / plain == Approx(std::sqrt(stored)).epsilon(1e-4));
+      CHECK(frequency(body, law, relaxation) == Approx(plain).epsilon(1e-6));
+    }
+  }
+}
+
 TEST_CASE("both drag laws reach their speeds, at the order of the integrator", "[time][drag]") {
   const std::string ball =
       "body: {molecules: [[0 m, 0 m, 0 m]], radius: 1 cm}\nmaterial: {youngs_modulus: 1 kPa, density: 1000 kg/m3}\n"

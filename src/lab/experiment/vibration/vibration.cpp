@@ -1,3 +1,9 @@
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <optional>
+
 #include "elastin/core/solve/vibrations.h"
 #include "lab/experiment/keys.h"
 
@@ -23,12 +29,40 @@ const MeasureList& vibration_measures() {
   return list;
 }
 
+/// Part (0 … 1) of what relaxes by which the storage modulus at a frequency [Hz] is above the long-term modulus:
+/// Σ gᵢ x²/(1 + x²) / Σ gᵢ, x = ωτᵢ.
+double stored_part(const Relaxation& relaxation, double frequency) {
+  double stored = 0, all = 0;
+  for (const auto& [share, time] : relaxation.terms) {
+    const double square = std::pow(2 * std::numbers::pi * frequency * time, 2);
+    stored += share * square / (1 + square);
+    all += share;
+  }
+  return stored / all;
+}
+
+/// The frequency whose own storage modulus it has: f² = f₀² + (f_g² − f₀²) s(f), between those of the long-term moduli
+/// and of the instantaneous ones. There is one, since s is concave in f².
+double with_storage_modulus(const Relaxation& relaxation, double long_term, double instantaneous) {
+  double low = long_term, high = instantaneous;
+  if (!(low > 0 && low < high)) return instantaneous;
+  for (int i = 0; i < 60; ++i) {
+    const double middle = (low + high) / 2, stiff = std::lerp(long_term * long_term, instantaneous * instantaneous,
+                                                              stored_part(relaxation, middle));
+    (middle * middle < stiff ? low : high) = middle;
+  }
+  return high;
+}
+
 /// Natural frequencies of a body held as an experiment at rest says, or free, about its equilibrium under the scene's
-/// own loads and, if `loaded`, the fixture's. At rest: it takes no time.
+/// own loads and, if `loaded`, the fixture's. At rest: it takes no time. What relaxes has at each frequency the storage
+/// modulus of that frequency.
 class Vibration final : public StaticExperiment {
  public:
-  Vibration(std::unique_ptr<const StaticExperiment> fixture, int count, bool loaded)
-      : fixture_(std::move(fixture)), count_(count), loaded_(loaded) {}
+  Vibration(std::unique_ptr<const StaticExperiment> fixture, int count, bool loaded, const Material& material)
+      : fixture_(std::move(fixture)), count_(count), loaded_(loaded), relaxation_(material.relaxation) {
+    if (relaxation_ && relaxation_->terms.empty()) relaxation_.reset();
+  }
 
   std::string name() const override { return "vibration"; }
   MeasureList measures() const override { return vibration_measures(); }
@@ -43,11 +77,17 @@ class Vibration final : public StaticExperiment {
     return {{"frequency_1"}, {"frequency_2"}, {"frequency_3"}, {"frequency_4"}};
   }
 
+  std::vector<std::string> notes() const override {
+    if (!relaxation_) return {};
+    return {"frequencies of `prony:` strategies are those of the storage modulus at each frequency, without damping"};
+  }
+
  private:
   friend class VibrationRig;
   std::unique_ptr<const StaticExperiment> fixture_;
   int count_;
-  bool loaded_;  ///< about the equilibrium under the fixture's load
+  bool loaded_;                           ///< about the equilibrium under the fixture's load
+  std::optional<Relaxation> relaxation_;  ///< with terms
 };
 
 class VibrationRig final : public StaticRig {
@@ -66,7 +106,17 @@ class VibrationRig final : public StaticRig {
 
   Measures measure(const Start&, const State& state, const StaticOptions& options,
                    StaticResult& solved) const override {
-    const Vibrations found = find_vibrations(model_, state, experiment_.count_, 1e-5, options.stop);
+    Vibrations found = find_vibrations(model_, state, experiment_.count_, 1e-5, options.stop);
+    if (experiment_.relaxation_ && !model_.history().empty() && found.outcome == Outcome::converged) {
+      model_.begin_step(state, std::numeric_limits<double>::infinity());
+      const Vibrations relaxed = find_vibrations(model_, state, experiment_.count_, 1e-5, options.stop);
+      model_.begin_step(state, state.time);
+      found.iterations += relaxed.iterations;
+      found.outcome = relaxed.outcome, found.cause = relaxed.cause;
+      for (Eigen::Index k = 0; k < std::min(found.frequencies.size(), relaxed.frequencies.size()); ++k)
+        found.frequencies[k] =
+            with_storage_modulus(*experiment_.relaxation_, relaxed.frequencies[k], found.frequencies[k]);
+    }
     solved.linear_iterations += found.iterations;
     solved.residual = 0;  // of a state without loads it would be that of rounding
     solved.outcome = found.outcome;
@@ -112,8 +162,8 @@ ExperimentInfo vibration_row() {
                     return setup.loaded && !setup.fixture ? "there is no load: key 'fixture' is missing" : "";
                   }),
               key::whole("count", &S::count, 1, 10, "number of frequencies")},
-      [](const ExperimentContext&, S setup) {
-        return std::make_unique<Vibration>(std::move(setup.fixture), setup.count, setup.loaded);
+      [](const ExperimentContext& context, S setup) {
+        return std::make_unique<Vibration>(std::move(setup.fixture), setup.count, setup.loaded, context.material);
       });
 }
 
