@@ -39,7 +39,12 @@ TEST_CASE("a block slips at the angle of friction, whatever the friction", "[sli
   }
   const Run none = run_of("slip-threshold", {"time.duration=0.1 s", "time.frames=10"});
   CHECK_FALSE(std::isfinite(none.measures.get("slip_angle")));
-  CHECK(none.remark == "the body has not begun to slide within the duration");
+  CHECK_THAT(none.remark, Catch::Contains("the body has not begun to slide within the duration"));
+  // It slides from the start: there is no slope on which it stood.
+  const Run late =
+      run_of("slip-threshold", {"experiment.threshold.from=20 deg", "time.duration=0.5 s", "time.frames=50"});
+  for (const char* name : {"slip_friction", "slip_angle"}) CHECK_FALSE(std::isfinite(late.measures.get(name)));
+  CHECK_THAT(late.remark, Catch::Contains("slides from the start, for `from` is above it, at 20°"));
 }
 
 TEST_CASE("sliding turns with its scene and knows the scene's own floor", "[sliding][slow]") {

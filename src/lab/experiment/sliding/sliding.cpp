@@ -1,10 +1,12 @@
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <string>
 
 #include "core/base/dense.h"
 #include "elastin/contact/contact.h"
 #include "elastin/core/base/error.h"
+#include "elastin/core/base/text.h"
 #include "lab/experiment/keys.h"
 #include "lab/run/contact_measures.h"
 
@@ -130,7 +132,8 @@ class Sliding final : public TimedExperiment {
     if (line.points == 0) return;
     // Beyond the angle φ of friction the speed grows as sin² ((θ − φ)/2) of the slope θ: its root is straight there.
     const double gone = history.back().measures.get("slide_distance");
-    if (threshold && gone > kSlipped * body_.radius.mean()) {
+    // A body that slides from the start shows no such line: its zero is not beyond the slope at time 0.
+    if (threshold && gone > kSlipped * body_.radius.mean() && line.zero > setup_.angle) {
       measures.set("slip_angle", line.zero);
       measures.set("slip_friction", std::tan(line.zero));
     }
@@ -144,9 +147,13 @@ class Sliding final : public TimedExperiment {
   }
 
   std::string remark(const Measures& measures) const override {
-    if (setup_.kind == SlidingKind::threshold && !std::isfinite(measures.get("slip_angle")))
-      return "the body has not begun to slide within the duration";
-    return "";
+    if (setup_.kind != SlidingKind::threshold || std::isfinite(measures.get("slip_angle"))) return "";
+    const double gone = measures.get("slide_distance");
+    if (gone > kSlipped * body_.radius.mean())
+      return "no angle of friction: the body slides from the start, for `from` is above it, at " +
+             number(setup_.angle * 180 / std::numbers::pi, 3) + "°; write a smaller one";
+    return "no angle of friction: the body has not begun to slide within the duration; write a longer one, a larger "
+           "`from` or a larger `rate`";
   }
 
  private:
