@@ -198,7 +198,13 @@ TEST_CASE("a time history that is no such curve gives no such measure, and the r
                    "time: {duration: 110 ms, step: 0.5 ms, frames: 220, integrator: newmark}\n",
                {"storage_modulus", "loss_modulus", "loss_tangent"}, "no moduli: the cycle is not steady yet");
   check_absent(kRelease + "loads: [{damping: 30 N s/m}]\ntime: {duration: 3 s, step: 5 ms}\n",
-               {"frequency", "damping_ratio", "logarithmic_decrement"}, "no frequency and no damping");
+               {"frequency", "damping_ratio", "logarithmic_decrement"},
+               "no frequency: the body is overdamped or nearly so");
+  // Two exponentials, of which the slower one stays: 15 - sqrt(15² - 10²) /s, and none of 0.3 periods.
+  CHECK(measured(run_of(kRelease + "loads: [{damping: 30 N s/m}]\ntime: {duration: 3 s, step: 5 ms}\n"),
+                 "retardation_time") == Approx(1 / (15 - std::sqrt(125.))).epsilon(0.15));
+  check_absent(kRelease + "time: {duration: 0.3 s, step: 5 ms}\n", {"frequency", "retardation_time"},
+               "no frequency and no damping: the time history shows no damped cosine");
   // The elastic jump of a standard linear solid is no part of its creep: τ = τ_r (1 + share).
   const Run creep = run_of(
       "body: {tetrahedra: {kind: body_centred, cubes: [1, 1, 3], size: [10 mm, 10 mm, 30 mm]}}\n"

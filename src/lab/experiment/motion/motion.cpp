@@ -50,7 +50,8 @@ const MeasureList& motion_measures() {
       {"first_peak", length, "displacement at its first reversal"},
       {"first_peak_time", dimension::time, "time of the first reversal"},
       {"return_time", dimension::time, "time of the second reversal"},
-      {"retardation_time", dimension::time, "time constant of creep: an exponential fitted to the displacement"},
+      {"retardation_time", dimension::time,
+       "time constant of creep, or of a release that does not swing: an exponential fitted to the displacement"},
       {"relaxation_time", dimension::time,
        "time constant of relaxation: an exponential fitted to the force, after the ramp"},
       {"relaxed_ratio", none, "force in the end / at the end of the ramp, of the fit"},
@@ -145,6 +146,10 @@ class Motion final : public TimedExperiment {
     };
     switch (setup_.kind) {
       case MotionKind::release:
+        if (missing("frequency") && !missing("retardation_time"))
+          return "no frequency: the body is overdamped or nearly so, it goes over without swinging, with a time "
+                 "constant of " +
+                 number(measures.get("retardation_time"), 3) + " s (retardation_time)";
         if (missing("frequency")) return "no frequency and no damping: " + because("damped cosine", kMostForFrequency);
         return missing("damping_ratio") ? "no damping: " + because("damped cosine", kMostForDamping) : "";
       case MotionKind::creep:
@@ -261,7 +266,25 @@ class Motion final : public TimedExperiment {
       }
   }
 
+  /// What goes over without swinging, to its end: an exponential is nearer than a damped cosine, or this one leaves
+  /// less than a hundredth of a peak one period later.
+  static std::optional<ExponentialFit> overdamped(const Series& series, const std::optional<VibrationFit>& swings) {
+    constexpr double lost = 0.01, ended = 3;  // time constants
+    const auto goes_over = fit_exponential(series);
+    const double duration = series.times.size() > 0 ? series.times[series.times.size() - 1] : 0;
+    if (!goes_over || goes_over->misfit > kMostForTime || ended * goes_over->time > duration) return std::nullopt;
+    const bool dies = !swings || goes_over->misfit <= swings->misfit ||
+                      2 * M_PI * swings->decay_rate > -std::log(lost) * swings->circular_frequency;
+    return dies ? goes_over : std::nullopt;
+  }
+
   void read_vibration(const Series& series, Measures& measures) const {
+    const auto fit = fit_vibration(series);
+    if (const auto goes_over = overdamped(series, fit)) {
+      measures.set("fit_misfit", goes_over->misfit);
+      measures.set("retardation_time", goes_over->time);
+      return;
+    }
     const Series turns = turning_points(series);
     const bool is_length = all_measures_.at(response_.displacement).unit == dimension::length;
     if (turns.times.size() > 0) {
@@ -269,7 +292,6 @@ class Motion final : public TimedExperiment {
       measures.set("first_peak_time", turns.times[0]);
     }
     if (turns.times.size() > 1) measures.set("return_time", turns.times[1]);
-    const auto fit = fit_vibration(series);
     if (!fit) return;
     measures.set("fit_misfit", fit->misfit);
     if (!(fit->misfit <= kMostForFrequency)) return;
