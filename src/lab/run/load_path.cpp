@@ -10,6 +10,7 @@
 #include "elastin/core/forces/tension.h"
 #include "elastin/core/model/rest.h"
 #include "elastin/core/model/share.h"
+#include "elastin/core/solve/vibrations.h"
 #include "lab/run/common_measures.h"
 #include "lab/run/contact_measures.h"
 #include "lab/run/derivatives.h"
@@ -31,6 +32,7 @@ void add_cost(StaticResult& result, const StaticResult& cost) {
   result.newton_iterations += cost.newton_iterations;
   result.linear_iterations += cost.linear_iterations;
   result.cut_steps += cost.cut_steps;
+  result.left_saddle |= cost.left_saddle;
 }
 
 }  // namespace
@@ -205,6 +207,8 @@ constexpr double kBalanced = 1e-3;
 /// Of the forces that hold the displaced molecules, before others give way: a resistance below that is rounding.
 constexpr double kResists = 1e-9;
 
+constexpr const char* kBuckled = "left an equilibrium that was no minimum for one of less energy (buckling, snapping)";
+
 void warn_once(const std::string& warning, Run& run) {
   if (std::find(run.warnings.begin(), run.warnings.end(), warning) == run.warnings.end())
     run.warnings.push_back(warning);
@@ -221,8 +225,7 @@ bool note_solve(const StaticResult& solved, const std::string& where, Run& run) 
   const std::string unstable = "the equilibrium is not stable: directions of negative stiffness";
   run.unstable |= solved.unstable;
   if (solved.unstable) warn_once(unstable, run);
-  const std::string left = "left an equilibrium that was no minimum for one of less energy (buckling, snapping)";
-  if (solved.left_saddle) warn_once(left, run);
+  if (solved.left_saddle) warn_once(kBuckled, run);
   if (solved.outcome == Outcome::converged) return true;
   run.outcome = solved.outcome;
   run.cause = solved.cause + where;
@@ -237,6 +240,37 @@ bool is_displaced(const Model& model, const State& state) {
     return !(motion - support.free * motion).isZero(0);
   });
   return !model.body().unstressed && any_over(model.body(), moved);
+}
+
+/// Whether the body would buckle under the load: whether its stiffness is negative in some direction where the load
+/// strains it as its small displacements say, by a tenth at most. Of a body that does, the way there is another one.
+bool buckles(Model& model, StaticRig& rig, const StaticOptions& options, double factor, const State& reached) {
+  constexpr double most = 0.1;
+  if (model.body().share || !model.has_energy() || rig.seeks_load()) return false;
+  State straight = state_at_rest(model.body());
+  const Positions& rest = model.body().rest;
+  StaticOptions small = options;
+  small.linear = true;
+  set_load(model, rig, factor);
+  bool found = false;
+  if (solve_static(model, straight, small).outcome == Outcome::converged) {
+    const Connections& connections = model.body().connections;
+    double strain = 0;
+    for (int c = 0; c < connections.proper(); ++c) {
+      const auto& [a, b] = connections.ends[c];
+      const Vector3 along = (rest.col(b) - rest.col(a)).normalized();
+      const double longer =
+          along.dot(straight.positions.col(b) - straight.positions.col(a)) - connections.rest_length[c];
+      if (connections.rest_length[c] > 0) strain = std::max(strain, std::abs(longer) / connections.rest_length[c]);
+    }
+    const double part = std::min(1., most / strain);
+    straight.positions = rest + part * (straight.positions - rest);
+    set_load(model, rig, part * factor);
+    found = find_vibrations(model, straight, 1, 1e-3, options.stop).frequencies.hasNaN();
+  }
+  set_load(model, rig, factor);
+  model.begin_step(reached, reached.time);
+  return found;
 }
 
 /// Converged means balanced: what loads and reactions leave over is no part of them worth naming, under the `whole`
@@ -412,11 +446,18 @@ void solve_load_curve(Model& model, const StaticExperiment& experiment, StaticRi
       check_balance(solved, measures, taken(measures, MeasureRole::force), options.statics.tolerance, step == steps,
                     is_displaced(model, path.state()), where, run);
     if (run.outcome != Outcome::converged) return;
-    if (taken(measures, MeasureRole::displacement) < 0 && taken(measures, MeasureRole::strain) <= -1) {
+    const double strain = taken(measures, MeasureRole::strain);
+    const bool pressed = taken(measures, MeasureRole::displacement) < 0, through = pressed && strain <= -1;
+    const bool buckled = pressed && !options.statics.linear && (through || path.halvings() > 0) &&
+                         buckles(model, rig, options.statics, load_factor, path.state());
+    if (through) {
       run.outcome = Outcome::inverted;
-      run.cause = "the load presses the body through itself: strain below −100 %" + where;
+      run.cause = (buckled ? "the body buckles under this load and folds over: "
+                           : "the load presses the body through itself: ") +
+                  std::string("strain below −100 %") + where;
       return;
     }
+    if (buckled) warn_once(kBuckled, run);
     run.curve.push_back({load_factor, measures, solved.newton_iterations, solved.linear_iterations, solved.residual});
     if (options.derivatives) {
       run.curve.back().gradients = options.derivatives->at(model, experiment, rig, start, path.state(), solved,

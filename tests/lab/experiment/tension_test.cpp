@@ -395,6 +395,34 @@ TEST_CASE("a body pressed through itself is no result", "[tension]") {
   CHECK_THAT(run.cause, Catch::Contains("through itself"));
 }
 
+TEST_CASE("what buckles is said to buckle", "[tension]") {
+  // Clamped ends: Euler's strain is 4 π² I/(A L²) = 3.3 %, for a side of 20 mm and a length of 200 mm.
+  Specimen specimen;
+  specimen.material.youngs_modulus = 1e5;
+  specimen.body = cubic_lattice({3, 3, 21}, 0.01, {true, true, false});
+  set_matter(specimen.body, 5e-3, 1000, 0, 0.02 * 0.02 * 0.2);
+  const auto pressed = [&](double displacement) {
+    TensionSetup setup;
+    setup.axis = Vector3::UnitZ();
+    setup.displacement = displacement;
+    setup.fixed_grip = setup.loaded_grip = Grip::clamped;
+    return pull(specimen, setup, "lattice");
+  };
+  const Run buckled = pressed(-0.04), straight = pressed(-0.004);
+  CHECK(modulus(buckled) < 0.5 * modulus(straight));
+  REQUIRE(buckled.warnings.size() == 1);
+  CHECK_THAT(buckled.warnings.front(), Catch::Contains("buckling"));
+  CHECK(straight.warnings.empty());
+  TensionSetup setup;
+  setup.axis = Vector3::UnitZ();
+  setup.force = -3;
+  setup.fixed_grip = Grip::clamped;
+  const auto experiment = make_tension(specimen.body, setup);
+  const Run folded = run_strategy(specimen, *experiment, choose_strategy(kCatalog, "lattice"), {});
+  CHECK(folded.outcome == Outcome::inverted);
+  CHECK_THAT(folded.cause, Catch::Contains("the body buckles under this load and folds over"));
+}
+
 TEST_CASE("one connection's curve: secant, tangent and average modulus by hand", "[tension]") {
   // Force control of a linear spring: every secant and the tangent are k l₀ / A.
   Specimen specimen;
