@@ -62,8 +62,12 @@ class TimedRun {
     const std::string what = (path.empty() ? "" : path + ": ") + "the restart file";
     const RestartPoint point = parse_restart(options_.restart, identity_, path);
     check_state(point.state, model_.body().size(), model_.history(), what);
-    if (point.frame < 0 || point.frame > options_.time->frames)
-      throw InputError(what + " is damaged: frame " + std::to_string(point.frame));
+    if (point.frame < 0) throw InputError(what + " is damaged: frame " + std::to_string(point.frame));
+    if (point.frame > options_.time->frames)
+      throw InputError(what + " is of frame " + std::to_string(point.frame) +
+                       ", at t = " + number(point.state.time, 6) + " s, and this run ends with frame " +
+                       std::to_string(options_.time->frames) + ", at t = " + number(options_.time->duration, 6) +
+                       " s: write a longer `time.duration`, and `time.frames` in proportion");
     state_ = point.state;
     model_.begin_step(state_, state_.time);
     if (model_.drive) model_.drive(state_.time, model_.supports);

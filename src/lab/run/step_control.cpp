@@ -1,11 +1,15 @@
 #include "lab/run/step_control.h"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <limits>
+#include <map>
+#include <sstream>
 #include <string_view>
 
 #include "core/base/archive.h"
@@ -14,6 +18,7 @@
 #include "core/solve/stable_step.h"
 #include "core/solve/steppers.h"
 #include "elastin/core/base/error.h"
+#include "elastin/core/base/text.h"
 #include "elastin/core/model/share.h"
 
 namespace elastin::lab {
@@ -178,6 +183,66 @@ namespace {
 constexpr std::string_view kName = "elastin-restart-";
 constexpr const char* kHead = "elastin-restart-8";  // another format, or another meaning of a number, counts on
 constexpr std::string_view kEnd = "\nend\n";
+constexpr const char* kFrame = "frame";    ///< what it calls the time of a frame [s]
+constexpr std::string_view kHash = "#";    ///< begins what is too long to be shown
+constexpr std::size_t kLongestShown = 80;  ///< characters
+
+/// As one word that `from_word` reads.
+std::string as_word(const std::string& text) {
+  std::string word;
+  for (const char c : text) {
+    char escaped[8];
+    std::snprintf(escaped, sizeof escaped, "%%%02x", static_cast<unsigned char>(c));
+    word += std::isgraph(static_cast<unsigned char>(c)) && !std::strchr("%,=", c) ? std::string(1, c) : escaped;
+  }
+  return word;
+}
+
+std::string from_word(const std::string& word) {
+  std::string text;
+  for (std::size_t i = 0; i < word.size(); ++i) {
+    const bool escaped = word[i] == '%' && i + 2 < word.size();
+    text += escaped ? static_cast<char>(std::strtol(word.substr(i + 1, 2).c_str(), nullptr, 16)) : word[i];
+    if (escaped) i += 2;
+  }
+  return text;
+}
+
+/// "name=value,…" as pairs, in order of name.
+std::map<std::string, std::string> parts_of_identity(const std::string& identity) {
+  std::map<std::string, std::string> parts;
+  std::istringstream stream(identity);
+  for (std::string part; std::getline(stream, part, ',');) {
+    const std::size_t equals = std::min(part.find('='), part.size());
+    parts[part.substr(0, equals)] += part.substr(std::min(equals + 1, part.size()));
+  }
+  return parts;
+}
+
+/// What of a restart file is not of the run that reads it.
+std::string differences(const std::string& file, const std::string& run) {
+  std::map<std::string, std::string> there = parts_of_identity(file), here = parts_of_identity(run);
+  const auto value = [](const std::map<std::string, std::string>& parts, const std::string& name) {
+    const auto found = parts.find(name);
+    return found == parts.end() ? std::string("not there") : from_word(found->second);
+  };
+  std::map<std::string, std::string> all = there;
+  all.insert(here.begin(), here.end());
+  std::string text;
+  for (const auto& [name, either] : all) {
+    const std::string its = value(there, name), own = value(here, name);
+    if (its == own) continue;
+    text += text.empty() ? "" : "; ";
+    if (name == kFrame)
+      text += "it has a frame every " + number(std::atof(its.c_str()), 6) + " s, and this run every " +
+              number(std::atof(own.c_str()), 6) + " s: change `time.frames` together with `time.duration`";
+    else if (its.starts_with(kHash) || own.starts_with(kHash))
+      text += "its " + name + " is another one";
+    else
+      text += "its " + name + " is " + its + ", here " + own;
+  }
+  return text.empty() ? "it is of " + file + ", here runs " + run : text;
+}
 
 std::string hex(std::uint64_t value) {
   char text[32];
@@ -227,7 +292,7 @@ RestartPoint parse_restart(const std::string& text, const std::string& identity,
                "'), whose numbers mean something else: run the scene from its start");
   first.word(of);
   if (of != identity)
-    first.fail("this is the restart file of another run: it is of " + of + ", here runs " + identity +
+    first.fail("this is the restart file of another run: " + differences(of, identity) +
                "; of the scene only how long it runs, and what is looked at, may be another");
   first.word(sum);
   if (line == std::string::npos || text.size() < line + 1 + kEnd.size() || !text.ends_with(kEnd)) {
@@ -249,14 +314,26 @@ std::string restart_identity(const Body& body, const std::string& problem, const
   add(body.rest.data(), sizeof(double) * static_cast<std::size_t>(body.rest.size()));
   add(body.mass.data(), sizeof(double) * static_cast<std::size_t>(body.mass.size()));
   add(body.connections.ends.data(), sizeof(int) * 2 * body.connections.ends.size());
-  add(problem.data(), problem.size());
-  const double frame = options.time_of(1), spread = options.first_frame > 0 ? options.duration : 0;
-  add(&frame, sizeof frame);
-  add(&spread, sizeof spread);
-  std::string name = strategy;
-  for (char& c : name)
-    if (std::strchr(" \t\n", c)) c = '_';
-  return name + "," + scheme + "," + hex(hash);
+  std::string identity = "strategy=" + as_word(strategy) + ",integrator=" + as_word(scheme) + "," + kFrame + "=" +
+                         number(options.time_of(1), 12) + ",body=" + std::string(kHash) + hex(hash);
+  if (options.first_frame > 0) identity += ",duration=" + number(options.duration, 12);
+  // "small" or "large", then a line a key: see Scene::problem.
+  std::istringstream lines(problem);
+  std::string key = "displacements", content;
+  const auto end_key = [&] {
+    const bool is_long = content.size() > kLongestShown;
+    identity += "," + as_word(key) + "=" +
+                (is_long ? std::string(kHash) + hex(checksum(content.data(), content.size())) : as_word(content));
+  };
+  for (std::string line; std::getline(lines, line);) {
+    const std::size_t colon = line.find(": ");
+    const bool begins = !content.empty() && colon != std::string::npos &&
+                        line.find_first_not_of("abcdefghijklmnopqrstuvwxyz_") == colon;
+    if (begins) end_key(), key = line.substr(0, colon), content.clear();
+    content += begins ? line.substr(colon + 2) : line;
+  }
+  end_key();
+  return identity;
 }
 
 }  // namespace elastin::lab

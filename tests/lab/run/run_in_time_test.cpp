@@ -511,8 +511,20 @@ TEST_CASE("a restart file of another run, or a damaged one, is refused", "[time]
   refuse(older, kRelease + time, "of another version of the program ('elastin-restart-6', here 'elastin-restart-8')");
   refuse(kept.substr(0, kept.size() / 2), kRelease + time, "cut off");
   refuse(kept, kRelease + "time: {duration: 2 s, frames: 4}\n", "of another run");
-  refuse(kept, kRelease + "time: {duration: 1 s, frames: 4, integrator: newmark}\n", "newmark");
-  refuse(kept, kRelease + time + "loads: [{damping: 2 N s/m}]\n", "of another run");
+  refuse(kept, kRelease + "time: {duration: 2 s, frames: 4}\n",
+         "it has a frame every 0.25 s, and this run every 0.5 s: change `time.frames` together with `time.duration`");
+  refuse(kept, kRelease + "time: {duration: 0.5 s, frames: 2}\n",
+         "is of frame 4, at t = 1 s, and this run ends with frame 2, at t = 0.5 s");
+  refuse(kept, kRelease + "time: {duration: 1 s, frames: 4, integrator: newmark}\n",
+         "its integrator is velocity_verlet, here newmark; of the scene");
+  refuse(kept, kRelease + time + "loads: [{damping: 2 N s/m}]\n", "of another run: its loads is not there, here ");
+  std::string stiffer = kRelease;
+  stiffer.replace(stiffer.find("10 kPa"), 6, "20 kPa");
+  refuse(kept, stiffer + time, "another run: its material is ");
+  refuse(kept, stiffer + time, "10 kPa");
+  std::string longer = kRelease;
+  longer.replace(longer.find("10 cm"), 5, "11 cm");
+  refuse(kept, longer + time, "its body is another one");
   std::string bad = kept;
   bad.replace(bad.find("0x1"), 3, "0y1");
   refuse(bad, kRelease + time, "is damaged: its checksum does not hold");
