@@ -540,6 +540,29 @@ TEST_CASE("a restart file of another run, or a damaged one, is refused", "[time]
   says_where(cut, "3:4: the restart file is cut off");
 }
 
+TEST_CASE("steps that lose energy are named, implicit ones too, and what contact takes is not theirs", "[time]") {
+  const std::string bar =
+                        "body: {lattice: {kind: cubic, molecules: [3, 3, 9], spacing: 1 cm, connections: [axis, "
+                        "face]}}\nmaterial: {youngs_modulus: 10 kPa, density: 1000 kg/m3}\nstiffness: lattice\n",
+                    swings = bar + "experiment: {kind: release, fixture: {kind: tension, axis: z, strain: 5 %}}\n";
+  const auto warnings = [](const Run& run) {
+    std::string all;
+    for (const std::string& warning : run.warnings) all += warning + "\n";
+    return all;
+  };
+  CHECK_THAT(warnings(run_of(swings + "time: {duration: 0.3 s, frames: 30, integrator: backward_euler, step: 2 ms}\n")),
+             Contains("the steps lose energy"));
+  CHECK(warnings(run_of(swings + "time: {duration: 0.3 s, frames: 30, integrator: newmark, step: 2 ms}\n")).empty());
+  const Run bounced = run_of(
+      "body: {lattice: {kind: cubic, molecules: [5, 5, 5], spacing: 1 cm, connections: [axis, face]}}\n"
+      "material: {youngs_modulus: 100 kPa, density: 1000 kg/m3}\nstiffness: lattice\n"
+      "experiment: {kind: drop, speed: 1 m/s}\ncontact: {restitution: 0.5, obstacles: [{name: floor, plane: {point: "
+      "[0, 0, -6 mm], normal: z}}]}\ntime: {duration: 60 ms, frames: 100}\n");
+  CHECK(measured(bounced, "energy_drift") > 0.05);
+  CHECK(warnings(bounced).empty());
+  CHECK_THAT(bounced.remark, Contains("in no account: contact with a restitution below 1"));
+}
+
 TEST_CASE("implicit steps that make more energy than there is end with that as the cause", "[time]") {
   // Springs that are stretched by 40 % and released: the trapezoidal rule gains energy from their turns.
   const Run run = run_of(
@@ -601,8 +624,9 @@ TEST_CASE("a budget gives each step the sweeps that it leaves time for", "[time]
   CHECK(late.time->budget->late == 1);
   CHECK(late.curve.back().measures.get("tip_deflection") == one.curve.back().measures.get("tip_deflection"));
   CHECK_FALSE(one.time->budget);
-  REQUIRE(late.warnings.size() == 1);
-  CHECK_THAT(late.warnings.front(), Contains("100 % of the steps took longer than their budget"));
+  REQUIRE(late.warnings.size() == 2);
+  CHECK_THAT(late.warnings[0], Contains("100 % of the steps took longer than their budget"));
+  CHECK_THAT(late.warnings[1], Contains("the steps lose energy"));  // of one sweep a step
   // More time, more sweeps, less left to do.
   const Run more = swung("{scheme: block_descent, sweeps: 9}", ", budget: 20 ms");
   REQUIRE(more.time->budget);
