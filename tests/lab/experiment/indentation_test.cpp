@@ -100,6 +100,18 @@ TEST_CASE("an indenter goes as deep as its force requires", "[indentation]") {
   CHECK(pressed.remark == "");
 }
 
+TEST_CASE("an indenter that meets few molecules says so, and one beside a plane of symmetry is refused",
+          "[indentation]") {
+  const Run coarse = run_of("tetrahedra: {kind: body_centred, cubes: [3, 3, 3], size: [60 mm, 60 mm, 60 mm]}",
+                            "indenter: {sphere: {radius: 15 mm}}, depth: 0.5 mm");
+  CHECK(coarse.measures.get("molecules_in_contact") < 9);
+  CHECK_THAT(coarse.remark, Catch::Contains("alone, where some 9 are needed"));
+  CHECK_THROWS_WITH(run_of(kQuarter,
+                           "indenter: {sphere: {radius: 15 mm}}, depth: 2 mm, symmetry: [x, y], at: [3 mm, "
+                           "0, 0]"),
+                    Catch::Contains("at: the indenter's axis is 3 mm away from a plane of symmetry"));
+}
+
 TEST_CASE("an obstacle of the scene serves as indenter, and all of it turns with the scene", "[indentation][slow]") {
   const std::string tool = "obstacles: [{name: tool, sphere: {radius: 15 mm}, at: [20 mm, 20 mm, 35 mm]}]";
   const double own = run_of(kWhole, "indenter: {sphere: {radius: 15 mm}}, depth: 2 mm").measures.get("force");

@@ -47,6 +47,7 @@ const MeasureList& indentation_measures() {
         "E of indentation"},
        {"force", force, "force on the indenter along its direction; beyond preload", Role::force},
        {"depth", length, "displacement of the indenter since the start"},
+       {"molecules_in_contact", none, "number of molecules of the whole body on which the indenter presses"},
        {"mean_pressure", pressure, "mean contact pressure: force / area"}},
       {{"depth", "force", true}}};
   return list;
@@ -58,6 +59,9 @@ constexpr const char* kIndenter = "indenter";
 /// stiffer than a half-space by 1.13 of it, to first order.                  [Dimitriadis et al. 2002]
 constexpr double kHalfSpace = 0.05;
 
+/// Molecules in contact below which a modulus is that of their positions.
+constexpr int kFewestInContact = 9;
+
 /// Adds its indenter to the obstacles. The modulus that it measures is Hertz's of a sphere on a half-space, E* = 3 F /
 /// (4 √R d^1.5), or that of a flat punch, E* = F / (2 a d) [Johnson 1985, ch. 3, 4], times 1 − ν². Throws InputError on
 /// a setup that does not suit the body.
@@ -68,6 +72,7 @@ class Indentation final : public StaticExperiment {
       : setup_(setup),
         poissons_ratio_(material.poissons_ratio),
         adhesive_(contact.adhesion > 0 && setup.shape != IndenterShape::obstacle) {
+    check_place(body);
     fix_in_planes(body, setup.symmetry, fixed_);
     fix_bottom(body);
     if (setup.shape == IndenterShape::obstacle) {
@@ -131,11 +136,27 @@ class Indentation final : public StaticExperiment {
     if (!(measures.get("contacts") > 0)) return "the indenter touches nothing";
     if (setup_.force && std::abs(measures.get("force") / *setup_.force - 1) > 1e-5)
       return "the prescribed force was not reached";
+    const double touching = measures.get("molecules_in_contact");
+    if (setup_.shape != IndenterShape::obstacle && touching < kFewestInContact)
+      return "the indenter presses on " + counted(std::lround(touching), "molecule") + " alone, where some " +
+             std::to_string(kFewestInContact) +
+             " are needed for a contact: force and modulus depend on where they lie; refine the body there (`grade`), "
+             "press deeper, or take a larger radius";
     return "";
   }
 
  private:
   friend class IndentationRig;
+  /// Planes of symmetry cut the indenter in the middle.
+  void check_place(const Body& body) const {
+    const double size = (body.rest.rowwise().maxCoeff() - body.rest.rowwise().minCoeff()).norm();
+    for (const Vector3& normal : setup_.symmetry)
+      if (const double off = setup_.at ? std::abs(normal.dot(*setup_.at)) : 0; off > 1e-9 * size)
+        throw InputError("at: the indenter's axis is " + number(1e3 * off, 3) +
+                         " mm away from a plane of symmetry, which must contain it; write a place in the plane, or "
+                         "leave the `symmetry` out and model the whole body");
+  }
+
   void fix_bottom(const Body& body) {
     const Matrix3 along = setup_.axis * setup_.axis.transpose();
     EndFinder finder(body, setup_.grip_depth);
@@ -249,12 +270,27 @@ class IndentationRig final : public StaticRig {
       measures.set("indentation_modulus", plane_strain * 3 * force / (4 * std::sqrt(radius) * std::pow(depth, 1.5)));
     if (indented && setup_.shape == IndenterShape::flat)
       measures.set("indentation_modulus", plane_strain * force / (2 * radius * depth));
+    measures.set("molecules_in_contact", molecules_in_contact(report));
     if (report.area > 0) measures.set("mean_pressure", force / (experiment_.copies() * report.area));
     add_state(model_, state, solved, std::abs(force), measures, experiment_.copies());
     return measures;
   }
 
  private:
+  /// Of the whole body: what lies in a plane of symmetry has no copy across it.
+  double molecules_in_contact(const contact::ContactReport& report) const {
+    double count = 0;
+    for (int molecule = 0; molecule < report.forces.cols(); ++molecule) {
+      if (report.forces.col(molecule).isZero(0)) continue;
+      const auto in_plane = [&](const Vector3& normal) {
+        return std::abs(normal.dot(model_.body().rest.col(molecule))) < 1e-6 * model_.body().radius[molecule];
+      };
+      const auto planes = std::count_if(setup_.symmetry.begin(), setup_.symmetry.end(), in_plane);
+      count += experiment_.copies() / std::pow(2, planes);
+    }
+    return count;
+  }
+
   void move_to(double displacement) {
     displacement_ = displacement;
     contact_->set_moment(displacement);
