@@ -317,7 +317,7 @@ void warn_of_beginnings(const Answer& answer, const std::vector<WeightedTest>& t
           "{}: the first reading stands at {}{}, and the shortest time of relaxation is {}: its share, and the "
           "stiffness before it relaxed, are extrapolated. Time counts from where the strain begins to grow; if the "
           "file has the "
-          "machine's clock, subtract its time there",
+          "machine's clock, write its time there as `begins`",
           stated.name, readable(first, dimension::time),
           stated.ramp > 0 ? fmt::format(", {} after the ramp", readable(behind, dimension::time)) : "",
           readable(shortest, dimension::time)));

@@ -387,6 +387,18 @@ void check_times(const MeasuredData& data) {
                        "time goes back: choose rows by `rows`, `from` and `to`, or sort them");
 }
 
+/// Time counts from where the strain begins to grow, by the file's clock; rows in front of that are left out.
+void count_from(const DataTest& test, MeasuredData& data) {
+  Eigen::Index first = 0;
+  while (first < data.x.size() && data.x[first] < *test.begins) ++first;
+  if (data.x.size() - first < 2)
+    test.fail("begins: fewer than two rows of " + data.file + " lie behind " +
+              readable(*test.begins, data.along->unit) + "; its last one is at " +
+              readable(data.x[data.x.size() - 1], data.along->unit));
+  keep_rows(data, first, data.x.size());
+  data.x.array() -= *test.begins;
+}
+
 /// Readings in front of the strain: rows at rest are left out, and time counts from the last of them where it stands
 /// far behind the beginning of the time. Warns of a load that still grows when the strain has reached its end.
 void begin_with_load(const DataTest& test, MeasuredData& data) {
@@ -398,14 +410,15 @@ void begin_with_load(const DataTest& test, MeasuredData& data) {
   const Dimension& unit = data.along->unit;
   Eigen::Index rest = 0;
   while (size[rest] < least) ++rest;
-  if (rest > 0 && data.x.size() - rest > 1 && data.x[rest - 1] >= late * test.ramp) {
+  if (!test.begins && rest > 0 && data.x.size() - rest > 1 && data.x[rest - 1] >= late * test.ramp) {
     const double zero = data.x[rest - 1];
     keep_rows(data, rest, data.x.size());
     data.notes.push_back(counted(rest, "row") + " at rest in front of the load left out");
     if (zero > 0) {
       data.x.array() -= zero;
       data.warnings.push_back(
-          fmt::format("there is no load until {}, so time counts from there; `from` chooses the rows of the test",
+          fmt::format("there is no load until {}, so time counts from there; `from` chooses the rows of the test, and "
+                      "`begins` says otherwise",
                       readable(zero, unit)));
     }
   }
@@ -458,6 +471,7 @@ MeasuredData load_data(const DataTest& test) {
     data.noise = noise_of(data.x, data.y);
     if (!test.kind->oscillates) {
       turn_over_time(test, file, data);
+      if (test.begins) count_from(test, data);
       begin_with_load(test, data);
     }
     return data;

@@ -220,6 +220,10 @@ const Keys<DataTest>& data_test_keys() {
       key::quantity("ramp", &S::ramp, dimension::time, "of `relaxation`: time in which the strain grows, or the depth",
                     kNotNegative)
           .when(is_relaxation),
+      key::quantity("begins", &S::begins, dimension::time,
+                    "of `relaxation`: time on the file's clock at which the strain begins to grow, or the depth")
+          .when(is_relaxation)
+          .otherwise("0; behind readings without a load the last of these"),
       key::quantity("depth", &S::depth, dimension::length,
                     "of `indentation_relaxation`: that is reached after the ramp and kept", kPositive)
           .needed_when(of_depth, "needed for `indentation_relaxation`"),

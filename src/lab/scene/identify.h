@@ -92,9 +92,10 @@ struct DataTest {
   double indenter_size = 0;                                    ///< radius [m], or a cone's half angle [rad]
   double thickness = std::numeric_limits<double>::infinity();  ///< of the layer [m]
   LayerBottom bottom = LayerBottom::bonded;
-  double adhesion = 0;          ///< work of adhesion where its search begins [J/m²]; 0: none, and none is sought
-  bool contact_given = false;   ///< whether the indenter touches at depth 0
-  double strain = 0, ramp = 0;  ///< that is kept, and the time [s] that it takes to be reached
+  double adhesion = 0;           ///< work of adhesion where its search begins [J/m²]; 0: none, and none is sought
+  bool contact_given = false;    ///< whether the indenter touches at depth 0
+  double strain = 0, ramp = 0;   ///< that is kept, and the time [s] that it takes to be reached
+  std::optional<double> begins;  ///< time of the file's clock [s] at which it begins to grow; none: 0, or found
   /// Of an indenter over time: the depth [m] that is reached after the ramp, how long it stays [s], and the time [s] in
   /// which it is drawn back; 0: as long as the ramp.
   double depth = 0, hold = std::numeric_limits<double>::infinity(), back = 0;

@@ -468,6 +468,9 @@ TEST_CASE("a record of relaxation is read from where the load begins, and by its
       {"rows at rest", head + "0,0\n1,1e-3\n2,-1e-3\n3.2,0\n" + record(pulls, 3.2), ", strain: 0.2",
        "no load until 3.2 s, so time counts from there"},
       {"the machine's clock", head + record(pulls, 3.2), ", strain: 0.2", "if the file has the machine's clock", false},
+      {"the machine's clock, as the scene says", head + record(pulls, 3.2), ", strain: 0.2, begins: 3.2 s", ""},
+      {"the clock, with readings before", head + "1,0.5\n3,0.4\n" + record(pulls, 3.2), ", strain: 0.2, begins: 3.2 s",
+       ""},
       {"a ramp that is not stated", head + slow + record(pulls, 0.5), ", strain: 0.2", "the load grows until 0.501 s",
        false},
       {"pressed, with its sign", head + record(presses), ", strain: -0.2", ""},
@@ -488,6 +491,8 @@ TEST_CASE("a record of relaxation is read from where the load begins, and by its
   }
   CHECK(has(message_of([&] { found(head + record(presses), ", strain: 0.2"); }), "write strain: -20 %"));
   CHECK(has(message_of([&] { found(pressed + record(pulls), ", strain: 0.2"); }), "write strain: -20 %"));
+  CHECK(has(message_of([&] { found(head + record(pulls), ", strain: 0.2, begins: 3600 s"); }),
+            "begins: fewer than two rows"));
 }
 
 TEST_CASE("relaxation of 36 000 rows gives its terms", "[identify][machines][slow]") {
