@@ -20,7 +20,7 @@ import tempfile
 
 PAPER = "elastin compare scenes/tension/table1-*.yaml scenes/tension/table2.yaml"
 HARD = "elastin verify scenes/hard/*.yaml --choices --markdown"
-SLIPS = "elastin check, on each slip of tests/lab/scene/slips.txt"
+MISTAKES = "elastin check, on each mistake of tests/lab/scene/mistakes.txt"
 REALITY = "elastin compare scenes/reality"
 REST = "elastin compare scenes/rest"
 BROUGHT = "elastin check, on each file of tests/mesh/data/brought"
@@ -84,25 +84,25 @@ def same_cases(written, made):
 
 
 def written(text):
-    """The bytes that a line of slips.txt stands for: \\t, \\n, \\r, \\\\ and \\xNN."""
+    """The bytes that a line of mistakes.txt stands for: \\t, \\n, \\r, \\\\ and \\xNN."""
     signs = {b"t": b"\t", b"n": b"\n", b"r": b"\r", b"\\": b"\\"}
     return re.sub(rb"\\(x..|.)", lambda match: signs.get(match[1]) or bytes([int(match[1][1:], 16)]), text.encode())
 
 
-def slips_table(elastin):
-    """What the command answers to a scene with one slip: its message, or that the scene is taken as it is."""
-    with open("tests/lab/scene/slips.txt", encoding="utf-8") as stream:
-        scene, *groups = [part for part in stream.read().split("\n\n") if not part.startswith("# Slips")]
+def mistakes_table(elastin):
+    """What the command answers to a scene with one mistake: its message, or that the scene is taken as it is."""
+    with open("tests/lab/scene/mistakes.txt", encoding="utf-8") as stream:
+        scene, *groups = [part for part in stream.read().split("\n\n") if not part.startswith("# Mistakes")]
     lines = []
     with tempfile.TemporaryDirectory() as folder:
         for group in groups:
-            title, *slips = group.strip("\n").split("\n")
+            title, *mistakes = group.strip("\n").split("\n")
             lines += ["", f"| {title[2:].lower()} | answer |", "|---|---|"]
-            for slip in slips:
-                right, wrong = slip.split(" => ")
+            for mistake in mistakes:
+                right, wrong = mistake.split(" => ")
                 text = (scene + "\n").encode()
                 if written(right) not in text:
-                    sys.exit(f"slips.txt: the scene has no '{right}'")
+                    sys.exit(f"mistakes.txt: the scene has no '{right}'")
                 with open(os.path.join(folder, "scene.yaml"), "wb") as stream:
                     stream.write(text.replace(written(right), written(wrong), 1))
                 ran = subprocess.run([elastin, "check", "scene.yaml"], cwd=folder, stdout=subprocess.DEVNULL,
@@ -203,8 +203,8 @@ def main(root, elastin, write):
                lambda: reality_table(elastin), same_cases),
               ("tests/README.md", f"<!-- table: {REST} -->", "<!-- table: end -->",
                lambda: rest_table(elastin), same_cases),
-              ("tests/README.md", f"<!-- table: {SLIPS} -->", "<!-- table: end -->",
-               lambda: slips_table(elastin), lambda old, new: old == new),
+              ("tests/README.md", f"<!-- table: {MISTAKES} -->", "<!-- table: end -->",
+               lambda: mistakes_table(elastin), lambda old, new: old == new),
               ("tests/README.md", f"<!-- table: {BROUGHT} -->", "<!-- table: end -->",
                lambda: brought_table(elastin), same_cases)]
     stale = []

@@ -358,7 +358,7 @@ void Reader::note_plain(const std::string& given, const std::string& examples) c
   check_units_agree();
 }
 
-/// Throws if the file writes some dimensional values with units and others as plain numbers: one of them is a slip.
+/// Throws if the file writes some dimensional values with units and others as plain numbers: one of them is a mistake.
 void Reader::check_units_agree() const {
   const auto& first_unit = file_->first_unit;
   const auto& first_plain = file_->first_plain;

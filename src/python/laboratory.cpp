@@ -11,7 +11,7 @@ namespace elastin::python {
 using namespace lab;
 namespace {
 
-/// A laboratory as Python has it: a run lets other threads go on, and runs take turns.
+/// A laboratory as Python has it: other threads continue during a run, and runs take turns.
 struct SharedLaboratory {
   Laboratory laboratory;
   std::mutex busy = {};

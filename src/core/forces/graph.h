@@ -7,7 +7,7 @@
 
 namespace elastin {
 
-/// Who adds the connections' forces to the molecules. One thread goes through the connections and adds each to both its
+/// Adds the connections' forces to the molecules. One thread goes through the connections and adds each to both its
 /// ends; several share out the molecules, and each adds to its own alone. A molecule meets its connections in ascending
 /// order either way, so the results are bitwise identical.
 class Graph {

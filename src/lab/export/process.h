@@ -23,9 +23,8 @@ class JobFolder {
   std::filesystem::path path_;
 };
 
-/// What is kept of a stream, whatever its length: its last line, the last that names an error, and lines that begin
-/// with
-/// '{' for who reads them.
+/// The lines kept of a stream, whatever its length: the last one, the last that names an error, and those that begin
+/// with '{', for the caller.
 class KeptLines {
  public:
   using Read = std::function<void(std::string&& line)>;
