@@ -26,7 +26,7 @@ std::string ask(const std::string& question, const std::string& otherwise) {
 
 struct NewCommand {
   lab::NewScene scene;
-  std::string modulus, out;
+  std::string modulus, image, out;
   bool quiet = false;
 
   void add_to(Options& options) {
@@ -35,28 +35,51 @@ struct NewCommand {
     options.argument("SPECIMEN", into(scene.specimen), names, false, false);
     options.add("--size", "LENGTHS", into(scene.size), "Lengths of a block along x, y, z: '40 x 10 x 4 mm'");
     options.add("--mesh", "FILE", into(scene.mesh), "File of the mesh (dogbone) or of the closed surface (organ)");
-    options.add("--image", "FILE", into(scene.mesh), "File of the voxels (scan)");
+    options.add("--image", "FILE", into(image), "File of the voxels (scan)");
     options.add("--length-unit", "UNIT", into(scene.length_unit),
                 "Unit of the file's coordinates; default: what an image states, else mm");
     options.add("--modulus", "E", into(modulus), "Young's modulus; default: " + scene.modulus);
     options.add("--poissons-ratio", "NUMBER", into(scene.poissons_ratio),
                 fmt::format("Poisson's ratio; default: {}", scene.poissons_ratio));
-    options.add("--out", "FILE", into(out), "File to write; default: SPECIMEN.yaml");
+    options.add("--out", "FILE", into(out), "File to write, - for the terminal; default: SPECIMEN.yaml");
     options.flag("--quiet", quiet, "Print nothing but errors");
   }
 
   /// Writes a scene to begin with, reads it as any scene is read, and states how to go on.
   int run(const Call& call) {
     complete();
+    if (out == "-") {
+      fmt::print("{}", lab::new_scene_text(scene, ""));
+      return 0;
+    }
     const std::string path = out.empty() ? scene.specimen + ".yaml" : out;
     if (std::filesystem::exists(path)) throw InputError(path + ": already exists; choose another name with --out");
     lab::write_whole(path, lab::new_scene_text(scene, std::filesystem::path(path).parent_path().string()));
-    const auto written = lab::load_scene(path, call.catalog);
-    const Body& body = written->specimen.body;
-    if (!quiet)
-      fmt::print("  {}: {} molecules, {} cells\n  elastin compare {} --out out    runs it and writes out/report.html\n",
-                 path, body.size(), count_cells(body), path);
+    try {
+      const auto written = lab::load_scene(path, call.catalog);
+      const Body& body = written->specimen.body;
+      if (!quiet)
+        fmt::print(
+            "  {}: {} molecules, {} cells\n  elastin compare {} --out out    runs it and writes out/report.html\n",
+            path, body.size(), count_cells(body), path);
+    } catch (...) {
+      std::filesystem::remove(path);
+      throw;
+    }
     return 0;
+  }
+
+  /// Throws if an option is of other specimens than this one.
+  void check_options(const lab::NewSpecimen& row) {
+    const std::string file = row.from_file() ? row.file : "", own = file.empty()      ? "size"
+                                                                    : file == "image" ? file
+                                                                                      : "mesh";
+    for (const auto& [name, value] : {std::pair{"size", &scene.size}, {"mesh", &scene.mesh}, {"image", &image}})
+      if (!value->empty() && name != own)
+        throw InputError(fmt::format("new {}: --{} is for other specimens; give --{}", row.name, name, own));
+    if (file.empty() && !scene.length_unit.empty())
+      throw InputError(fmt::format("new {}: --length-unit is of a file; a size states its unit itself", row.name));
+    if (!image.empty()) scene.mesh = image;
   }
 
   /// Asks for what the options leave open, on a terminal only.
@@ -69,6 +92,7 @@ struct NewCommand {
       scene.specimen = ask("specimen", "strip");
     }
     for (const lab::NewSpecimen& row : lab::new_specimens()) {
+      if (scene.specimen == row.name) check_options(row);
       std::string& missing = row.from_file() ? scene.mesh : scene.size;
       if (scene.specimen != row.name || !missing.empty()) continue;
       if (!can_ask)

@@ -251,6 +251,7 @@ class Keys : public AnyKeys {
   /// std::optional<Reader>, is where the map stands.
   Setup read(Reader map, const Frame& frame = {}, Setup setup = {}) const {
     if constexpr (requires { setup.place = map; }) setup.place = map;
+    map.allow(names());
     read_into(map, setup, frame);
     map.finish();
     check(map, setup);

@@ -125,7 +125,12 @@ Reader Reader::at(const std::string& key, const std::string& needed) {
       if (const std::string instead = instead_of_key(given); !instead.empty())
         throw InputError(location_of_key(given),
                          (path_.empty() ? "" : path_ + ": ") + "unknown key '" + given + "'; " + instead);
-    fail("key '" + key + "' is missing" + (needed.starts_with("needed, ") ? needed.substr(6) : ""));
+    const std::vector<std::string>& allowed = requested_->allowed;
+    std::string other;
+    for (const std::string& given : unknown)
+      if (std::find(allowed.begin(), allowed.end(), given) == allowed.end() && !allowed.empty() && other.empty())
+        other = "; unknown key '" + given + "' (allowed: " + joined(allowed) + ")";
+    fail("key '" + key + "' is missing" + (needed.starts_with("needed, ") ? needed.substr(6) : "") + other);
   }
   requested_->misspelt.emplace_back(misspelt, key);
   return *value_of(misspelt, key);

@@ -66,6 +66,8 @@ class Reader {
   /// The section of the key reference that lists this map's keys: of maps that stand under several keys, or whose keys
   /// depend on their kind. Without it the section is the path of keys.
   void set_section(const std::string& section) { section_ = section; }
+  /// States all keys that the map may have, so that a message about a missing one names what stands there instead.
+  void allow(std::vector<std::string> keys) { requested_->allowed = std::move(keys); }
   /// Throws InputError on the first key that was never requested, with the nearest one that was.
   void finish() const;
 
@@ -147,9 +149,11 @@ class Reader {
   bool plain() const { return file_->first_plain.has_value(); }
 
  private:
-  /// Keys that were requested, and those that stood in for a missing one: as written, and as meant.
+  /// Keys that were requested, those that the map may have as far as that is known beforehand, and those that stood in
+  /// for a missing one: as written, and as meant.
   struct Requested {
     std::vector<std::string> keys;
+    std::vector<std::string> allowed;
     std::vector<std::pair<std::string, std::string>> misspelt;
   };
   template <class Thing>

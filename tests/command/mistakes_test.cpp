@@ -72,6 +72,9 @@ TEST_CASE("a mistake on the command line is answered from that command's options
            {"plot material a.yaml --stretch 1", "--stretch: '1' is not a number from 1.001 to 100\n"},
            {"new strip --poissons-ratio half", "--poissons-ratio: 'half' is not a number\n"},
            {"new strip", "new strip: give --size, such as '40 x 10 x 4 mm'\n"},
+           {"new strip --mesh a.msh", "new strip: --mesh is for other specimens; give --size\n"},
+           {"new organ --image a.nrrd", "new organ: --image is for other specimens; give --mesh\n"},
+           {"new scan --mesh a.nrrd", "new scan: --mesh is for other specimens; give --image\n"},
            {"run a.yaml --out o --out p", "--out is given twice; give it once\n"},
            {"compare a.yaml --shard 3", "--shard: "},
            {"run -1", "-1: no such file"},               // a negative number is no option

@@ -101,9 +101,9 @@ double volume_modulus(const Material& material, bool of_springs) {
       // K/G = 2 (1 + ν) / (3 (1 − 2 ν)), of the law at rest.
       const double shear = E / (2 * (1 + nu)), bulk = E / (3 * (1 - 2 * nu));
       std::snprintf(text, sizeof text,
-                    "bulk_modulus: the volume term (+volume) takes %.6g to %.6g Pa with the shear modulus of this law "
-                    "at rest, %.6g Pa (Poisson's ratios 0 to 0.4999), and it is %.6g Pa",
-                    2 * shear / 3, 2 * shear * 1.4999 / (3 * 0.0002), shear, bulk);
+                    "a bulk modulus of %.6g Pa is out of range: the volume term (+volume) takes %.6g to %.6g Pa with "
+                    "the shear modulus of this law at rest, %.6g Pa (Poisson's ratios 0 to 0.4999)",
+                    bulk, 2 * shear / 3, 2 * shear * 1.4999 / (3 * 0.0002), shear);
     } else {
       std::snprintf(text, sizeof text, "poissons_ratio %.9g is out of range: a volume term takes 0 to 0.4999", nu);
     }

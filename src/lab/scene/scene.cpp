@@ -52,6 +52,16 @@ std::vector<StrategyChoice> read_strategies(std::optional<Reader> reader, const 
   return strategies;
 }
 
+/// Where the strategy of `run` stands: `stiffness`, or the first of `strategies`.
+Reader own_strategy(Reader& scene) {
+  if (!scene.has("stiffness"))
+    if (const auto strategies = scene.find("strategies"); strategies && strategies->is_list())
+      if (const std::vector<Reader> items = strategies->items();
+          !items.empty() && !(items.front().is_text() && items.front().text() == "all"))
+        return items.front();
+  return scene.at("stiffness", "needed, or a list of `strategies`");
+}
+
 /// The scene's own strategy. A law of solids that says nothing of its volume keeps it where it would lock otherwise.
 StrategyChoice read_stiffness(Reader reader, const Catalog& catalog, Scene& scene) {
   StrategyChoice written = read_strategy(reader, catalog);
@@ -123,7 +133,8 @@ const std::vector<TopKey>& top_keys() {
       {{"bodies", "list of maps", "", "", "none", "[several bodies](#bodies)"}},
       {{"ties", "list of maps", "", "", "none", "[joints between bodies](#bodies)"}},
       {{"material", "map", "", "", "needed", "[the material](#material)"}, true},
-      {{"stiffness", "word, or map", "", "", "needed", "[the strategy](#stiffness) of `run`"}},
+      {{"stiffness", "word, or map", "", "", "needed, or a list of `strategies`",
+        "[the strategy](#stiffness) of `run`; without it the first of `strategies`"}},
       {{"strategies", "list, or `all`", "", "", "`stiffness`",
         "the strategies of `compare`; `all` in the list adds those not named before it, with `+volume` where "
         "the body's cells and Poisson's ratio allow it"}},
@@ -238,7 +249,7 @@ Body read_one_body(Reader& reader, const Catalog& catalog, const ExperimentCatal
   Body body = !why.empty() ? make()
               : alone      ? read_body(reader.at("body"), material, remarks, processes)
                            : share_out(make, processes, why);
-  if (body.share) why = needs_whole_body(read_strategy(reader.at("stiffness"), catalog).strategy, body, material);
+  if (body.share) why = needs_whole_body(read_strategy(own_strategy(reader), catalog).strategy, body, material);
   if (!why.empty() && body.share) body = make();
   scene.whole_body = body.share ? "" : why;
   if (processes->count() == 1) return body;
@@ -403,7 +414,7 @@ std::unique_ptr<Scene> read_scene(const SceneSource& source, const Catalog& cata
   turn_fibres(scene->specimen, rotation);
   set_laws(catalog, *scene);
   scene->specimen.law = stated_law(catalog, scene->specimen.material, scene->specimen.body);
-  scene->stiffness = read_stiffness(reader.at("stiffness"), catalog, *scene);
+  scene->stiffness = read_stiffness(own_strategy(reader), catalog, *scene);
   scene->strategies = read_strategies(reader.find("strategies"), scene->stiffness, catalog, scene->specimen);
   const Reader experiment = reader.at("experiment");
   ExperimentContext context{scene->specimen.body, scene->specimen.material, rotation, scene->statics, experiments};

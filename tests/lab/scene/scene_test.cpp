@@ -472,10 +472,28 @@ TEST_CASE("a material's curve and fibres are read, and their mistakes named", "[
       "material.fibre.curve", {"give one of them"});
 }
 
+TEST_CASE("without `stiffness` a scene runs the first of its strategies", "[scene]") {
+  const TemporaryFolder folder;
+  const std::string shorter = replaced(kScene, "stiffness: standard\nstrategies: [standard, ", "strategies: [");
+  const auto scene = load(folder.write("scene.yaml", shorter));
+  CHECK(scene->stiffness.label == "halved");
+  CHECK(scene->stiffness.values.at("divisor") == 3.75);
+  CHECK(scene->strategies.size() == 1);
+}
+
+TEST_CASE("a missing key is named with the unknown one that stands in its map", "[scene]") {
+  const TemporaryFolder folder;
+  CHECK_THAT(refusal(folder.write("scene.yaml", replaced(kScene, "molecules: [3, 3, 3]", "count: [3, 3, 3]"))),
+             Contains("key 'molecules' is missing; unknown key 'count' (allowed: kind, molecules, cells, spacing, "));
+}
+
 TEST_CASE("keys that are missing or do not go together are named", "[scene]") {
   const std::string expectation = "{strategy: halved, measure: effective_modulus, value: 5 kPa, ";
   check_slips({
-      {"stiffness: standard\n", "", "key 'stiffness' is missing", {}},
+      {"stiffness: standard\nstrategies: [standard, {strategy: divided, divisor: 3.75, label: halved}]",
+       "strategies: all",
+       "key 'stiffness' is missing, or a list of `strategies`",
+       {}},
       {"material: {youngs_modulus: 5 kPa, ", "material: @{", "material: key 'youngs_modulus' is missing", {}},
       {"{kind: cubic, molecules: [3, 3, 3], spacing: 7.5 mm, ",
        "@{kind: cubic, molecules: [3, 3, 3], ",
