@@ -73,7 +73,7 @@ Case with_past(const std::string& strategy, Body body, double poissons_ratio = 0
     model.add(built_in_catalog().find(strategy).make(model.body(), material, {}));
   };
   if (strategy.starts_with("prony")) one.implicit_step *= std::sqrt(1.5);  // of the long-term stiffness
-  if (strategy.ends_with("membrane")) one.implicit_step = 1;  // folds fast, which nothing resists
+  if (strategy.ends_with("membrane")) one.implicit_step = 1;               // folds fast, which nothing resists
   return one;
 }
 
