@@ -184,7 +184,7 @@ bool resists(const Model& model) {
 /// than that of a body that has had all time.
 State begun(Model& model, State state) {
   model.declare_history(state);
-  model.begin_step(state, state.time);
+  if (!model.history().empty()) model.begin_step(state, state.time);
   return state;
 }
 
