@@ -71,11 +71,9 @@ struct NewCommand {
 
   /// Throws if an option is of other specimens than this one.
   void check_options(const lab::NewSpecimen& row) {
-    const std::string file = row.from_file() ? row.file : "", own = file.empty()      ? "size"
-                                                                    : file == "image" ? file
-                                                                                      : "mesh";
+    const std::string file = row.file, own = file.empty() ? "size" : file == "image" ? file : "mesh";
     for (const auto& [name, value] : {std::pair{"size", &scene.size}, {"mesh", &scene.mesh}, {"image", &image}})
-      if (!value->empty() && name != own)
+      if (!value->empty() && name != own && !(file == "image" && value == &scene.mesh))
         throw InputError(fmt::format("new {}: --{} is for other specimens; give --{}", row.name, name, own));
     if (file.empty() && !scene.length_unit.empty())
       throw InputError(fmt::format("new {}: --length-unit is of a file; a size states its unit itself", row.name));

@@ -74,7 +74,7 @@ TEST_CASE("a mistake on the command line is answered from that command's options
            {"new strip", "new strip: give --size, such as '40 x 10 x 4 mm'\n"},
            {"new strip --mesh a.msh", "new strip: --mesh is for other specimens; give --size\n"},
            {"new organ --image a.nrrd", "new organ: --image is for other specimens; give --mesh\n"},
-           {"new scan --mesh a.nrrd", "new scan: --mesh is for other specimens; give --image\n"},
+           {"new scan --size 1", "new scan: --size is for other specimens; give --image\n"},
            {"run a.yaml --out o --out p", "--out is given twice; give it once\n"},
            {"compare a.yaml --shard 3", "--shard: "},
            {"run -1", "-1: no such file"},               // a negative number is no option

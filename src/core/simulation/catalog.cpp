@@ -243,8 +243,8 @@ Strategy make_spring_rule(const std::string& name, RuleConstants constants, std:
   rule.name = name;
   rule.parameters = std::move(parameters);
   rule.follows_curve = true;
-  rule.constants = [described = rule, constants](const Body& body, const Material& material,
-                                                 const ParameterValues& given) {
+  rule.constants = [described = rule, constants = std::move(constants)](const Body& body, const Material& material,
+                                                                        const ParameterValues& given) {
     const ParameterValues values = complete_values(described.name, described.parameters, given);
     std::shared_ptr<const Body> seen = detail::proper_part(body);
     if (seen->connection_stiffness.size()) {  // or a rule that asks another would count it twice

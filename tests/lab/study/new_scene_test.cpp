@@ -39,10 +39,10 @@ TEST_CASE("what new writes runs", "[new][slow]") {
                                        : name == "scan" ? "scans/waist.nrrd"
                                                         : "tension/dogbone.msh");
     CAPTURE(name);
-    CHECK(exit_code(folder, "new " + name +
-                                (row.from_file() ? " --mesh '" + file + "'" : " --size '24 x 12 mm x 12 mm'")) == 0);
+    const std::string of = row.from_file() ? " --mesh '" + file + "'" : " --size '24 x 12 mm x 12 mm'";
+    CHECK(exit_code(folder, "new " + name + of) == 0);
     CHECK(exit_code(folder, "compare " + name + ".yaml --reference none --quiet") == 0);  // each of its strategies
-    CHECK(exit_code(folder, "new " + name + " --size '1 x 1 x 1 m' --mesh '" + file + "'") == 2);  // already exists
+    CHECK(exit_code(folder, "new " + name + of) == 2);                                    // already exists
   }
 }
 
