@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "core/base/dense.h"
-#include "core/forces/full_tangent.h"
 #include "core/forces/graph.h"
 #include "core/forces/sharing.h"
 #include "core/model/check_indices.h"
@@ -197,21 +196,6 @@ double Model::square_frequency(const State& state, double ahead) const {
 
 bool Model::has_full_tangent() const {
   return std::all_of(elasticity_.begin(), elasticity_.end(), [](const auto& term) { return term->has_full_tangent(); });
-}
-
-std::string without_full_tangent(const Model& model, const Positions& positions) {
-  constexpr double most = 1e-6;
-  const Connections& connections = model.body().connections;
-  bool strained = model.body().unstressed != nullptr;
-  for (int c = 0; c < connections.size() && !strained; ++c) {
-    const auto& [a, b] = connections.ends[c];
-    const double rest = connections.rest_length[c], length = (positions.col(b) - positions.col(a)).norm();
-    strained = !(std::abs(length - rest) <= most * rest);
-  }
-  return !strained || model.has_full_tangent()
-             ? ""
-             : "the constants of a law change with the shape, as those of angles_update, and the stiffness of a "
-               "strained body leaves their change out; take a rule with fixed constants";
 }
 
 bool Model::admissible(const Positions& positions) const {

@@ -1,12 +1,28 @@
 #include "elastin/core/solve/block_rows.h"
 
+#include <cmath>
 #include <map>
 
-#include "core/forces/full_tangent.h"
+#include "core/solve/full_tangent.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/forces/tangent.h"
 
 namespace elastin {
+
+std::string without_full_tangent(const Model& model, const Positions& positions) {
+  if (model.has_full_tangent()) return "";
+  constexpr double most = 1e-6;
+  const Connections& connections = model.body().connections;
+  bool strained = model.body().unstressed != nullptr;
+  for (int c = 0; c < connections.size() && !strained; ++c) {
+    const auto& [a, b] = connections.ends[c];
+    const double rest = connections.rest_length[c], length = (positions.col(b) - positions.col(a)).norm();
+    strained = !(std::abs(length - rest) <= most * rest);
+  }
+  return strained ? "the constants of a law change with the shape, as those of angles_update, and the stiffness of a "
+                    "strained body leaves their change out; take a rule with fixed constants"
+                  : "";
+}
 
 BlockRows stiffness_blocks(Model& model, const State& state) {
   if (const std::string why = without_full_tangent(model, state.positions); !why.empty())

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/forces/full_tangent.h"
+#include "core/solve/full_tangent.h"
 #include "core/solve/newton.h"
 #include "core/solve/responses.h"
 #include "core/solve/stiffness_slopes.h"

@@ -5,7 +5,7 @@
 #include <numeric>
 
 #include "core/base/dense.h"
-#include "core/forces/full_tangent.h"
+#include "core/solve/full_tangent.h"
 #include "elastin/core/base/stop.h"
 #include "elastin/core/linear/linear_solver.h"
 
