@@ -120,9 +120,9 @@ SimulationOptions options_of(const elastin_options* given, std::unique_ptr<Callb
 #endif
   if (!given) return options;
   const elastin_options values = checked_copy(given, "elastin_options");
-  if (values.scheme) options.integrator.scheme = catalog().steppers.find(values.scheme);
-  options.integrator.parameters =
-      values_of(values.scheme_parameters, values.scheme_parameter_count, "scheme_parameters");
+  if (values.stepper) options.stepper.method = catalog().steppers.find(values.stepper);
+  options.stepper.parameters =
+      values_of(values.stepper_parameters, values.stepper_parameter_count, "stepper_parameters");
   if (values.safety != 0) options.safety = within(values.safety, 1e-6, 1, "safety");
   if (values.max_substeps != 0)
     options.max_substeps = static_cast<int>(within(values.max_substeps, 1, 1e9, "max_substeps"));

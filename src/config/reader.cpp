@@ -41,9 +41,6 @@ std::string allowed_text(const Range& range, const Dimension& dimension) {
   return text;
 }
 
-/// "experiment.force"
-std::string below(const std::string& path, const std::string& key) { return path.empty() ? key : path + "." + key; }
-
 }  // namespace
 
 Reader::Reader(std::shared_ptr<SceneFile> file, const YAML::Node& node, std::string path,

@@ -23,6 +23,49 @@ constexpr const char* kFileTag = "\001file ";
 /// Maps and lists inside each other.
 constexpr int kDeepestTree = 40;
 
+/// Keys that have another name now, by the path of the map that they stand in; files and --set may use the former one.
+struct FormerKey {
+  std::string_view map, former, name;
+};
+constexpr FormerKey kFormerKeys[] = {{"time", "integrator", "stepper"},
+                                     {"time.stepper", "scheme", "method"},
+                                     {"steppers", "schemes", "methods"},
+                                     {"steppers.methods", "scheme", "method"}};
+
+/// The name of today of a key in the map of this path.
+std::string present_name(std::string_view map, const std::string& key) {
+  for (const FormerKey& one : kFormerKeys)
+    if (map == one.map && key == one.former) return std::string(one.name);
+  return key;
+}
+
+/// A path whose keys may have their former names.
+std::string present_path(const std::string& given) {
+  std::string present;
+  std::istringstream keys(given);
+  for (std::string key; std::getline(keys, key, '.');) present = below(present, present_name(present, key));
+  return present;
+}
+
+/// Gives keys of a map, and of those in it, their names of today. Items of lists are not named in the path.
+void take_present_names(const YAML::Node& node, const std::string& path,
+                        const std::function<SourceLocation(const YAML::Node&)>& location_of) {
+  if (node.IsSequence())
+    for (const auto& item : node) take_present_names(item, path, location_of);
+  if (!node.IsMap()) return;
+  for (const auto& entry : node) {
+    YAML::Node key = entry.first;
+    const std::string given = key.Scalar(), name = present_name(path, given);
+    if (name != given) {
+      if (node[name].IsDefined())
+        throw InputError(location_of(key), below(path, given) + " is the former name of " + below(path, name) +
+                                               ", which stands here too; leave one of them out");
+      key = name;
+    }
+    take_present_names(entry.second, below(path, name), location_of);
+  }
+}
+
 /// Refuses what YAML forbids or never ends, and yaml-cpp lets pass: a key that stands twice in a map, an alias inside
 /// its own anchor, aliases that multiply without end.
 class TreeCheck {
@@ -102,8 +145,10 @@ void put_override(const YAML::Node& root, const std::string& assignment) {
     throw InputError(location, "the value is not valid YAML: " + error.msg);
   }
   TreeCheck([&](const YAML::Node&) { return location; }, assignment.size()).check(value);
+  const std::string present = present_path(path);
+  take_present_names(value, present, [&](const YAML::Node&) { return location; });
   mark_override(value);
-  put_value(root, path, value, location);
+  put_value(root, present, value, location);
 }
 
 /// Where a text's second YAML document begins.
@@ -168,6 +213,7 @@ YAML::Node load_document(const std::string& path, const std::string& text) {
     return SourceLocation{path, node.Mark().line + 1, node.Mark().column + 1};
   };
   TreeCheck(location_of, text.size()).check(document);
+  take_present_names(document, "", location_of);
   return document;
 }
 
@@ -247,6 +293,8 @@ std::string kind_of(const YAML::Node& node) {
 }
 
 bool is_override(const YAML::Node& node) { return node.Tag() == kOverrideTag; }
+
+std::string below(const std::string& path, const std::string& key) { return path.empty() ? key : path + "." + key; }
 
 std::size_t file_of(const YAML::Node& node) {
   const std::string& tag = node.Tag();

@@ -32,6 +32,8 @@ std::optional<std::size_t> item_of(const YAML::Node& list, const std::string& ke
 /// The same value without the marks of where its parts came from.
 YAML::Node without_origin(const YAML::Node& node);
 
+/// "experiment.force"
+std::string below(const std::string& path, const std::string& key);
 /// "a map of keys", "a list", "a single value" or "nothing", for messages.
 std::string kind_of(const YAML::Node& node);
 /// Whether a key or value came from --set.

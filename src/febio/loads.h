@@ -52,7 +52,7 @@ struct MassPair {
   double mass;
 };
 
-/// Inertia as a load of the static steps that an implicit integrator solves: the energy whose forces are −M a. The
+/// Inertia as a load of the static steps that an implicit stepper solves: the energy whose forces are −M a. The
 /// mass matrix is consistent. Velocity and acceleration are history.
 class Inertia : public TimedLoad {
  public:

@@ -251,10 +251,10 @@ void add_contact(MovingClass& simulation);
 void add_state(MovingClass& simulation);
 
 /// A stepper by its name, or itself.
-using GivenScheme = std::variant<std::string, std::shared_ptr<Stepper>>;
+using GivenStepper = std::variant<std::string, std::shared_ptr<StepperKind>>;
 /// As keyword arguments give them.
-SimulationOptions simulation_options(const Catalog& catalog, const GivenScheme& scheme, double safety, int max_substeps,
-                                     ParameterValues scheme_parameters, ParameterValues parameters);
+SimulationOptions simulation_options(const Catalog& catalog, const GivenStepper& stepper, double safety,
+                                     int max_substeps, ParameterValues stepper_parameters, ParameterValues parameters);
 
 }  // namespace elastin::python
 

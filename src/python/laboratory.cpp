@@ -274,23 +274,28 @@ void add_laboratory(py::module_& module) {
            })
       .def(
           "simulation",
-          [](const py::object& self, const std::string& strategy, const GivenScheme& scheme, double safety,
-             int max_substeps, const ParameterValues& scheme_parameters, const ParameterValues& parameters) {
-            auto made = simulation(
-                self.cast<std::shared_ptr<SharedLaboratory>>(), strategy,
-                simulation_options(built_in_catalog(), scheme, safety, max_substeps, scheme_parameters, parameters));
-            const py::dict keywords(
-                py::arg("scheme") = scheme, py::arg("safety") = safety, py::arg("max_substeps") = max_substeps,
-                py::arg("scheme_parameters") = scheme_parameters, py::arg("parameters") = parameters);
+          [](const py::object& self, const std::string& strategy, const GivenStepper& stepper, double safety,
+             int max_substeps, const ParameterValues& stepper_parameters, const ParameterValues& parameters,
+             const std::optional<GivenStepper>& former, const std::optional<ParameterValues>& former_parameters) {
+            const GivenStepper& chosen = former ? *former : stepper;
+            const ParameterValues& of_it = former_parameters ? *former_parameters : stepper_parameters;
+            auto made =
+                simulation(self.cast<std::shared_ptr<SharedLaboratory>>(), strategy,
+                           simulation_options(built_in_catalog(), chosen, safety, max_substeps, of_it, parameters));
+            const py::dict keywords(py::arg("stepper") = chosen, py::arg("safety") = safety,
+                                    py::arg("max_substeps") = max_substeps, py::arg("stepper_parameters") = of_it,
+                                    py::arg("parameters") = parameters);
             made->recipe =
                 keep(py::make_tuple(self.attr("simulation"), py::make_tuple(strategy), keywords, py::list()));
             return made;
           },
-          py::arg("strategy") = "", py::kw_only(), py::arg("scheme") = "symplectic_euler", py::arg("safety") = 0.8,
-          py::arg("max_substeps") = 1000, py::arg("scheme_parameters") = ParameterValues{},
-          py::arg("parameters") = ParameterValues{},
+          py::arg("strategy") = "", py::kw_only(), py::arg("stepper") = "symplectic_euler", py::arg("safety") = 0.8,
+          py::arg("max_substeps") = 1000, py::arg("stepper_parameters") = ParameterValues{},
+          py::arg("parameters") = ParameterValues{}, py::arg("scheme") = py::none(),
+          py::arg("scheme_parameters") = py::none(),
           "The scene's body at rest, or at time 0, with its strategy, loads, damping and contact, held by its "
-          "experiment and loaded in full at once, to be stepped.");
+          "experiment and loaded in full at once, to be stepped. scheme, scheme_parameters: former names of stepper, "
+          "stepper_parameters.");
 }
 
 }  // namespace elastin::python

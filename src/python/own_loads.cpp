@@ -145,7 +145,7 @@ std::shared_ptr<LoadKind> make_load(const Descriptor& row, const py::function& f
 
 /// A step that a function makes: step(body, positions, velocities, forces, masses, dt, time, parameters) gives
 /// positions and velocities at its end. Supports then have what is theirs.
-class OwnStepper final : public Integrator {
+class OwnStepper final : public Stepper {
  public:
   OwnStepper(std::shared_ptr<py::function> step, const ParameterValues& values) : step_(std::move(step)) {
     const py::gil_scoped_acquire locked;
@@ -225,8 +225,9 @@ class OwnStepper final : public Integrator {
   std::shared_ptr<py::dict> values_;
 };
 
-std::shared_ptr<Stepper> make_stepper(const Descriptor& row, const py::function& step, bool is_explicit, int order) {
-  auto stepper = std::make_shared<Stepper>();
+std::shared_ptr<StepperKind> make_stepper(const Descriptor& row, const py::function& step, bool is_explicit,
+                                          int order) {
+  auto stepper = std::make_shared<StepperKind>();
   static_cast<Descriptor&>(*stepper) = row;
   stepper->is_explicit = is_explicit;
   stepper->order = order;
@@ -247,8 +248,8 @@ void add_own_loads(py::module_& module) {
   py::class_<LoadKind, Descriptor, std::shared_ptr<LoadKind>>(module, "Load", py::dynamic_attr(),
                                                               "A load of one's own, see elastin.load.")
       .def("__reduce__", [](const py::object& self) { return self.attr("_made_by"); });
-  py::class_<Stepper, Descriptor, std::shared_ptr<Stepper>>(module, "Stepper", py::dynamic_attr(),
-                                                            "A stepper of one's own, see elastin.stepper.")
+  py::class_<StepperKind, Descriptor, std::shared_ptr<StepperKind>>(module, "Stepper", py::dynamic_attr(),
+                                                                    "A stepper of one's own, see elastin.stepper.")
       .def("__reduce__", [](const py::object& self) { return self.attr("_made_by"); });
   module.def("_load",
              [](const std::string& name, const std::vector<ParameterInfo>& parameters, const std::string& summary,

@@ -31,18 +31,19 @@ struct ReadMaterial {
 };
 
 std::shared_ptr<Moving> make_simulation(const std::shared_ptr<Body>& body, const py::object& strategy,
-                                        const GivenMaterial& given_material, const GivenScheme& scheme, double safety,
-                                        int max_substeps, const ParameterValues& scheme_parameters,
+                                        const GivenMaterial& given_material, const GivenStepper& stepper, double safety,
+                                        int max_substeps, const ParameterValues& stepper_parameters,
                                         const ParameterValues& parameters, double budget,
                                         const std::shared_ptr<Catalog>& given) {
   const Catalog catalog = given ? *given : built_in_catalog();
-  SimulationOptions options = simulation_options(catalog, scheme, safety, max_substeps, scheme_parameters, parameters);
+  SimulationOptions options =
+      simulation_options(catalog, stepper, safety, max_substeps, stepper_parameters, parameters);
   options.budget = budget;
   const auto material = std::visit(ReadMaterial(), given_material);
   const Strategy chosen = strategy_from(strategy, catalog);
   const py::object chosen_by = py::isinstance<py::str>(strategy) && given ? py::cast(chosen) : strategy;
-  const py::dict keywords(py::arg("scheme") = scheme, py::arg("safety") = safety,
-                          py::arg("max_substeps") = max_substeps, py::arg("scheme_parameters") = scheme_parameters,
+  const py::dict keywords(py::arg("stepper") = stepper, py::arg("safety") = safety,
+                          py::arg("max_substeps") = max_substeps, py::arg("stepper_parameters") = stepper_parameters,
                           py::arg("parameters") = parameters, py::arg("budget") = budget);
   const auto recipe = keep(py::make_tuple(py::module_::import("elastin._elastin").attr("Simulation"),
                                           py::make_tuple(body, chosen_by, material), keywords, py::list()));
@@ -361,22 +362,22 @@ void add_trajectory(py::module_& module, Class& simulation) {
            "'forces' on molecules throughout, each (n, 3), and a list, 'stiffness', as that of Simulation.vjp.");
   simulation.def(
       "trajectory",
-      [](const std::shared_ptr<Moving>& self, double dt, int steps, const std::string& scheme,
-         const ParameterValues& parameters) {
+      [](const std::shared_ptr<Moving>& self, double dt, int steps, const std::string& stepper,
+         const ParameterValues& parameters, const std::optional<std::string>& scheme) {
         return self->in_turn([&](Simulation& s) {
-          IntegratorOptions options{scheme, parameters};
+          StepperOptions options{scheme.value_or(stepper), parameters};
           options.newton.tolerance = 1e-12;
           KeptTrajectory kept{self, self->generation, Trajectory(s.model(), s.state(), dt, steps, options)};
           s.model().begin_step(s.state(), s.state().time);
           return kept;
         });
       },
-      py::arg("dt"), py::arg("steps"), py::arg("scheme") = "symplectic_euler",
-      py::arg("parameters") = ParameterValues(),
+      py::arg("dt"), py::arg("steps"), py::arg("stepper") = "symplectic_euler",
+      py::arg("parameters") = ParameterValues(), py::kw_only(), py::arg("scheme") = py::none(),
       "Takes equal steps by dt [s] from the present state, which stays as it is, so that their end can be "
-      "differentiated. Schemes: symplectic_euler, velocity_verlet, backward_euler, newmark, generalized_alpha, with "
+      "differentiated. Steppers: symplectic_euler, velocity_verlet, backward_euler, newmark, generalized_alpha, with "
       "their parameters by name; explicit ones must be given steps short enough, for no step is split. Nothing that "
-      "acts on the body may change until the last vjp().");
+      "acts on the body may change until the last vjp(). scheme: former name of stepper.");
 }
 
 void add_derivatives(Class& simulation) {
@@ -483,14 +484,14 @@ Matrix3 free_directions(const py::object& given) {
   return free;
 }
 
-SimulationOptions simulation_options(const Catalog& catalog, const GivenScheme& scheme, double safety, int max_substeps,
-                                     ParameterValues scheme_parameters, ParameterValues parameters) {
+SimulationOptions simulation_options(const Catalog& catalog, const GivenStepper& stepper, double safety,
+                                     int max_substeps, ParameterValues stepper_parameters, ParameterValues parameters) {
   SimulationOptions options;
-  if (const auto* name = std::get_if<std::string>(&scheme))
-    options.integrator.scheme = catalog.steppers.find(*name);
+  if (const auto* name = std::get_if<std::string>(&stepper))
+    options.stepper.method = catalog.steppers.find(*name);
   else
-    options.integrator.scheme = std::shared_ptr<const Stepper>(std::get<std::shared_ptr<Stepper>>(scheme));
-  options.integrator.parameters = std::move(scheme_parameters);
+    options.stepper.method = std::shared_ptr<const StepperKind>(std::get<std::shared_ptr<StepperKind>>(stepper));
+  options.stepper.parameters = std::move(stepper_parameters);
   options.safety = safety;
   options.max_substeps = max_substeps;
   options.parameters = std::move(parameters);
@@ -510,23 +511,32 @@ void add_simulation(py::module_& module) {
                    "A body that moves. Steps let other Python threads run; each simulation may run in a thread of its "
                    "own. Views never copy: they stay where they are, and keep the simulation alive.");
   simulation
-      .def(py::init(&make_simulation), py::arg("body"), py::arg("strategy"), py::arg("material"), py::kw_only(),
-           py::arg("scheme") = "symplectic_euler", py::arg("safety") = 0.8, py::arg("max_substeps") = 1000,
-           py::arg("scheme_parameters") = ParameterValues{}, py::arg("parameters") = ParameterValues{},
-           py::arg("budget") = 0., py::arg("catalog") = py::none(),
+      .def(py::init([](const std::shared_ptr<Body>& body, const py::object& strategy, const GivenMaterial& material,
+                       const GivenStepper& stepper, double safety, int max_substeps,
+                       const ParameterValues& stepper_parameters, const ParameterValues& parameters, double budget,
+                       const std::shared_ptr<Catalog>& catalog, const std::optional<GivenStepper>& scheme,
+                       const std::optional<ParameterValues>& scheme_parameters) {
+             return make_simulation(body, strategy, material, scheme.value_or(stepper), safety, max_substeps,
+                                    scheme_parameters.value_or(stepper_parameters), parameters, budget, catalog);
+           }),
+           py::arg("body"), py::arg("strategy"), py::arg("material"), py::kw_only(),
+           py::arg("stepper") = "symplectic_euler", py::arg("safety") = 0.8, py::arg("max_substeps") = 1000,
+           py::arg("stepper_parameters") = ParameterValues{}, py::arg("parameters") = ParameterValues{},
+           py::arg("budget") = 0., py::arg("catalog") = py::none(), py::arg("scheme") = py::none(),
+           py::arg("scheme_parameters") = py::none(),
            "material: one, or of a body of parts (see of_parts) a list, which the parts count from 0. "
            "strategy: a name ('lattice', 'lattice+volume', 'calibrated:patch') or a Strategy. calibrated: fits a rule "
            "to "
            "the material by the body's homogenised stiffness, as the experiment `material` of a scene does; the body "
            "is of tetrahedra, or a box. What strategy and material need of the body is added: pairs of molecules for "
-           "bending_rigidity, sides of cells, Voronoi cells. scheme: one of steppers() or one's own (see "
+           "bending_rigidity, sides of cells, Voronoi cells. stepper: one of steppers() or one's own (see "
            "elastin.stepper), and "
-           "scheme_parameters its own by name: {'newton_iterations': 1}. Explicit schemes part a step so that each "
+           "stepper_parameters its own by name: {'newton_iterations': 1}. Explicit steppers part a step so that each "
            "part is at most `safety` of the "
            "body's stable step; a step that would take more than max_substeps is not taken. "
-           "parameters: of the strategy, by name. budget: by the clock, what a step may take [s]; 0: any. Of schemes "
+           "parameters: of the strategy, by name. budget: by the clock, what a step may take [s]; 0: any. Of steppers "
            "that take a number of sweeps or iterations: each step gets as many as the pace of the steps before leaves "
-           "time for; see effort.")
+           "time for; see effort. scheme, scheme_parameters: former names of stepper, stepper_parameters.")
       .def("step", &step, py::arg("dt"), py::arg("count") = 1, py::kw_only(), py::arg("check") = true,
            "Brings the body forward by dt [s], `count` times, and gives the last step's result. A step that fails "
            "leaves the state as it was and raises StepError; with check=False its result says so, and no step "
@@ -542,7 +552,8 @@ void add_simulation(py::module_& module) {
           "`unstable` says where that did not succeed. Raises StepError where none is found, unless check=False.")
       .def_property_readonly(
           "effort", [](const Moving& self) { return self.simulation.effort(); },
-          "Sweeps or iterations of the last step; 0 where the scheme takes no number of them. With a budget it differs "
+          "Sweeps or iterations of the last step; 0 where the stepper takes no number of them. With a budget it "
+          "differs "
           "from step to step and from machine to machine: record it and pass it to set_effort to reproduce the run.")
       .def(
           "set_effort", [](Moving& self, int effort) { self.in_turn([&](Simulation& s) { s.set_effort(effort); }); },

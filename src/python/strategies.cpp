@@ -115,7 +115,7 @@ void add_strategies(py::module_& module) {
       .def_readonly("parameters", &Descriptor::parameters)
       .def("__repr__", [](const Descriptor& row) { return "<elastin.Row " + row.name + ": " + row.summary + ">"; });
   module.def(
-      "steppers", [] { return rows_of(built_in_steppers()); }, "What a simulation takes as its scheme.");
+      "steppers", [] { return rows_of(built_in_steppers()); }, "What a simulation takes as its stepper.");
   module.def(
       "linear_solvers", [] { return rows_of(built_in_linear_solvers()); },
       "What scenes name under solver.linear_solver.");
@@ -160,8 +160,8 @@ void add_strategies(py::module_& module) {
               catalog.add(own.cast<const Strategy&>());
             else if (py::isinstance<LoadKind>(own))
               catalog.loads.add(own.cast<const LoadKind&>());
-            else if (py::isinstance<Stepper>(own))
-              catalog.steppers.add(own.cast<const Stepper&>());
+            else if (py::isinstance<StepperKind>(own))
+              catalog.steppers.add(own.cast<const StepperKind&>());
             else
               throw InputError("own: is " + py::repr(own).cast<std::string>() +
                                "; allowed: a Strategy, a Load or a Stepper");

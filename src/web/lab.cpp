@@ -58,10 +58,10 @@ lab::Parcel::Strategy chosen(const lab::Parcel& parcel, const std::string& label
 
 SimulationOptions options_of(const elastin_lab_settings& settings) {
   SimulationOptions options;
-  options.integrator.scheme = c::catalog().steppers.find(&given(settings.scheme, "scheme"));
+  options.stepper.method = c::catalog().steppers.find(&given(settings.stepper, "stepper"));
   if (settings.newton_iterations > 0)
-    for (const ParameterInfo& info : options.integrator.scheme->parameters)
-      if (info.name == "newton_iterations") options.integrator.parameters[info.name] = settings.newton_iterations;
+    for (const ParameterInfo& info : options.stepper.method->parameters)
+      if (info.name == "newton_iterations") options.stepper.parameters[info.name] = settings.newton_iterations;
   return options;
 }
 

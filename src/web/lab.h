@@ -17,7 +17,7 @@ ELASTIN_API void elastin_lab_free(elastin_lab* lab);
 typedef struct elastin_lab_settings {
   size_t size;            /* sizeof(elastin_lab_settings) */
   const char* strategy;   /* a label of the scene's, or a name of the catalog */
-  const char* scheme;     /* of the table "steppers" */
+  const char* stepper;    /* of the table "steppers" */
   int newton_iterations;  /* of backward_euler in each step; 0: until it converges */
   double youngs_modulus;  /* E [Pa] > 0: that of a law with constants of its own scales them all */
   double poissons_ratio;  /* of a material that has one */
@@ -33,7 +33,7 @@ ELASTIN_API elastin_status elastin_lab_simulate(const elastin_lab* lab, const el
                                                 elastin_simulation** simulation);
 /* Gives `to` the positions, velocities and the time of `from`: another strategy on the same body goes on from there. */
 ELASTIN_API elastin_status elastin_lab_carry(const elastin_simulation* from, elastin_simulation* to);
-/* The longest stable step of an explicit scheme about rest [s], with nothing held. */
+/* The longest stable step of an explicit stepper about rest [s], with nothing held. */
 ELASTIN_API elastin_status elastin_lab_stable_step(elastin_simulation* simulation, double* step);
 /* The host's forces from the next step on: gravity [m/s^2] on all molecules, `own_load` times the load of the scene's
  * experiment, and a probe: a sphere at `centre` of `radius` [m] that pushes what is inside it out, `stiffness` [N/m]

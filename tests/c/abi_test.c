@@ -62,13 +62,13 @@ static void layout(void) {
   CHECK(sizeof(elastin_obstacle) == 136 && offsetof(elastin_obstacle, turn) == 64);
   CHECK(sizeof(elastin_contact) == 72 && offsetof(elastin_contact, obstacles) == 56);
   CHECK(sizeof(elastin_topology_report) == 40 && offsetof(elastin_topology_report, molecules) == 24);
-  CHECK(sizeof(elastin_options) == 104 && offsetof(elastin_options, scheme) == 8);
+  CHECK(sizeof(elastin_options) == 104 && offsetof(elastin_options, stepper) == 8);
   CHECK(offsetof(elastin_options, budget) == 96);
   CHECK(offsetof(elastin_options, safety) == 16 && offsetof(elastin_options, max_substeps) == 24);
   CHECK(offsetof(elastin_options, parameters) == 32 && offsetof(elastin_options, parameter_count) == 40);
   CHECK(offsetof(elastin_options, threads) == 48 && offsetof(elastin_options, run) == 56);
   CHECK(offsetof(elastin_options, run_context) == 64 && offsetof(elastin_options, run_width) == 72);
-  CHECK(offsetof(elastin_options, scheme_parameters) == 80 && offsetof(elastin_options, scheme_parameter_count) == 88);
+  CHECK(offsetof(elastin_options, stepper_parameters) == 80 && offsetof(elastin_options, stepper_parameter_count) == 88);
   CHECK(sizeof(elastin_step_result) == 24 && offsetof(elastin_step_result, linear_iterations) == 20);
 }
 
@@ -353,7 +353,7 @@ static void refusals(void) {
   wrong = kSoft, wrong.youngs_modulus = NAN;
   REFUSED(elastin_simulate(body, "lattice", &wrong, NULL, &simulation), "youngs_modulus is nan");
   REFUSED(elastin_simulate(body, "lattice", &kSoft, &options, &simulation), "did you mean 'newmark'");
-  options.scheme = NULL, options.parameters = unknown, options.parameter_count = 1;
+  options.stepper = NULL, options.parameters = unknown, options.parameter_count = 1;
   REFUSED(elastin_simulate(body, "lattice", &kSoft, &options, &simulation), "vicosity");
   REFUSED(elastin_simulate(body, "wrinkling", &kSoft, NULL, &simulation), "goes with a membrane law");
   REFUSED(elastin_simulate(body, NULL, &kSoft, NULL, &simulation), "strategy is null");

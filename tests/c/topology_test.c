@@ -20,7 +20,7 @@ static void check(int good, const char* what) {
 static const int counts[3] = {6, 6, 6};
 static const double spacing[3] = {1e-3, 1e-3, 1e-3};
 
-static elastin_simulation* lattice_of(const char* scheme) {
+static elastin_simulation* lattice_of(const char* stepper) {
   elastin_body* body = NULL;
   elastin_simulation* tissue = NULL;
   elastin_material material = {0};
@@ -29,7 +29,7 @@ static elastin_simulation* lattice_of(const char* scheme) {
   material.size = sizeof material;
   material.youngs_modulus = 1e4, material.poissons_ratio = 0.25;
   options.size = sizeof options;
-  options.scheme = scheme;
+  options.stepper = stepper;
   OK(elastin_lattice(counts, spacing, ELASTIN_AXIS | ELASTIN_FACE, 1000, &body));
   OK(elastin_simulate(body, "lattice", &material, &options, &tissue));
   elastin_body_free(body);

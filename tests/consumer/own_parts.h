@@ -5,17 +5,17 @@
 
 #include "elastin/core/forces/load_table.h"
 #include "elastin/core/forces/model.h"
-#include "elastin/core/solve/integrator.h"
+#include "elastin/core/solve/stepper.h"
 #include "elastin/lab/experiment/experiment_catalog.h"
 
 /// A stepper, a load and an experiment of a program outside Elastin, as rows for its catalogs.
 namespace own {
 
 /// Velocity Verlet in a number of equal substeps.
-class InParts final : public elastin::Integrator {
+class InParts final : public elastin::Stepper {
  public:
   InParts(int substeps, const elastin::StaticOptions& newton)
-      : substeps_(substeps), verlet_(elastin::make_integrator({.scheme = "velocity_verlet", .newton = newton})) {}
+      : substeps_(substeps), verlet_(elastin::make_stepper({.method = "velocity_verlet", .newton = newton})) {}
   elastin::StepResult advance(elastin::Model& model, elastin::State& state, double dt) override {
     elastin::StepResult result;
     for (int substep = 0; substep < substeps_ && result.outcome == elastin::Outcome::converged; ++substep)
@@ -25,11 +25,11 @@ class InParts final : public elastin::Integrator {
 
  private:
   int substeps_;
-  std::unique_ptr<elastin::Integrator> verlet_;
+  std::unique_ptr<elastin::Stepper> verlet_;
 };
 
-inline elastin::Stepper in_parts_row() {
-  elastin::Stepper row{{"in_parts", "velocity Verlet in equal substeps", "a test", {}}};
+inline elastin::StepperKind in_parts_row() {
+  elastin::StepperKind row{{"in_parts", "velocity Verlet in equal substeps", "a test", {}}};
   row.parameters = {
       {"parts", elastin::dimension::none, 1, 100, 2, "substeps of a step", false, elastin::ValueKind::whole}};
   row.is_explicit = true;

@@ -12,7 +12,7 @@
 #include "elastin/core/base/error.h"
 #include "elastin/core/parallel/threads.h"
 #include "elastin/core/simulation/catalog.h"
-#include "elastin/core/solve/integrator.h"
+#include "elastin/core/solve/stepper.h"
 #include "support/bodies.h"
 #include "support/forces_of.h"
 
@@ -65,10 +65,10 @@ struct Scene {
     state = state_at_rest(body);
     model->commit_step(state);
   }
-  void step(const IntegratorOptions& options, double dt, int steps) {
-    const auto integrator = make_integrator(options);
+  void step(const StepperOptions& options, double dt, int steps) {
+    const auto stepper = make_stepper(options);
     for (int step = 0; step < steps; ++step) {
-      const StepResult result = integrator->advance(*model, state, dt);
+      const StepResult result = stepper->advance(*model, state, dt);
       INFO("step " << step << ": " << result.cause);
       REQUIRE(result.outcome == Outcome::converged);
     }
@@ -178,9 +178,9 @@ TEST_CASE("contact: a head-on collision keeps momentum to rounding, and energy",
   const Ledger ledger(*scene.model, scene.state);
   const Energies before = ledger.energies(*scene.model, scene.state);
   double deepest = 0;
-  const auto integrator = make_integrator({"velocity_verlet"});
+  const auto stepper = make_stepper({"velocity_verlet"});
   for (int step = 0; step < 4000; ++step) {
-    REQUIRE(integrator->advance(*scene.model, scene.state, 5e-6).outcome == Outcome::converged);
+    REQUIRE(stepper->advance(*scene.model, scene.state, 5e-6).outcome == Outcome::converged);
     deepest = std::max(deepest, scene.contact->report(scene.state).largest_penetration);
   }
   CHECK(deepest > 0);
@@ -236,13 +236,13 @@ TEST_CASE("contact: Newmark's steps make no energy of a block that bounces and s
       scene.state.velocities.row(0).setConstant(0.5);
       Ledger ledger(*scene.model, scene.state);
       const Energies before = ledger.energies(*scene.model, scene.state);
-      const auto integrator = make_integrator({"newmark"});
+      const auto stepper = make_stepper({"newmark"});
       // The springs are stretched by large turns, of which the trapezoidal rule keeps the energy to some per cent
       // alone.
       const double floor = 18e-6 * 1000 * kGravity * 0.01;
       double most = 0, highest = 0;
       for (int step = 0; step < static_cast<int>(0.3 / dt); ++step) {
-        REQUIRE(integrator->advance(*scene.model, scene.state, dt).outcome == Outcome::converged);
+        REQUIRE(stepper->advance(*scene.model, scene.state, dt).outcome == Outcome::converged);
         ledger.record(*scene.model, scene.state);
         most = std::max(most, ledger.energies(*scene.model, scene.state).balance() - before.balance());
         highest = std::max(highest, scene.state.positions.row(2).minCoeff());
@@ -425,15 +425,15 @@ TEST_CASE("contact: what slid into its place does not stick", "[contact]") {
 }
 
 TEST_CASE("contact: nothing passes through a thin plate however fast it comes", "[contact]") {
-  for (const Scheme scheme : {"velocity_verlet", "symplectic_euler", "backward_euler", "newmark"}) {
+  for (const StepperMethod method : {"velocity_verlet", "symplectic_euler", "backward_euler", "newmark"}) {
     Obstacle plate{"plate", shape::Box{{0.2, 0.2, 1e-3}}, {}};
     Scene scene(isolated_molecules({{0, 0, 0.1}}, 0.005, 0.001), options_of(1e10, 0, {plate}),
                 0);  // stiff enough to stop it within its radius
     scene.state.velocities(2, 0) = -100;
-    const auto integrator = make_integrator({scheme});
+    const auto stepper = make_stepper({method});
     for (int step = 0; step < 50 && scene.state.velocities(2, 0) < 0; ++step) {
-      const StepResult result = integrator->advance(*scene.model, scene.state, 1e-4);  // 1 cm a step
-      INFO(scheme->name << ": " << result.cause);
+      const StepResult result = stepper->advance(*scene.model, scene.state, 1e-4);  // 1 cm a step
+      INFO(method->name << ": " << result.cause);
       REQUIRE(result.outcome == Outcome::converged);
       REQUIRE(scene.state.positions(2, 0) > 0);
     }

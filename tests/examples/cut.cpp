@@ -15,7 +15,7 @@ int main() {
   set_matter(body, 1e-3, 1000, 0, 0);
   const double mass = body.mass.sum();
   SimulationOptions options;
-  options.integrator = {"backward_euler", {{"newton_iterations", 2}}};
+  options.stepper = {"backward_euler", {{"newton_iterations", 2}}};
   Simulation tissue(std::move(body), built_in_catalog().find("neo_hookean"),
                     Material{.youngs_modulus = 8e3, .poissons_ratio = 0.4}, options);
   for (int molecule = 0; molecule < tissue.body().size(); ++molecule)

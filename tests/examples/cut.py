@@ -4,8 +4,8 @@ import elastin
 
 # 40 x 20 x 10 mm of tetrahedra, 1000 kg/m3, held at its bottom.
 block = elastin.lattice((17, 9, 5), 2.5e-3)
-tissue = elastin.Simulation(block, "lattice", elastin.Material(8e3), scheme="backward_euler",
-                            scheme_parameters={"newton_iterations": 2})
+tissue = elastin.Simulation(block, "lattice", elastin.Material(8e3), stepper="backward_euler",
+                            stepper_parameters={"newton_iterations": 2})
 for molecule in numpy.flatnonzero(tissue.body.positions[:, 2] == 0):
     tissue.fix(molecule)
 tissue.add_load("gravity", acceleration=(0, 0, -9.81))

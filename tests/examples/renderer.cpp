@@ -17,7 +17,7 @@ int main(int argc, char** argv) {
   Body body = cubic_lattice({25, 5, 5}, 4e-3, {.axis = true, .face = true});  // a strip that bends down
   set_matter(body, 2e-3, 1000, 0, 0.096 * 0.016 * 0.016);
   Simulation tissue(std::move(body), built_in_catalog().find("lattice"), Material{.youngs_modulus = 50e3},
-                    {.integrator = {.scheme = "backward_euler", .parameters = {{"newton_iterations", 1}}}});
+                    {.stepper = {.method = "backward_euler", .parameters = {{"newton_iterations", 1}}}});
   tissue.add_load(*built_in_loads().find("gravity"), {.vectors = {{"acceleration", {0, 0, -9.81}}}});
   for (int molecule = 0; molecule < tissue.body().size(); molecule += 25) tissue.fix(molecule);
 

@@ -175,7 +175,7 @@ except elastin.InputError as error:
     print(error)
 
 # %%
-wobble = elastin.Simulation(bar, "neo_hookean", rubber, scheme="backward_euler")
+wobble = elastin.Simulation(bar, "neo_hookean", rubber, stepper="backward_euler")
 wobble.add_load("gravity", acceleration=(0, 0, -9.81))
 for molecule in numpy.flatnonzero(bar.positions[:, 0] == 0):
     wobble.fix(molecule)

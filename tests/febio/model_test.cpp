@@ -384,7 +384,7 @@ TEST_CASE("a cube in vibration has the period of the trapezoidal rule with a con
 }
 
 TEST_CASE("a cube in vibration by generalised alpha, and by steps that keep its energy", "[febio]") {
-  // The same cube has one unknown u: m = ρ/3, load ρ b/2, W = E/4 (λ² − 1 − 2 ln λ), P = E/2 (λ − 1/λ). The scheme of
+  // The same cube has one unknown u: m = ρ/3, load ρ b/2, W = E/4 (λ² − 1 − 2 ln λ), P = E/2 (λ − 1/λ). The stepper of
   // [Chung & Hulbert 1993] with P of the state within the step; for a radius of 1 with ΔW/Δu in its place.
   const auto energy = [](double u) { return (std::pow(1 + u, 2) - 1) / 4 - std::log(1 + u) / 2; };
   const auto stress = [](double u) { return (1 + u - 1 / (1 + u)) / 2; };

@@ -97,13 +97,13 @@ TIME = "time: {duration: %s, frames: 8%s}\n"
 EXPLICIT = {
     "release-verlet": LATTICE + SOFT % (0.25, "lattice") + STRETCHED % "5 mm" + TIGHT % "large" + TIME % ("0.1 s", ""),
     "release-euler": SOLID + BENT % ("release", "2 mN", "") + TIGHT % "large" +
-                     TIME % ("50 ms", ", integrator: symplectic_euler"),
+                     TIME % ("50 ms", ", stepper: symplectic_euler"),
     "averaged-verlet": TETRAHEDRA + SOFT % (0.45, "neo_hookean+volume") + RAMPED % "2 mm" + TIGHT % "large" +
-                       TIME % ("50 ms", ", integrator: velocity_verlet"),
+                       TIME % ("50 ms", ", stepper: velocity_verlet"),
     "hexahedra-verlet": HEXAHEDRA + SOFT % (0.3, "neo_hookean") + RAMPED % "2 mm" + TIGHT % "large" +
-                        TIME % ("50 ms", ", integrator: velocity_verlet"),
+                        TIME % ("50 ms", ", stepper: velocity_verlet"),
     "relaxation-verlet": LATTICE + SOFT % (0.25, "lattice") + TIGHT % "large" +
-                         TIME % ("0.2 s", ", integrator: velocity_verlet") +
+                         TIME % ("0.2 s", ", stepper: velocity_verlet") +
                          "experiment: {kind: relaxation, ramp: 0.1 s, fixture: {kind: shear, axis: z, direction: x, "
                          "strain: 5 %}}\nloads: [{rayleigh: {mass: 5 1/s, stiffness: 1 ms}}, {damping: 1 mN s/m}]\n",
     "shake-verlet": PACKING + SOFT % (0.25, "standard") + TIGHT % "large" + TIME % ("0.1 s", "") +
@@ -117,9 +117,9 @@ EXPLICIT = {
 IMPLICIT = {
     "release-newmark": SOLID + BENT % ("release", "100 mN", "") + TIGHT % "large" + TIME % ("50 ms", ""),
     "creep-backward": LATTICE + SOFT % (0.25, "lattice") + BENT % ("creep", "100 mN", "") + TIGHT % "large" +
-                      TIME % ("0.2 s", ", integrator: backward_euler, step: 5 ms") + "loads: [{damping: 2 mN s/m}]\n",
+                      TIME % ("0.2 s", ", stepper: backward_euler, step: 5 ms") + "loads: [{damping: 2 mN s/m}]\n",
     "cyclic-alpha": MESH + SOFT % (0.25, "neo_hookean") + TIGHT % "large" +
-                    TIME % ("20 ms", ", integrator: generalized_alpha, step: 0.5 ms") +
+                    TIME % ("20 ms", ", stepper: generalized_alpha, step: 0.5 ms") +
                     "experiment: {kind: cyclic, frequency: 50 1/s, fixture: {kind: tension, axis: z, "
                     "displacement: 0.5 mm, gauge: [22 mm, 38 mm]}}\n",
     "drop-newmark": HEXAHEDRA + SOFT % (0.3, "neo_hookean") + TIGHT % "large" +
@@ -264,8 +264,8 @@ def check_steps(folder):
             check(processes == 1 or any("its share of the body" in note for note in shared[name]["notes"]),
                   f"{name}: {shared[name].get('notes')}")
             compare_in_time(name, shared[name], one[name], AGREEMENT, f"on {processes} processes, on one")
-        explicit = one[name]["time"]["integrator"] in ("velocity_verlet", "symplectic_euler")
-        check(explicit == (name in EXPLICIT), f"{name}: steps by {one[name]['time']['integrator']}")
+        explicit = one[name]["time"]["stepper"] in ("velocity_verlet", "symplectic_euler")
+        check(explicit == (name in EXPLICIT), f"{name}: steps by {one[name]['time']['stepper']}")
         if name in EXPLICIT and not name.startswith("release"):  # which begins with an equilibrium
             alone = displacements_of(first, name)
             for where in (second, fourth):
@@ -307,12 +307,12 @@ def check_refusals(folder):
     refused("'multigrid' does not go with steps in time", 2, "run", timed, "--set", "solver.linear_solver=multigrid")
     refused("write no restart files", 2, "run", timed, "--set", "time.checkpoint=2")
     refused("would choose different steps", 2, "run", timed, "--set", "time.step=1 ms", "--set", "time.budget=1 ms",
-            "--set", "time.integrator=newmark")
+            "--set", "time.stepper=newmark")
     scattered = os.path.join(folder, "scattered.yaml")
     with open(timed, encoding="utf-8") as text, open(scattered, "w", encoding="utf-8") as file:
         file.write(text.read() + "initial: {scatter: {amount: 0.1 mm}}\n")
     refused("`initial` is read on the whole body; write engine: threads", 2, "run", scattered)
-    done = run(2, "run", timed, "--set", "time.integrator=xpbd")
+    done = run(2, "run", timed, "--set", "time.stepper=xpbd")
     check(done.returncode == 1 and "those that step shares are symplectic_euler" in done.stdout + done.stderr,
           f"xpbd: exit code {done.returncode}: {done.stdout}{done.stderr}")
     contact = os.path.join(ROOT, "scenes/contact/indentation-flat.yaml")

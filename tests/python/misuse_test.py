@@ -39,7 +39,7 @@ class Names(unittest.TestCase):
 
     def test_obstacles_of_two_contacts_keep_their_forces(self):
         """A block that stands on one plane and is pressed by another: each has its own force, and they are equal."""
-        tissue = elastin.Simulation(LATTICE, "lattice", SOFT, scheme="backward_euler")
+        tissue = elastin.Simulation(LATTICE, "lattice", SOFT, stepper="backward_euler")
         turned = numpy.diag([1.0, -1.0, -1.0])  # a half space above
         tissue.add_contact(1e8, [{"shape": "plane", "position": (0, 0, 1e-6)}])
         tissue.add_contact(1e8, [{"shape": "plane", "position": (0, 0, 3e-3 - 1e-5), "turn": turned}])

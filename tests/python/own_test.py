@@ -55,10 +55,10 @@ class Loads(unittest.TestCase):
     def test_weight_and_drag_are_those_of_the_table(self):
         """Forces of nothing, and of velocities alone, in explicit and in implicit steps."""
         drag = elastin.load("drag", lambda body, velocities, rate=20.0: -rate * body.masses[:, None] * velocities)
-        for scheme in ("symplectic_euler", "velocity_verlet", "backward_euler"):
+        for stepper in ("symplectic_euler", "velocity_verlet", "backward_euler"):
             ends = []
             for own in (False, True):
-                simulation = elastin.Simulation(cube(), "lattice", MATERIAL, scheme=scheme)
+                simulation = elastin.Simulation(cube(), "lattice", MATERIAL, stepper=stepper)
                 simulation.fix(numpy.arange(16))
                 if own:
                     simulation.add_load(elastin.load("mine", weight))
@@ -74,8 +74,8 @@ class Loads(unittest.TestCase):
         def refuse(positions):
             raise Refused
 
-        for scheme in ("symplectic_euler", "newmark"):
-            simulation = elastin.Simulation(cube(), "lattice", MATERIAL, scheme=scheme)
+        for stepper in ("symplectic_euler", "newmark"):
+            simulation = elastin.Simulation(cube(), "lattice", MATERIAL, stepper=stepper)
             number = simulation.add_load(elastin.load("refusing", refuse))
             for act in (lambda: simulation.step(1e-3), simulation.settle, lambda: simulation.forces):
                 self.assertRaises(Refused, act)
@@ -92,14 +92,14 @@ class Loads(unittest.TestCase):
 
     def test_it_sees_the_simulation_that_calls_it_and_changes_nothing_there(self):
         state = None
-        for scheme in ("symplectic_euler", "velocity_verlet", "backward_euler"):
+        for stepper in ("symplectic_euler", "velocity_verlet", "backward_euler"):
             for act in (lambda s: s.remove_load(1), lambda s: s.set_load(1), lambda s: s.add_load("gravity", acceleration=(0, 0, -1)),
                         lambda s: s.couple(0, (0, 0, 0), 1), lambda s: s.add_contact(1e6), lambda s: s.vibrations(1),
                         lambda s: s.host_forces, lambda s: s.forces, lambda s: s.reaction(0), lambda s: s.step(1e-3),
                         lambda s: s.settle(), lambda s: s.fix(3), lambda s: s.cut_plane((0, 0, 0), (1, 0, 0)),
                         lambda s: s.restore(state), lambda s: s.trajectory(1e-4, 1), lambda s: s.stiffness(),
                         lambda s: setattr(s, "positions", s.body.positions)):
-                simulation = elastin.Simulation(cube(), "lattice", MATERIAL, scheme=scheme)
+                simulation = elastin.Simulation(cube(), "lattice", MATERIAL, stepper=stepper)
                 state = simulation.save()
                 simulation.fix(0)
 
@@ -131,7 +131,7 @@ class Loads(unittest.TestCase):
             elastin.load("mine", lambda position: position)
 
     def test_a_simulation_with_it_can_be_pickled(self):
-        simulation = elastin.Simulation(cube(), "lattice", MATERIAL, scheme=elastin.stepper("leap", leap))
+        simulation = elastin.Simulation(cube(), "lattice", MATERIAL, stepper=elastin.stepper("leap", leap))
         simulation.fix(numpy.arange(16))
         simulation.add_load(elastin.load("weighs", weight), gravity=5.0)
         simulation.step(1e-4, 5)
@@ -142,11 +142,25 @@ class Loads(unittest.TestCase):
 
 
 class Steppers(unittest.TestCase):
+    def test_the_stepper_by_its_former_names(self):
+        """scheme and scheme_parameters choose what stepper and stepper_parameters do."""
+        ends = []
+        for names in (("stepper", "stepper_parameters"), ("scheme", "scheme_parameters")):
+            simulation = elastin.Simulation(cube(), "lattice", MATERIAL, **dict(zip(names, ("backward_euler", {"newton_iterations": 1}))))
+            simulation.add_load("gravity", acceleration=(0, 0, -9.81))
+            simulation.step(1e-3, 3)
+            ends.append(simulation.positions.copy())
+        self.assertTrue(numpy.array_equal(*ends))
+        other = elastin.Simulation(cube(), "lattice", MATERIAL)
+        other.add_load("gravity", acceleration=(0, 0, -9.81))
+        other.step(1e-3, 3)
+        self.assertFalse(numpy.array_equal(other.positions, ends[1]))
+
     def test_it_steps_as_the_same_method_in_cpp(self):
         """With supports that stay and that move, and in as many substeps."""
         ends = []
-        for scheme in ("symplectic_euler", elastin.stepper("leap", leap)):
-            simulation = elastin.Simulation(cube(), "lattice", MATERIAL, scheme=scheme)
+        for stepper in ("symplectic_euler", elastin.stepper("leap", leap)):
+            simulation = elastin.Simulation(cube(), "lattice", MATERIAL, stepper=stepper)
             simulation.add_load("gravity", acceleration=(0, 0, -9.81))
             simulation.fix(numpy.arange(32))
             simulation.move_to(numpy.arange(16), simulation.positions[:16] + (1e-4, 0, 0))
@@ -159,8 +173,8 @@ class Steppers(unittest.TestCase):
     def test_a_scene_in_time_takes_it(self):
         scene = {"body": cube(), "material": MATERIAL, "stiffness": "lattice", "experiment": elastin.Drop(height=1e-3, gravity=9.81),
                  "time": {"duration": "5 ms", "frames": 5}}
-        ends = [elastin.run(scene, set=None, time=scene["time"] | {"integrator": scheme}).positions
-                for scheme in ("symplectic_euler", elastin.stepper("leap", leap))]
+        ends = [elastin.run(scene, set=None, time=scene["time"] | {"stepper": stepper}).positions
+                for stepper in ("symplectic_euler", elastin.stepper("leap", leap))]
         numpy.testing.assert_allclose(ends[1], ends[0], rtol=1e-9, atol=1e-15)
 
     def test_what_goes_wrong_leaves_the_state(self):
@@ -173,15 +187,15 @@ class Steppers(unittest.TestCase):
             kept.append(forces)
             return positions + speed, velocities
 
-        refusing = elastin.Simulation(cube(), "lattice", MATERIAL, scheme=elastin.stepper("refusing", refuse))
+        refusing = elastin.Simulation(cube(), "lattice", MATERIAL, stepper=elastin.stepper("refusing", refuse))
         self.assertRaises(Refused, refusing.step, 1e-4)
-        simulation = elastin.Simulation(cube(), "lattice", MATERIAL, scheme=elastin.stepper("wild", wild))
+        simulation = elastin.Simulation(cube(), "lattice", MATERIAL, stepper=elastin.stepper("wild", wild))
         with self.assertRaisesRegex(elastin.StepError, "no finite positions"):
             simulation.step(1e-4)
         numpy.testing.assert_array_equal(simulation.positions, simulation.body.positions)
         with self.assertRaisesRegex(elastin.InputError, "within the step alone"):
             kept[0](simulation.positions, simulation.velocities)
-        calm = elastin.Simulation(cube(), "lattice", MATERIAL, scheme=elastin.stepper("wild", wild), scheme_parameters={"speed": 1e-6})
+        calm = elastin.Simulation(cube(), "lattice", MATERIAL, stepper=elastin.stepper("wild", wild), stepper_parameters={"speed": 1e-6})
         self.assertTrue(calm.step(1e-4))
 
 

@@ -84,7 +84,7 @@ class Pickled(unittest.TestCase):
         mine = elastin.law("mine", lambda I1, J, mu, lam: mu / 2 * (I1 - 3) - mu * numpy.log(J) + lam / 2 * (J - 1)**2)
         for strategy in ("lattice", mine, "calibrated:standard"):
             body = elastin.lattice((3, 3, 4), 1e-3) if strategy == "lattice" else BAR
-            tissue = elastin.Simulation(body, strategy, RUBBER, scheme="backward_euler")
+            tissue = elastin.Simulation(body, strategy, RUBBER, stepper="backward_euler")
             tissue.add_load("gravity", acceleration=(0, 0, -9.81))
             tissue.fix(0)
             tissue.couple(5, body.positions[5] + (1e-4, 0, 0), 1.0)

@@ -12,7 +12,7 @@ from helpers import SOURCE
 
 def hanging(molecules=6):
     tissue = elastin.Simulation(elastin.lattice((molecules,) * 3, 1e-3), "lattice", elastin.Material(1e4),
-                                scheme="backward_euler")
+                                stepper="backward_euler")
     for molecule in range(molecules ** 2):
         tissue.fix(molecule)
     return tissue
@@ -90,7 +90,7 @@ class Topology(unittest.TestCase):
     def test_a_budget_is_recorded_and_replayed(self):
         def swinging(budget):
             tissue = elastin.Simulation(elastin.lattice((4, 4, 4), 1e-3), "lattice", elastin.Material(1e4),
-                                        scheme="block_descent", budget=budget)
+                                        stepper="block_descent", budget=budget)
             tissue.add_load("gravity", acceleration=(0, 0, -9.81))
             tissue.fix(0)
             return tissue
@@ -106,7 +106,7 @@ class Topology(unittest.TestCase):
     def test_two_materials(self):
         cube = elastin.lattice((4, 4, 4), 1e-3)
         tissue = elastin.Simulation(elastin.of_parts([("soft", cube, 0), ("stiff", cube, 1)]), "lattice",
-                                    [elastin.Material(5e3), elastin.Material(5e4)], scheme="backward_euler")
+                                    [elastin.Material(5e3), elastin.Material(5e4)], stepper="backward_euler")
         for molecule in [*range(48, 64), *range(112, 128)]:
             tissue.fix(molecule)
         tissue.add_load("gravity", acceleration=(0, 0, -9.81))

@@ -1,7 +1,7 @@
-/* Steps bodies a thousand times (a hundred by implicit schemes) and prints a checksum of what comes out, bit by bit: bits.js does the same in the
+/* Steps bodies a thousand times (a hundred by implicit steppers) and prints a checksum of what comes out, bit by bit: bits.js does the same in the
  * module for browsers, and the lines must be the same.
  *
- *   bits [steps]      one line a case: body, strategy, scheme, checksum of positions and velocities */
+ *   bits [steps]      one line a case: body, strategy, stepper, checksum of positions and velocities */
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -55,10 +55,10 @@ static elastin_body* tetrahedra(void) {
   return body;
 }
 
-static void run(const char* name, const elastin_body* body, const char* strategy, const char* scheme, int steps) {
+static void run(const char* name, const elastin_body* body, const char* strategy, const char* stepper, int steps) {
   const elastin_material material = {sizeof material, 1e5, 0.25, 0, 0, NULL, NULL};
   elastin_options options = {sizeof options};
-  options.scheme = scheme;
+  options.stepper = stepper;
   elastin_simulation* tissue;
   if (elastin_simulate(body, strategy, &material, &options, &tissue) != ELASTIN_OK) return; /* it does not suit */
   const double *positions, *velocities;
@@ -69,14 +69,14 @@ static void run(const char* name, const elastin_body* body, const char* strategy
   const elastin_value down[] = {{"acceleration_x", 2.5}, {"acceleration_z", -9.81}};
   need(elastin_add(tissue, "gravity", down, 2));
   /* Explicit steps cost little: those that solve or sweep are as many times fewer as they cost more. */
-  const int is_explicit = strcmp(scheme, "velocity_verlet") == 0 || strcmp(scheme, "symplectic_euler") == 0;
+  const int is_explicit = strcmp(stepper, "velocity_verlet") == 0 || strcmp(stepper, "symplectic_euler") == 0;
   const int taken = is_explicit ? steps : steps / 10;
   for (int i = 0; i < taken; ++i) need(elastin_step(tissue, 2e-3, NULL));
   need(elastin_positions(tissue, &positions, &count));
   need(elastin_velocities(tissue, &velocities, &count));
   uint32_t sum = checksum(positions, count, 2166136261u);
   sum = checksum(velocities, count, sum);
-  printf("%s %s %s %08x\n", name, strategy, scheme, sum);
+  printf("%s %s %s %08x\n", name, strategy, stepper, sum);
   elastin_simulation_free(tissue);
 }
 
@@ -84,16 +84,16 @@ int main(int argc, char** argv) {
   const int steps = argc > 1 ? atoi(argv[1]) : 1000;
   elastin_body* bodies[] = {lattice(), tetrahedra()};
   const char* names[] = {"lattice", "tetrahedra"};
-  size_t strategies, schemes;
+  size_t strategies, steppers;
   need(elastin_strategy_count(&strategies));
-  need(elastin_row_count("steppers", &schemes));
+  need(elastin_row_count("steppers", &steppers));
   for (int b = 0; b < 2; ++b)
     for (size_t s = 0; s < strategies; ++s)
-      for (size_t k = 0; k < schemes; ++k) {
-        const char *strategy, *scheme;
+      for (size_t k = 0; k < steppers; ++k) {
+        const char *strategy, *stepper;
         need(elastin_strategy(s, &strategy, NULL, NULL));
-        need(elastin_row("steppers", k, &scheme, NULL, NULL));
-        run(names[b], bodies[b], strategy, scheme, steps);
+        need(elastin_row("steppers", k, &stepper, NULL, NULL));
+        run(names[b], bodies[b], strategy, stepper, steps);
       }
   for (int b = 0; b < 2; ++b) elastin_body_free(bodies[b]);
   return 0;

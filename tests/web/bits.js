@@ -57,11 +57,11 @@ function tetrahedra({call, module, wholes, numbers, room, word}) {
   return word(room);
 }
 
-function run(f, name, body, strategy, scheme) {
+function run(f, name, body, strategy, stepper) {
   const {module, room, call, word} = f;
   const material = f.numbers([0, 1e5, 0.25, 0, 0, 0]), options = f.wholes(new Array(16).fill(0));
   module.HEAPU32[material / 4] = 48;
-  module.HEAPU32.set([24, f.text(scheme)], options / 4);
+  module.HEAPU32.set([24, f.text(stepper)], options / 4);
   if (module._elastin_simulate(body, f.text(strategy), material, options, room)) return;
   const tissue = word(room);
   call('body_positions', body, room, room + 4);
@@ -71,14 +71,14 @@ function run(f, name, body, strategy, scheme) {
   module.HEAPU32[down / 4] = f.text('acceleration_x');
   module.HEAPU32[down / 4 + 4] = f.text('acceleration_z');
   call('add', tissue, f.text('gravity'), down, 2);
-  const taken = scheme === 'velocity_verlet' || scheme === 'symplectic_euler' ? steps : steps / 10;
+  const taken = stepper === 'velocity_verlet' || stepper === 'symplectic_euler' ? steps : steps / 10;
   for (let i = 0; i < taken; ++i) call('step', tissue, 2e-3, 0);
   let sum = 2166136261;
   for (const what of ['positions', 'velocities']) {
     call(what, tissue, room, room + 4);
     sum = checksum(module, word(room), word(room + 4), sum);
   }
-  console.log(`${name} ${strategy} ${scheme} ${sum.toString(16).padStart(8, '0')}`);
+  console.log(`${name} ${strategy} ${stepper} ${sum.toString(16).padStart(8, '0')}`);
   module._elastin_simulation_free(tissue);
 }
 
@@ -91,10 +91,10 @@ elastin_module({wasmBinary: fs.readFileSync(path.join(folder, 'elastin.wasm'))})
   call('strategy_count', room);
   const strategies = word(room), steppers = f.text('steppers');
   call('row_count', steppers, room);
-  const schemes = word(room);
+  const steppers = word(room);
   for (const [name, body] of [['lattice', lattice(f)], ['tetrahedra', tetrahedra(f)]])
     for (let s = 0; s < strategies; ++s)
-      for (let k = 0; k < schemes; ++k) run(f, name, body, name_of('strategy', s), name_of('row', steppers, k));
+      for (let k = 0; k < steppers; ++k) run(f, name, body, name_of('strategy', s), name_of('row', steppers, k));
 }).catch(problem => {
   console.error(problem);
   process.exit(1);

@@ -7,7 +7,7 @@ const page = `<!doctype html><title>A spring</title><link rel="icon" href="data:
 import {load, ElastinError} from './${require(path.resolve(folder, 'package.json')).exports['.'].default}';
 const elastin = await load();
 const body = elastin.body({positions: [0, 0, 0, 0, 0, -0.1], connections: [0, 1], masses: [1, 0.5]});
-const tissue = body.simulate('uniform', {youngs_modulus: 1e3}, {scheme: 'backward_euler', parameters: {constant: 200}});
+const tissue = body.simulate('uniform', {youngs_modulus: 1e3}, {stepper: 'backward_euler', parameters: {constant: 200}});
 tissue.add('gravity', {acceleration_z: -9.81});
 tissue.fix(0);
 tissue.settle();

@@ -8,7 +8,7 @@ const near = (value, expected, tolerance) => assert(Math.abs(value - expected) <
 function weight_on_a_spring(elastin) {
   const body = elastin.body({positions: [0, 0, 0, 0, 0, -0.1], connections: [0, 1], masses: [1, 0.5]});
   assert.deepStrictEqual([...body.constants('uniform', {youngs_modulus: 1e3}, {constant: 200})], [200]);
-  const tissue = body.simulate('uniform', {youngs_modulus: 1e3}, {scheme: 'backward_euler', parameters: {constant: 200}});
+  const tissue = body.simulate('uniform', {youngs_modulus: 1e3}, {stepper: 'backward_euler', parameters: {constant: 200}});
   const weight = tissue.add('gravity', {acceleration: [0, 0, -1]});
   assert.throws(() => tissue.add('gravity', {acceleration: [0, -1]}), /acceleration has 2 numbers; it takes 3/);
   tissue.set_load(weight, {acceleration_z: -9.81});
@@ -39,7 +39,7 @@ function weight_on_a_spring(elastin) {
 /** The lattice rule is exact: a box that is pulled between sliding grips has E. */
 function modulus_of_a_lattice(elastin) {
   const n = 5, h = 1e-2, E = 2e4, strain = 1e-6, body = elastin.lattice([n, n, n], h, {density: 1000});
-  const tissue = body.simulate('lattice', {youngs_modulus: E, poissons_ratio: 0.25}, {scheme: 'backward_euler'});
+  const tissue = body.simulate('lattice', {youngs_modulus: E, poissons_ratio: 0.25}, {stepper: 'backward_euler'});
   const rest = body.positions(), top = (n - 1) * h, ends = [];
   near(body.masses().length, n ** 3, 0);
   for (let m = 0; m < n ** 3; ++m)
@@ -56,7 +56,7 @@ function modulus_of_a_lattice(elastin) {
 /** A block that is cut in two: nothing is lost, and each half falls or stays by itself. */
 function a_cut(elastin) {
   const body = elastin.lattice([5, 3, 3], 1e-2, {density: 1000});
-  const tissue = body.simulate('lattice', {youngs_modulus: 1e4}, {scheme: 'backward_euler'});
+  const tissue = body.simulate('lattice', {youngs_modulus: 1e4}, {stepper: 'backward_euler'});
   const mass = of => of.masses().reduce((sum, one) => sum + one, 0), before = body.surface_triangles().length;
   const report = tissue.cut_plane([0.015, 0.01, 0.01], [1, 0, 0]);
   assert(report.changed && report.split_molecules === 9, JSON.stringify(report));
@@ -79,7 +79,7 @@ function a_cut(elastin) {
 function a_surface_that_is_drawn(elastin) {
   const body = elastin.lattice([3, 3, 3], 1e-2, {density: 1000});
   const surface = body.surface([0.005, 0.005, 0.005, 0.015, 0.005, 0.005, 0.005, 0.015, 0.005], [0, 1, 2]);
-  const tissue = body.simulate('lattice', {youngs_modulus: 1e4}, {scheme: 'backward_euler'});
+  const tissue = body.simulate('lattice', {youngs_modulus: 1e4}, {stepper: 'backward_euler'});
   tissue.add('gravity', {acceleration_z: -1});
   for (let i = 0; i < 10; ++i) tissue.step(0.01);
   const {points, normals} = surface.draw(tissue), fallen = tissue.positions[2];

@@ -16,15 +16,14 @@ constexpr double kStep = 1e-3;  // s
 constexpr int kSteps = 60, kCutAt = 30;
 
 /// A block of neo-Hookean tetrahedra that swings, its bottom held.
-Simulation swinging(int side, const char* scheme, int threads) {
+Simulation swinging(int side, const char* method, int threads) {
   Body block = tetrahedral_block(BlockKind::kuhn, {side, side, side}, Vector3::Constant(kCubeLength));
   bench::set_matter(block, side + 1);
   Material material = kMaterial;
   material.poissons_ratio = 0.3;
   SimulationOptions options;
-  options.integrator.scheme = scheme;
-  if (options.integrator.scheme->effort == "newton_iterations")
-    options.integrator.parameters = {{"newton_iterations", 1}};
+  options.stepper.method = method;
+  if (options.stepper.method->effort == "newton_iterations") options.stepper.parameters = {{"newton_iterations", 1}};
   options.threads = threads;
   Simulation tissue(std::move(block), built_in_catalog().find("neo_hookean"), material, std::move(options));
   SimulationState begin = tissue.save();
@@ -50,7 +49,7 @@ struct Times {
 
 /// A plane goes through it half-way, at an angle to its layers; the state of the step before is what it begins again
 /// from.
-Times cut_through(int side, const char* scheme, int threads) {
+Times cut_through(int side, const char* method, int threads) {
   const auto stepped = [&](Simulation& tissue, int count, std::vector<double>& took) {
     for (int step = 0; step < count; ++step) {
       StepResult result;
@@ -59,7 +58,7 @@ Times cut_through(int side, const char* scheme, int threads) {
     }
   };
   const CutSurface plane = CutSurface::plane(Vector3::Constant(0.43), {1, 0.3, 0.1});
-  Simulation tissue = swinging(side, scheme, threads);
+  Simulation tissue = swinging(side, method, threads);
   const double volume = volume_of(tissue.body()), mass = tissue.body().mass.sum();
   Times times;
   stepped(tissue, kCutAt, times.steps);
@@ -71,7 +70,7 @@ Times cut_through(int side, const char* scheme, int threads) {
   const std::vector<char> saved = bytes_of(tissue.save());
   stepped(tissue, kSteps - kCutAt, times.steps);
   times.end = bytes_of(tissue.save());
-  Simulation other = swinging(side, scheme, threads);  // that was never cut
+  Simulation other = swinging(side, method, threads);  // that was never cut
   other.restore(simulation_state_of(saved.data(), saved.size()));
   std::vector<double> unused;
   stepped(other, kSteps - kCutAt, unused);
@@ -85,12 +84,12 @@ Times cut_through(int side, const char* scheme, int threads) {
 /// compared: bitwise the same on each number of threads and after a restore, volume and mass as before.
 std::vector<Row> run_cut(const Settings&) {
   std::vector<Row> rows;
-  for (const char* scheme : {"symplectic_euler", "backward_euler", "block_descent"}) {
+  for (const char* method : {"symplectic_euler", "backward_euler", "block_descent"}) {
     constexpr int side = 15;  // 20 250 cells
-    say(std::string("cut: ") + scheme);
+    say(std::string("cut: ") + method);
     std::vector<char> first;
     for (const int threads : {1, 2, 3}) {
-      const Times times = cut_through(side, scheme, threads);
+      const Times times = cut_through(side, method, threads);
       if (!first.empty() && times.end != first) throw std::runtime_error("threads change the result of a cut");
       first = times.end;
       std::vector<double> steady(times.steps.begin() + 1, times.steps.end());
@@ -103,7 +102,7 @@ std::vector<Row> run_cut(const Settings&) {
       figures.minimum = steady.front();
       figures.median = steady[steady.size() / 2];
       figures.most = times.cut + times.steps[kCutAt];
-      rows.push_back({"cut", scheme, side, threads, 1, figures, "build: the cut; most: the cut and the step after it"});
+      rows.push_back({"cut", method, side, threads, 1, figures, "build: the cut; most: the cut and the step after it"});
     }
   }
   return rows;

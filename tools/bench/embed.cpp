@@ -26,7 +26,7 @@ constexpr Material kSoft{.youngs_modulus = 1e4, .poissons_ratio = 0.25, .density
 /// What is stepped, and how.
 struct Contender {
   const char* name;
-  IntegratorOptions integrator;
+  StepperOptions stepper;
   const char* strategy = "lattice";
   double safety = 0.98;  // of explicit steps
 };
@@ -51,7 +51,7 @@ class Host {
   Host(int side, const Contender& contender)
       : tissue_(soft_cube(side, std::string_view(contender.strategy) != "lattice"),
                 built_in_catalog().find(contender.strategy), kSoft,
-                {.integrator = contender.integrator, .safety = contender.safety, .threads = 1}) {
+                {.stepper = contender.stepper, .safety = contender.safety, .threads = 1}) {
     const Body& body = tissue_.body();
     tissue_.model().add(make_gravity(body, {0, 0, -9.81}));
     tissue_.model().add(make_mass_damping(body, 10));
@@ -164,7 +164,7 @@ std::vector<Figures> steady(int side, const Contender& contender, double seconds
   Host host(side, contender);
   auto [clock, processor] = steady(seconds, [&] { host.one_step(); });
   double off = 0, motion = 0;
-  if (!contender.integrator.scheme->effort.empty())
+  if (!contender.stepper.method->effort.empty())
     for (int look = 0; look < 100; ++look) {
       host.one_step();
       const auto [distance, step] = host.tissue().iteration_error(kStep);
@@ -251,8 +251,8 @@ std::vector<Row> run_embed(const Settings& settings) {
     rows.push_back({"embed", "Bullet soft body", side, 1, 100 * settings.repeats, found[1],
                     bullet_missing().empty() ? "one position iteration, single precision" : bullet_missing()});
   }
-  const auto with = [](const char* scheme, const char* name, double value) {
-    return IntegratorOptions{.scheme = scheme, .parameters = {{name, value}}};
+  const auto with = [](const char* method, const char* name, double value) {
+    return StepperOptions{.method = method, .parameters = {{name, value}}};
   };
   add({"springs, backward_euler, one Newton iteration", with("backward_euler", "newton_iterations", 1)});
   add({"springs, block_descent, one sweep", with("block_descent", "sweeps", 1)});

@@ -4,7 +4,7 @@
 
 #include "elastin/core/parallel/threads.h"
 #include "elastin/core/simulation/catalog.h"
-#include "elastin/core/solve/integrator.h"
+#include "elastin/core/solve/stepper.h"
 #include "measure.h"
 #include "peers.h"
 #include "plain_loop.h"
@@ -19,7 +19,7 @@ struct Ours {
   Body body;
   Model model;
   State state;
-  std::unique_ptr<Integrator> integrator = make_integrator({.scheme = "velocity_verlet"});
+  std::unique_ptr<Stepper> stepper = make_stepper({.method = "velocity_verlet"});
 
   Ours(Body of, const VectorX& constants, const Positions& positions)
       : body(std::move(of)), model(body), state(state_at_rest(body)) {
@@ -30,7 +30,7 @@ struct Ours {
     set_threads(threads);
     return seconds_of([&] {
       for (int step = 0; step < steps; ++step)
-        if (integrator->advance(model, state, dt).outcome != Outcome::converged) throw std::runtime_error("diverged");
+        if (stepper->advance(model, state, dt).outcome != Outcome::converged) throw std::runtime_error("diverged");
     });
   }
 };

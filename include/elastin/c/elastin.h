@@ -183,7 +183,7 @@ ELASTIN_API elastin_status elastin_strategy_constants(const elastin_body* body, 
                                                       const elastin_material* material, const elastin_value* parameters,
                                                       size_t parameter_count, double* constants, size_t count);
 
-/* All that has names, row by row: table is "strategies", "steppers" (of elastin_options.scheme), "linear_solvers" (of
+/* All that has names, row by row: table is "strategies", "steppers" (of elastin_options.stepper), "linear_solvers" (of
  * scenes), "loads" (of elastin_add) or "material_laws" (of elastin_law). */
 ELASTIN_API elastin_status elastin_row_count(const char* table, size_t* count);
 ELASTIN_API elastin_status elastin_row(const char* table, size_t number, const char** name, const char** summary,
@@ -205,7 +205,7 @@ typedef void (*elastin_run_tasks)(void* context, int count, elastin_task task, v
 
 typedef struct elastin_options {
   size_t size;                     /* sizeof(elastin_options) */
-  const char* scheme;              /* of the table "steppers"; null: symplectic_euler */
+  const char* stepper;             /* of the table "steppers"; null: symplectic_euler */
   double safety;                   /* share of the stable step that a part of an explicit step takes; 0 = 0.8 */
   int max_substeps;                /* of a step; more: it is not taken; 0 = 1000 */
   const elastin_value* parameters; /* of the strategy */
@@ -213,10 +213,10 @@ typedef struct elastin_options {
   int threads;           /* of loops over large bodies; 0 = as elastin_set_threads says. Bitwise identical with any */
   elastin_run_tasks run; /* runs them instead; null: nothing does */
   void* run_context;
-  int run_width;                          /* number of tasks that a loop is split into, >= 1 */
-  const elastin_value* scheme_parameters; /* "newton_iterations" of an implicit one … */
-  size_t scheme_parameter_count;
-  /* By the clock, what a step may take [s]; 0: any. Of schemes that take a number of sweeps or iterations: each step
+  int run_width;                           /* number of tasks that a loop is split into, >= 1 */
+  const elastin_value* stepper_parameters; /* "newton_iterations" of an implicit one … */
+  size_t stepper_parameter_count;
+  /* By the clock, what a step may take [s]; 0: any. Of steppers that take a number of sweeps or iterations: each step
    * gets as many as the pace of the steps before leaves time for; see elastin_effort. */
   double budget;
 } elastin_options;
@@ -253,8 +253,8 @@ typedef struct elastin_step_result {
 /* Brings it forward by dt > 0 [s]. ELASTIN_STOPPED: the state stays as it was and the message says why. Allocates
  * nothing after the first step, prints nothing, locks nothing. result may be null. */
 ELASTIN_API elastin_status elastin_step(elastin_simulation* simulation, double dt, elastin_step_result* result);
-/* Sweeps or iterations of the last step; 0 where the scheme takes no number of them. With a budget it differs from step
- * to step and from machine to machine: record it and pass it to set_effort to reproduce the run. */
+/* Sweeps or iterations of the last step; 0 where the stepper takes no number of them. With a budget it differs from
+ * step to step and from machine to machine: record it and pass it to set_effort to reproduce the run. */
 ELASTIN_API elastin_status elastin_effort(const elastin_simulation*, int* effort);
 /* From now on this count (>= 1), whatever the budget says: steps are then bitwise identical again. */
 ELASTIN_API elastin_status elastin_set_effort(elastin_simulation*, int effort);

@@ -39,8 +39,8 @@ void check(const Body& body, const SimulationOptions& options) {
     throw InputError("max_substeps " + std::to_string(options.max_substeps) + " is out of range: 1 or more");
   if (!(options.budget >= 0 && std::isfinite(options.budget)))
     throw InputError("budget " + number(options.budget) + " s is out of range: 0 or more");
-  if (options.budget > 0 && options.integrator.scheme->effort.empty())
-    throw InputError("budget: the scheme '" + options.integrator.scheme->name +
+  if (options.budget > 0 && options.stepper.method->effort.empty())
+    throw InputError("budget: the stepper '" + options.stepper.method->name +
                      "' takes no number of sweeps or iterations that could be chosen");
   if (options.threads < 0)
     throw InputError("threads " + std::to_string(options.threads) + " is out of range: 0 or more");
@@ -54,10 +54,10 @@ void check(const Material& material) {
     throw InputError("the material has a poissons_ratio of " + number(nu) + ": above -1 to 0.5 is allowed");
 }
 
-/// Throws InputError where the scheme cannot step what the model has so far.
-void check(const IntegratorOptions& options, const Model& model) {
-  if (const std::string why = unsuited_for(*options.scheme, model); !why.empty())
-    throw InputError("scheme '" + options.scheme->name + "': " + why);
+/// Throws InputError where the stepper cannot step what the model has so far.
+void check(const StepperOptions& options, const Model& model) {
+  if (const std::string why = unsuited_for(*options.method, model); !why.empty())
+    throw InputError("stepper '" + options.method->name + "': " + why);
 }
 
 /// Whether the spring constants are carried over when the topology changes: what is left keeps its stiffness.
@@ -99,27 +99,27 @@ StepResult refused(std::string cause) { return {Outcome::limit_reached, std::mov
 
 Simulation::Impl::Impl(Body a_body, SimulationOptions some_options)
     : body(std::move(a_body)), options(std::move(some_options)) {
-  make_own_integrator();
+  make_own_stepper();
   shown = work = state_at_rest(body);
-  const Stepper& scheme = *options.integrator.scheme;
-  if (!scheme.effort.empty()) {
-    const ParameterValues values = complete_values(scheme.name, scheme.parameters, options.integrator.parameters);
-    effort = static_cast<int>(values.at(scheme.effort));
-    // Of a scheme that iterates to the end by default.
+  const StepperKind& method = *options.stepper.method;
+  if (!method.effort.empty()) {
+    const ParameterValues values = complete_values(method.name, method.parameters, options.stepper.parameters);
+    effort = static_cast<int>(values.at(method.effort));
+    // Of a stepper that iterates to the end by default.
     if (options.budget > 0) set_effort(std::max(1, effort));
   }
 }
 
-void Simulation::Impl::make_own_integrator() {
+void Simulation::Impl::make_own_stepper() {
   const SeenFrequency before{.frequency = watch ? watch->seen().frequency : 0};
-  integrator = make_integrator(options.integrator);
-  watch = dynamic_cast<FrequencyWatch*>(integrator.get());
+  stepper = make_stepper(options.stepper);
+  watch = dynamic_cast<FrequencyWatch*>(stepper.get());
   if (watch) watch->watch(before);
 }
 
 void Simulation::Impl::set_effort(int number) {
   effort = number;
-  dynamic_cast<HasEffort&>(*integrator).set_effort(number);
+  dynamic_cast<HasEffort&>(*stepper).set_effort(number);
 }
 
 void Simulation::Impl::make_model() {
@@ -154,16 +154,16 @@ StepBound Simulation::Impl::bound() const {
   return {stable->frequency, stable->damping_rate, restored.added_square + square, restored.added_rate + rate};
 }
 
-/// The longest part of an explicit step [s]. Where the scheme takes them at the start of a step, grips add to the
+/// The longest part of an explicit step [s]. Where the stepper takes them at the start of a step, grips add to the
 /// square of the fastest vibration's frequency, and to the largest damping rate, no more than what they are worth on
 /// their own molecules.
 double Simulation::Impl::longest_substep() {
-  if (!options.integrator.scheme->is_explicit) return std::numeric_limits<double>::infinity();
+  if (!options.stepper.method->is_explicit) return std::numeric_limits<double>::infinity();
   if (!stable) find_bound();
   const StepBound own = bound();
   double stiffest = 0, most_damped = 0;
   for (const Coupling& coupling : couplings) {
-    if (options.integrator.scheme->points_at_end) break;
+    if (options.stepper.method->points_at_end) break;
     double stiffness = 0, damping = 0;
     for (const Coupling& other : couplings)
       if (other.molecule == coupling.molecule) stiffness += other.stiffness, damping += other.damping;
@@ -255,7 +255,7 @@ StepResult Simulation::Impl::substeps_of(double dt, int substeps) {
   StepResult all;
   all.substeps = 0;
   for (int substep = 0; substep < substeps && all.outcome == Outcome::converged; ++substep) {
-    StepResult one = integrator->advance(model, work, dt / substeps);
+    StepResult one = stepper->advance(model, work, dt / substeps);
     all.outcome = one.outcome;
     all.cause = std::move(one.cause);
     all.newton_iterations += one.newton_iterations;
@@ -347,7 +347,7 @@ Simulation::Simulation(Body body, const Strategy& any, const Material& material,
     fix_rigid_parts(in.model);
   };
   impl_->make_model();
-  check(impl_->options.integrator, impl_->model);
+  check(impl_->options.stepper, impl_->model);
 }
 
 Simulation::Simulation(Body body, const MakeElasticity& make, SimulationOptions options) {
@@ -359,7 +359,7 @@ Simulation::Simulation(Body body, const MakeElasticity& make, SimulationOptions 
     in.model.add(std::move(elasticity));
   };
   impl_->make_model();
-  check(impl_->options.integrator, impl_->model);
+  check(impl_->options.stepper, impl_->model);
 }
 
 Simulation::~Simulation() = default;
@@ -464,7 +464,7 @@ void Simulation::Impl::put(Added added, std::size_t place) {
   order_loads();
   keep_history();
   work.accelerations = shown.accelerations = {};  // those of the loads before
-  make_own_integrator();
+  make_own_stepper();
   if (effort > 0) set_effort(effort);
   budget.restart();
   forces_known = tensions_known = false;
@@ -522,8 +522,8 @@ int Simulation::effort() const noexcept { return impl_->effort; }
 
 void Simulation::set_effort(int effort) {
   Impl& in = *impl_;
-  if (in.options.integrator.scheme->effort.empty())
-    throw InputError("set_effort: the scheme '" + in.options.integrator.scheme->name +
+  if (in.options.stepper.method->effort.empty())
+    throw InputError("set_effort: the stepper '" + in.options.stepper.method->name +
                      "' takes no number of sweeps or iterations");
   if (effort < 1) throw InputError("set_effort: " + std::to_string(effort) + " is out of range: 1 or more");
   in.set_effort(effort);
@@ -532,18 +532,18 @@ void Simulation::set_effort(int effort) {
 
 std::pair<double, double> Simulation::iteration_error(double dt) {
   Impl& in = *impl_;
-  const Stepper& scheme = *in.options.integrator.scheme;
-  if (scheme.effort.empty())
-    throw InputError("iteration_error: the scheme '" + scheme.name + "' takes no number of sweeps or iterations");
+  const StepperKind& method = *in.options.stepper.method;
+  if (method.effort.empty())
+    throw InputError("iteration_error: the stepper '" + method.name + "' takes no number of sweeps or iterations");
   if (!(dt > 0 && std::isfinite(dt)))
     throw InputError("iteration_error: a step of " + number(dt) + " s: a step must be above 0 s and finite");
   in.check_idle("iteration_error");
   if (const std::string why = in.odd_size(); !why.empty()) throw InputError(why);
   const While used(in.in_use);
   const ThreadScope scope(in.options.runner, in.options.threads);
-  const ParameterValues values = complete_values(scheme.name, scheme.parameters, in.options.integrator.parameters);
+  const ParameterValues values = complete_values(method.name, method.parameters, in.options.stepper.parameters);
   const auto own_parts = values.find("substeps");
-  IntegratorOptions converged = {"backward_euler", {}, in.options.integrator.newton};
+  StepperOptions converged = {"backward_euler", {}, in.options.stepper.newton};
   const auto reached = [&](int substeps) {
     in.begin_step(in.shown.time, in.shown.time + dt);
     const StepResult result = in.substeps_of(dt, substeps);
@@ -552,9 +552,9 @@ std::pair<double, double> Simulation::iteration_error(double dt) {
     return result.outcome == Outcome::converged ? positions : Positions();
   };
   const Positions cut_short = reached(1);
-  auto own = std::exchange(in.integrator, make_integrator(converged));
+  auto own = std::exchange(in.stepper, make_stepper(converged));
   const Positions balance = reached(own_parts == values.end() ? 1 : static_cast<int>(own_parts->second));
-  in.integrator = std::move(own);
+  in.stepper = std::move(own);
   constexpr double none = std::numeric_limits<double>::quiet_NaN();
   if (cut_short.size() == 0 || balance.size() == 0) return {none, none};
   return {(cut_short - balance).colwise().norm().maxCoeff(),

@@ -24,7 +24,7 @@ struct Simulation::Impl {
   double longest_substep();
   void find_bound();
   StepBound bound() const;
-  void make_own_integrator();
+  void make_own_stepper();
   void begin_step(double start, double end);
   void go_back();
   void set_effort(int number);
@@ -82,22 +82,22 @@ struct Simulation::Impl {
   std::shared_ptr<const Strategy> strategy;          // null: the host's own law
   SimulationOptions options;
   Model model{body};
-  std::unique_ptr<Integrator> integrator;
+  std::unique_ptr<Stepper> stepper;
   HostSupports host_supports{model};
   std::shared_ptr<Tools> tools = std::make_shared<Tools>();
   Budget budget;
-  int effort = 0;                       // of a scheme that takes a number of sweeps or iterations
+  int effort = 0;                       // of a stepper that takes a number of sweeps or iterations
   bool effort_is_given = false;         // by the host, whatever the budget says
   int timed_steps = 0, late_steps = 0;  // with a budget: all, and those that took longer with an effort of 1
   State shown;                          // what the host sees: its arrays stay where they are
-  State work;                           // the same, between steps; integrators give it other arrays as they go
+  State work;                           // the same, between steps; steppers give it other arrays as they go
   Positions host_forces;
   std::vector<Coupling> couplings;
   bool has_host_forces = false, has_couplings = false;
   CouplingId next_coupling = 1;
   std::optional<StableStep> stable;  // of the body at rest, nothing fixed or coupled
   StepBound restored;                // of another simulation's steps, which may have been shorter
-  FrequencyWatch* watch = nullptr;   // of an integrator that has one
+  FrequencyWatch* watch = nullptr;   // of a stepper that has one
   // Read off the state shown when the host asks.
   Workspace workspace;
   Positions forces;

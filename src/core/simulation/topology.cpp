@@ -96,8 +96,8 @@ std::unique_ptr<Simulation::Impl> Simulation::Impl::on(Topology other) const {
   made->budget.restart();
   made->next_coupling = next_coupling;
   made->make_model();
-  if (const std::string why = unsuited_for(*options.integrator.scheme, made->model); !why.empty())
-    throw InputError("scheme '" + options.integrator.scheme->name + "': " + why);
+  if (const std::string why = unsuited_for(*options.stepper.method, made->model); !why.empty())
+    throw InputError("stepper '" + options.stepper.method->name + "': " + why);
   return made;
 }
 

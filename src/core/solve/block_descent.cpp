@@ -286,7 +286,7 @@ bool has_local_terms(const Model& model) {
                      [](const auto& law) { return law->local() != nullptr; });
 }
 
-Stepper block_descent() {
+StepperKind block_descent() {
   return {{"block_descent",
            "backward Euler's step by sweeps over single molecules: stable at any number of them",
            "[Chen et al. 2024]",

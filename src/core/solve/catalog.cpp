@@ -5,8 +5,8 @@
 
 namespace elastin {
 
-// The schemes, each next to its code. The order is that of lists and documents.
-Stepper symplectic_euler(), velocity_verlet(), backward_euler(), newmark(), generalized_alpha(), energy_momentum(),
+// The steppers, each next to its code. The order is that of lists and documents.
+StepperKind symplectic_euler(), velocity_verlet(), backward_euler(), newmark(), generalized_alpha(), energy_momentum(),
     block_descent(), xpbd(), projective();
 
 StaticResult StaticEngine::balance_step(Model&, State&, const StaticOptions&, const Kinematics&) {
@@ -27,31 +27,31 @@ const Table<StaticEngineKind>& built_in_engines() {
   return table;
 }
 
-const Table<Stepper>& built_in_steppers() {
-  static const Table<Stepper> table = [] {
-    Table<Stepper> rows("scheme");
-    for (Stepper (*row)() : {symplectic_euler, velocity_verlet, backward_euler, newmark, generalized_alpha,
-                             energy_momentum, block_descent, xpbd, projective})
+const Table<StepperKind>& built_in_steppers() {
+  static const Table<StepperKind> table = [] {
+    Table<StepperKind> rows("stepper");
+    for (StepperKind (*row)() : {symplectic_euler, velocity_verlet, backward_euler, newmark, generalized_alpha,
+                                 energy_momentum, block_descent, xpbd, projective})
       rows.add(row());
     return rows;
   }();
   return table;
 }
 
-std::string unsuited_for(const Stepper& scheme, const Model& model) {
-  if (model.body().share && !scheme.of_shares) {
+std::string unsuited_for(const StepperKind& method, const Model& model) {
+  if (model.body().share && !method.of_shares) {
     std::vector<std::string> able;
     for (const auto& row : built_in_steppers())
       if (row->of_shares) able.push_back(row->name);
-    return scheme.name + " steps whole bodies alone, and each process has its share; those that step shares are " +
+    return method.name + " steps whole bodies alone, and each process has its share; those that step shares are " +
            joined(able);
   }
-  return scheme.unsuited ? scheme.unsuited(model) : "";
+  return method.unsuited ? method.unsuited(model) : "";
 }
 
-std::unique_ptr<Integrator> make_integrator(const IntegratorOptions& options) {
-  const Stepper& scheme = *options.scheme;
-  return scheme.make(complete_values(scheme.name, scheme.parameters, options.parameters), options.newton);
+std::unique_ptr<Stepper> make_stepper(const StepperOptions& options) {
+  const StepperKind& method = *options.method;
+  return method.make(complete_values(method.name, method.parameters, options.parameters), options.newton);
 }
 
 }  // namespace elastin

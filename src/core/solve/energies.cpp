@@ -4,7 +4,7 @@
 
 #include "core/parallel/parallel.h"
 #include "elastin/core/model/share.h"
-#include "elastin/core/solve/integrator.h"
+#include "elastin/core/solve/stepper.h"
 
 namespace elastin {
 namespace {
@@ -72,7 +72,7 @@ Ledger::Border Ledger::border(const Model& model, const State& state) const {
 namespace {
 
 /// The same of forces that take energy. What has separated by the step's end, and feels none then, felt none that
-/// counts: Newmark's scheme takes it out (see implicit.cpp), and energy that was not taken must not look as if it were
+/// counts: Newmark's method takes it out (see implicit.cpp), and energy that was not taken must not look as if it were
 /// made.
 double resisted_work(const Body& body, const Positions& before, const Positions& after, const Positions& displacement) {
   if (before.cols() == 0) return 0;
@@ -85,7 +85,7 @@ double resisted_work(const Body& body, const Positions& before, const Positions&
 
 /// Over a step the force of a law is f(x) + (1 − θ) (f₀ − f(x₀)), θ from 0 to 1 on the way from x₀ to x: f is the law
 /// as it stands at the end, f₀ the force at the beginning. Where f has an energy its work is known, of others to the
-/// order of Simpson's rule. A scheme whose own sum differs from that makes energy.
+/// order of Simpson's rule. A stepper whose own sum differs from that makes energy.
 void Ledger::record_laws(const Model& model, const State& state, const Positions& displacement) {
   const Positions before = model.elastic_forces(positions_);
   Positions after = model.elastic_forces(state.positions);

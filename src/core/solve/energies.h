@@ -14,7 +14,7 @@ struct Energies {
   Vector3 momentum = Vector3::Zero();  ///< [kg m/s]
   Vector3 angular_momentum = Vector3::Zero();  ///< about the origin [kg m²/s]
 
-  /// What the exact motion keeps: its change is the integrator's error.
+  /// What the exact motion keeps: its change is the stepper's error.
   double balance() const { return kinetic + elastic + in_laws + potential + dissipated - work; }
 };
 

@@ -239,7 +239,7 @@ std::string unsuited_for_energy_momentum(const Model& model) {
 
 }  // namespace
 
-Stepper energy_momentum() {
+StepperKind energy_momentum() {
   return {{"energy_momentum",
            "implicit, order 2: keeps energy and both momenta of a free body at any step, also of one that spins",
            "[Gonzalez 2000], over force densities",

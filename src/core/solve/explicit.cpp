@@ -29,7 +29,7 @@ void set_accelerations(const Model& model, const State& state, Positions& accele
 }
 
 /// Passes over the molecules are bound by memory: each array is read and written as seldom as can be.
-class Explicit final : public Integrator, public FrequencyWatch, public TransposedStep {
+class Explicit final : public Stepper, public FrequencyWatch, public TransposedStep {
  public:
   explicit Explicit(bool verlet) : verlet_(verlet) {}
   void watch(const SeenFrequency& before) override { watches_ = true, seen_ = before; }
@@ -361,21 +361,22 @@ void set_accelerations(const Model& model, State& state) {
   set_accelerations(model, state, state.accelerations, workspace);
 }
 
-Stepper symplectic_euler() {
-  Stepper row{{"symplectic_euler", "explicit, order 1: v += dt a(x, v), x += dt v; no energy drift", "[Hairer 2006]"},
-              true,
-              1,
-              [](const ParameterValues&, const StaticOptions&) { return std::make_unique<Explicit>(false); }};
+StepperKind symplectic_euler() {
+  StepperKind row{
+      {"symplectic_euler", "explicit, order 1: v += dt a(x, v), x += dt v; no energy drift", "[Hairer 2006]"},
+      true,
+      1,
+      [](const ParameterValues&, const StaticOptions&) { return std::make_unique<Explicit>(false); }};
   row.points_at_end = true;
   row.of_shares = true;
   return row;
 }
 
-Stepper velocity_verlet() {
-  Stepper row{{"velocity_verlet", "explicit, order 2: half a kick, drift, half a kick", "[Swope 1982]"},
-              true,
-              2,
-              [](const ParameterValues&, const StaticOptions&) { return std::make_unique<Explicit>(true); }};
+StepperKind velocity_verlet() {
+  StepperKind row{{"velocity_verlet", "explicit, order 2: half a kick, drift, half a kick", "[Swope 1982]"},
+                  true,
+                  2,
+                  [](const ParameterValues&, const StaticOptions&) { return std::make_unique<Explicit>(true); }};
   row.of_shares = true;
   return row;
 }

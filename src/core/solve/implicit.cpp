@@ -123,7 +123,7 @@ void Implicit::set_first_guess(const Model& model, const State& state, double dt
   apply_supports(model, next_.positions);
 }
 
-/// Newmark's scheme gives half of the force at a step's beginning to the whole of it, also where something parts within
+/// Newmark's method gives half of the force at a step's beginning to the whole of it, also where something parts within
 /// the step: contact would push on through the air, and give back more than was put in. Where it does, the step is
 /// solved again without the pushes on molecules that have separated, which takes energy and never gives any; so [Kane
 /// et al. 1999], but for contact that lasts, which stays of order 2.
@@ -353,8 +353,8 @@ ParameterInfo newton_iterations() {
           ValueKind::whole};
 }
 
-std::unique_ptr<Integrator> make_implicit(const ParameterValues& values, const StaticOptions& newton, double beta,
-                                          double gamma, EndShares shares = {}) {
+std::unique_ptr<Stepper> make_implicit(const ParameterValues& values, const StaticOptions& newton, double beta,
+                                       double gamma, EndShares shares = {}) {
   auto implicit = std::make_unique<ImplicitByNewton>(newton, beta, gamma, shares);
   implicit->cut_short(static_cast<int>(values.at("newton_iterations")));
   return implicit;
@@ -362,7 +362,7 @@ std::unique_ptr<Integrator> make_implicit(const ParameterValues& values, const S
 
 }  // namespace
 
-Stepper backward_euler() {
+StepperKind backward_euler() {
   return {
       {"backward_euler", "implicit, order 1: never gains energy", "[Baraff 1998]", {newton_iterations()}},
       false,
@@ -374,7 +374,7 @@ Stepper backward_euler() {
       true};
 }
 
-Stepper newmark() {
+StepperKind newmark() {
   return {{"newmark",
            "implicit, order 2 with gamma = 0.5; stable for any step if 2 beta >= gamma",
            "[Newmark 1959]",
@@ -392,7 +392,7 @@ Stepper newmark() {
           true};
 }
 
-Stepper generalized_alpha() {
+StepperKind generalized_alpha() {
   return {{"generalized_alpha",
            "implicit, order 2: damps what the steps cannot resolve, as far as its spectral radius says",
            "[Chung & Hulbert 1993]",

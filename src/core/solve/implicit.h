@@ -2,7 +2,7 @@
 #include "core/solve/newton.h"
 #include "core/solve/steppers.h"
 #include "core/solve/transposed_step.h"
-#include "elastin/core/solve/integrator.h"
+#include "elastin/core/solve/stepper.h"
 
 namespace elastin {
 
@@ -19,10 +19,10 @@ struct EndShares {
   double forces = 1, inertia = 1;  ///< α_f, α_m; the first in (0, 1]
 };
 
-/// A step of backward Euler's, Newmark's or the generalised-α scheme: velocities and accelerations follow from the
-/// positions at its end, or within it, which balance() finds; here by Newton's method, in schemes that derive from it
+/// A step of backward Euler's, Newmark's or the generalised-α method: velocities and accelerations follow from the
+/// positions at its end, or within it, which balance() finds; here by Newton's method, in steppers that derive from it
 /// in other ways. A step that fails is bisected.
-class Implicit : public Integrator, public HasEffort {
+class Implicit : public Stepper, public HasEffort {
  public:
   /// Newmark's, or backward Euler where beta is 0, which is balanced at its end.
   Implicit(const StaticOptions& newton, double beta, double gamma, EndShares shares = {})

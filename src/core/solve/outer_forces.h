@@ -6,8 +6,8 @@
 
 namespace elastin {
 
-/// Loads and internal damping as schemes see them that move one molecule, or one constraint, at a time: their forces at
-/// one state, and of each molecule a block D that bounds how they answer to its motion u,
+/// Loads and internal damping as steppers see them that move one molecule, or one constraint, at a time: their forces
+/// at one state, and of each molecule a block D that bounds how they answer to its motion u,
 ///   F_a(u) ≈ F_a − D_a (u_a − those of that state).
 /// Stiffness and damping between molecules are added to D, so that to go from one such state to the next leads to where
 /// the true forces balance; loads that act on each molecule by itself (drag, a grip) are exact in one pass.

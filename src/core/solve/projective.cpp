@@ -216,7 +216,7 @@ class Projective final : public Implicit {
 
 }  // namespace
 
-Stepper projective() {
+StepperKind projective() {
   return {{"projective",
            "backward Euler's step by the constant matrix of the body at rest, factorised once",
            "[Bouaziz et al. 2014; Liu et al. 2017]",

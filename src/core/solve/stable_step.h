@@ -3,7 +3,7 @@
 
 namespace elastin {
 
-/// The longest step that an explicit scheme can take, and what sets it.
+/// The longest step that an explicit stepper can take, and what sets it.
 struct StableStep {
   double step = 0;          ///< dt_crit [s]; infinite if nothing resists
   double frequency = 0;     ///< ω_max [rad/s]: the fastest vibration about the state

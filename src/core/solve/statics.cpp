@@ -13,7 +13,7 @@
 #include "core/solve/stable_step.h"
 #include "core/solve/steppers.h"
 #include "elastin/core/solve/engine.h"
-#include "elastin/core/solve/integrator.h"
+#include "elastin/core/solve/stepper.h"
 
 namespace elastin {
 namespace {
@@ -104,7 +104,7 @@ void stop(const StepResult& step, StaticResult& result) {
 
 void relax_explicitly(Model& model, State& state, const StaticOptions& options, double tolerance,
                       StaticResult& result) {
-  const auto integrator = make_integrator({.scheme = "velocity_verlet"});
+  const auto stepper = make_stepper({.method = "velocity_verlet"});
   double dt = 0, before = 0;
   for (int step = 0; step < kExplicitSteps; ++step) {
     if (step % kBetweenChecks == 0) {
@@ -112,7 +112,7 @@ void relax_explicitly(Model& model, State& state, const StaticOptions& options, 
       dt = 1.8 / frequency_bound(model, state);  // 0.9 of 2/ω
       if (!std::isfinite(dt)) break;
     }
-    const StepResult taken = integrator->advance(model, state, dt);
+    const StepResult taken = stepper->advance(model, state, dt);
     ++result.newton_iterations;
     if (taken.outcome != Outcome::converged) return stop(taken, result);
     const double energy = kinetic_energy(model.body(), state.velocities);
@@ -125,15 +125,15 @@ void relax_explicitly(Model& model, State& state, const StaticOptions& options, 
 
 void relax_implicitly(Model& model, State& state, const StaticOptions& options, double tolerance,
                       StaticResult& result) {
-  IntegratorOptions steps{.scheme = "backward_euler"};
+  StepperOptions steps{.method = "backward_euler"};
   steps.newton.newton_limit = 20;
-  const auto integrator = make_integrator(steps);
+  const auto stepper = make_stepper(steps);
   double dt = 100 / frequency_bound(model, state);
   StepResult taken;
   for (int step = 0; step < kImplicitSteps; ++step) {
     if (note_balance(model, state, tolerance, result) || is_interrupted(options, result)) return;
     if (!(std::isfinite(dt) && dt > 0)) break;
-    taken = integrator->advance(model, state, dt);
+    taken = stepper->advance(model, state, dt);
     result.newton_iterations += taken.newton_iterations;
     result.linear_iterations += taken.linear_iterations;
     dt *= taken.outcome == Outcome::converged ? 2 : 0.25;

@@ -1,17 +1,17 @@
 #pragma once
 #include "core/solve/trial.h"
-#include "elastin/core/solve/integrator.h"
+#include "elastin/core/solve/stepper.h"
 
 namespace elastin {
 
-/// An integrator that takes a number of sweeps or iterations, which may change from step to step.
+/// A stepper that takes a number of sweeps or iterations, which may change from step to step.
 class HasEffort {
  public:
   virtual ~HasEffort() = default;
   virtual void set_effort(int effort) = 0;
 };
 
-/// An integrator that sees in its own steps how fast the body vibrates, where that has an elastic energy: two passes
+/// A stepper that sees in its own steps how fast the body vibrates, where that has an elastic energy: two passes
 /// over the molecules every few steps.
 class FrequencyWatch {
  public:

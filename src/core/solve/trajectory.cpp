@@ -63,21 +63,21 @@ std::size_t numbers_in(const State& state) {
 }  // namespace
 
 struct Trajectory::Impl {
-  Impl(Model& a_model, State start, double a_step, int some_steps, const IntegratorOptions& scheme)
-      : model(a_model), dt(a_step), steps(some_steps), integrator(make_integrator(scheme)) {
-    backward = dynamic_cast<TransposedStep*>(integrator.get());
+  Impl(Model& a_model, State start, double a_step, int some_steps, const StepperOptions& options)
+      : model(a_model), dt(a_step), steps(some_steps), stepper(make_stepper(options)) {
+    backward = dynamic_cast<TransposedStep*>(stepper.get());
     const std::string why =
-        backward ? without_derivatives(model) : "scheme '" + scheme.scheme->name + "' has no transpose";
+        backward ? without_derivatives(model) : "stepper '" + options.method->name + "' has no transpose";
     if (!why.empty()) throw InputError("no derivatives of a run in time: " + why);
     if (!(dt > 0 && std::isfinite(dt)) || steps < 1)
       throw InputError("a run of " + std::to_string(steps) + " steps of " + std::to_string(dt) +
                        " s: at least one step above 0 s is needed");
     model.declare_history(start);
     model.begin_step(start, start.time);
-    if (scheme.scheme->is_explicit) {
+    if (options.method->is_explicit) {
       const double longest = find_stable_step(model, start).step;
       if (dt > longest)
-        throw InputError("steps of " + number(dt, 3) + " s of '" + scheme.scheme->name +
+        throw InputError("steps of " + number(dt, 3) + " s of '" + options.method->name +
                          "' are not stable: the longest stable one is " + number(longest, 3) + " s");
     }
     set_accelerations(model, start);
@@ -91,7 +91,7 @@ struct Trajectory::Impl {
 
   int stride() const { return static_cast<int>(std::ceil(std::sqrt(steps))); }
   void advance(State& state, int step) const {
-    const StepResult taken = integrator->advance(model, state, dt);
+    const StepResult taken = stepper->advance(model, state, dt);
     const std::string number = "step " + std::to_string(step + 1) + " of " + std::to_string(steps);
     if (taken.outcome != Outcome::converged) throw InputError(number + " failed: " + taken.cause);
     if (taken.substeps != 1)
@@ -102,14 +102,14 @@ struct Trajectory::Impl {
   Model& model;
   double dt;
   int steps;
-  std::unique_ptr<Integrator> integrator;
+  std::unique_ptr<Stepper> stepper;
   TransposedStep* backward = nullptr;
   std::vector<State> stored;
   State end;
 };
 
-Trajectory::Trajectory(Model& model, State start, double dt, int steps, const IntegratorOptions& scheme)
-    : impl_(std::make_unique<Impl>(model, std::move(start), dt, steps, scheme)) {}
+Trajectory::Trajectory(Model& model, State start, double dt, int steps, const StepperOptions& options)
+    : impl_(std::make_unique<Impl>(model, std::move(start), dt, steps, options)) {}
 Trajectory::~Trajectory() = default;
 Trajectory::Trajectory(Trajectory&&) noexcept = default;
 

@@ -37,7 +37,7 @@ class TransposedForces {
 /// Slopes by the history at the end of a step become those by that at its beginning, and those by the end's positions.
 void transpose_commit(const Model& model, const State& from, const State& to, StateSlopes& slopes);
 
-/// A scheme that can go back through a step it has taken, with derivatives.
+/// A stepper that can go back through a step it has taken, with derivatives.
 class TransposedStep {
  public:
   virtual ~TransposedStep() = default;

@@ -295,7 +295,7 @@ class Xpbd final : public Implicit {
 
 }  // namespace
 
-Stepper xpbd() {
+StepperKind xpbd() {
   return {{"xpbd",
            "position-based: springs and neo_hookean tetrahedra as constraints with compliance, in small steps",
            "[Macklin et al. 2016, 2019; Macklin & Müller 2021]",

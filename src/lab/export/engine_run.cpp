@@ -13,7 +13,7 @@
 
 #include "core/solve/newton.h"
 #include "elastin/core/base/text.h"
-#include "elastin/core/solve/integrator.h"
+#include "elastin/core/solve/stepper.h"
 #include "lab/export/formats.h"
 #include "lab/export/process.h"
 #include "lab/report/page.h"
@@ -327,8 +327,7 @@ void calibrate_in(const Engine& engine, const Scene& scene, const ExportedBody& 
 /// Elastin's own stepper from rest under the whole load, as the drivers of engines do it: all that moves is stopped
 /// where the kinetic energy has passed a largest value. Position-based ones go once over all constraints, in the body's
 /// order, in each of `iterations` substeps, as engines do.
-void step_to_rest(const std::shared_ptr<const Stepper>& stepper, const Scene& scene, const std::function<bool()>& stop,
-                  Run& run) {
+void step_to_rest(const StepperMethod& method, const Scene& scene, const std::function<bool()>& stop, Run& run) {
   RunOptions options;
   options.statics = scene.statics;
   if (const std::string why = unsuited(scene.specimen, *scene.experiment, scene.stiffness); !why.empty())
@@ -336,18 +335,18 @@ void step_to_rest(const std::shared_ptr<const Stepper>& stepper, const Scene& sc
   const auto held = make_model(scene.specimen, *scene.experiment, scene.stiffness, options, run);
   if (!held) throw InputError(run.cause);
   Model& model = *held->model;
-  if (const std::string why = unsuited_for(*stepper, model); !why.empty()) throw InputError(why);
+  if (const std::string why = unsuited_for(*method, model); !why.empty()) throw InputError(why);
   ParameterValues values;
   int substeps = 1;
-  for (const ParameterInfo& info : stepper->parameters) {
+  for (const ParameterInfo& info : method->parameters) {
     if (info.name == "substeps") {
       substeps = scene.engines.iterations.value_or(static_cast<int>(info.fallback));
       values = {{"substeps", 1}, {"iterations", 1}, {"in_order", 1}};
-    } else if (info.name == stepper->effort && values.empty() && scene.engines.iterations) {
+    } else if (info.name == method->effort && values.empty() && scene.engines.iterations) {
       values[info.name] = *scene.engines.iterations;
     }
   }
-  const auto integrator = make_integrator({Scheme(stepper), values, scene.statics});
+  const auto stepper = make_stepper({method, values, scene.statics});
   StaticRig& rig = *held->rig->at_rest();
   set_load(model, rig, 1);
   State state = state_at_rest(model.body());
@@ -363,7 +362,7 @@ void step_to_rest(const std::shared_ptr<const Stepper>& stepper, const Scene& sc
     if (steps >= kMostSteps) throw Fault{fmt::format("not at rest after {}", counted(steps, "step"))};
     for (int i = 0; i < 50; ++i, ++steps)
       for (int substep = 0; substep < substeps; ++substep) {
-        const StepResult result = integrator->advance(model, state, scene.engines.time_step / substeps);
+        const StepResult result = stepper->advance(model, state, scene.engines.time_step / substeps);
         if (result.outcome != Outcome::converged) {
           run.outcome = result.outcome;
           throw Fault{result.cause};

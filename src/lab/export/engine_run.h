@@ -31,7 +31,7 @@ struct Engine : Descriptor {
   std::string tested = {};  ///< what the driver was written for, as it calls itself; empty: not said
   /// In place of `command`: gets the request, gives the answer.
   std::function<std::string(const std::string& request)> ask = {};
-  std::shared_ptr<const Stepper> stepper = {};  ///< in place of all: Elastin's own, run to rest as the drivers do
+  std::shared_ptr<const StepperKind> stepper = {};  ///< in place of all: Elastin's own, run to rest as the drivers do
 };
 
 const elastin::Table<Engine>& engines();

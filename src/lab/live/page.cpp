@@ -45,8 +45,8 @@ Json settings_json(const Scene& scene, const Parcel& parcel) {
             {"psi", number_of(cells, "shear")},
             {"alpha", number_of(find_load(parcel, "rayleigh"), "mass")},
             {"gravity", vector_json(gravity ? gravity->values.vectors.at("acceleration") : Vector3(0, 0, 0))}};
-  if (scene.time && scene.time->scheme) {
-    json["scheme"] = (*scene.time->scheme)->name;
+  if (scene.time && scene.time->stepper) {
+    json["stepper"] = (*scene.time->stepper)->name;
     if (scene.time->parameters.contains("newton_iterations"))
       json["iterations"] = scene.time->parameters.at("newton_iterations");
     if (scene.time->choice == StepChoice::fixed) json["step"] = scene.time->step;
@@ -83,13 +83,13 @@ std::string scene_json(const Scene& scene, const Catalog& catalog, const Parcel&
   json["strategies"] = Json::array();
   for (const Parcel::Strategy& strategy : parcel.strategies)
     json["strategies"].push_back(row(strategy.label, choose_strategy(catalog, strategy.name).strategy.summary));
-  json["schemes"] = Json::array();
-  for (const auto& scheme : catalog.steppers) {
-    Json one = row(scheme->name, scheme->summary);
-    one["explicit"] = scheme->is_explicit;
-    one["newton"] = std::any_of(scheme->parameters.begin(), scheme->parameters.end(),
+  json["steppers"] = Json::array();
+  for (const auto& method : catalog.steppers) {
+    Json one = row(method->name, method->summary);
+    one["explicit"] = method->is_explicit;
+    one["newton"] = std::any_of(method->parameters.begin(), method->parameters.end(),
                                 [](const ParameterInfo& info) { return info.name == "newton_iterations"; });
-    json["schemes"].push_back(std::move(one));
+    json["steppers"].push_back(std::move(one));
   }
   std::string text = json.dump(-1, ' ', false, Json::error_handler_t::replace);
   for (std::size_t at = 0; (at = text.find('<', at)) != std::string::npos; at += 6) text.replace(at, 1, "\\u003c");

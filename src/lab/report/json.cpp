@@ -95,6 +95,10 @@ class FieldWriter {
   void field(const char* key, const Value& value) {
     object_[key] = written(value);
   }
+  template <class Value>
+  void renamed(const char* key, const char*, const Value& value) {
+    field(key, value);
+  }
   /// Only where it is worth it; it comes back as it is by default otherwise.
   template <class Value>
   void field_if(bool worth, const char* key, const Value& value) {
@@ -150,6 +154,11 @@ class FieldReader {
   template <class Value>
   void field(const char* key, Value& value) {
     read(object_.at(key), value);
+  }
+  /// Of results of earlier versions by its former name.
+  template <class Value>
+  void renamed(const char* key, const char* former, Value& value) {
+    field(object_.contains(key) ? key : former, value);
   }
   template <class Value>
   void field_if(bool, const char* key, Value& value) {
@@ -305,7 +314,7 @@ void budget_fields(Io& io, Budget& budget) {
 
 template <class Io, class Time>
 void time_fields(Io& io, Time& time) {
-  io.field("integrator", time.scheme);
+  io.renamed("stepper", "integrator", time.stepper);
   io.field("simulated", time.simulated);
   io.field("seconds", time.seconds);
   io.field("steps", time.steps);

@@ -42,7 +42,7 @@ std::string stiffness_text(const Stiffness6& stiffness, bool colours) {
 std::string time_text(const TimeReport& time) {
   const double seconds = std::max(time.seconds, 1e-9), rate = time.simulated / seconds;
   std::string out = fmt::format(
-      "  {}{}: {}{}, last {}{}; {:.4g} s simulated in {}{}\n", time.resumed ? "resumed, " : "", time.scheme,
+      "  {}{}: {}{}, last {}{}; {:.4g} s simulated in {}{}\n", time.resumed ? "resumed, " : "", time.stepper,
       counted(time.steps, "step"), time.rejected ? fmt::format(" and {} rejected", time.rejected) : "",
       readable_seconds(time.last_step),
       time.critical_step > 0 && std::isfinite(time.critical_step)
@@ -62,7 +62,7 @@ std::string time_text(const TimeReport& time) {
         readable_seconds(own.longest_seconds), 100 * own.late, readable(own.iteration_error, dimension::length, 3),
         readable(own.motion, dimension::length, 3));
   }
-  if (!time.reason.empty()) out += "  " + time.scheme + " by default: " + time.reason + "\n";
+  if (!time.reason.empty()) out += "  " + time.stepper + " by default: " + time.reason + "\n";
   return out;
 }
 

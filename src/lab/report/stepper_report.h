@@ -7,7 +7,7 @@
 
 namespace elastin::lab {
 
-/// One scheme with one number of iterations and one time step. NaN where something was not measured.
+/// One stepper with one number of iterations and one time step. NaN where something was not measured.
 struct StepperRow {
   std::string stepper;
   int iterations = 0;  ///< of each step; 0 = as many as it takes, or none to choose
@@ -20,11 +20,11 @@ struct StepperRow {
   double rest_error;            ///< of the first, to the equilibrium of the same model
   /// Of the motion after release, root mean square over time and mass, over the size of the displacement it starts
   /// from.
-  double iteration_error;  ///< to the same step, converged: backward Euler's, or the scheme's own of second order
+  double iteration_error;  ///< to the same step, converged: backward Euler's, or the stepper's own of second order
   double time_error;       ///< to the limit of short steps
   double energy;           ///< change of the body's energy over one period, over what it starts with
   double seconds;          ///< of one step, median
-  int substeps = 0;        ///< that an explicit scheme parts a step into; 0 of an implicit one
+  int substeps = 0;        ///< that an explicit stepper parts a step into; 0 of an implicit one
 };
 
 /// Steppers side by side on one model.

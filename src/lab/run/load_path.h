@@ -96,8 +96,8 @@ void solve_load_curve(Model& model, const StaticExperiment& experiment, StaticRi
 void run_in_time(Model& model, const TimedExperiment& experiment, TimedRig& rig, const Specimen& specimen,
                  const RunOptions& options, Run& run);
 
-/// The scheme that a run takes, and why if the scene leaves it open.
-std::pair<Scheme, std::string> chosen_scheme(const TimeOptions& options, const TimedExperiment& experiment,
-                                             bool uses_cells);
+/// The stepper that a run takes, and why if the scene leaves it open.
+std::pair<StepperMethod, std::string> chosen_stepper(const TimeOptions& options, const TimedExperiment& experiment,
+                                                     bool uses_cells);
 
 }  // namespace elastin::lab

@@ -45,7 +45,7 @@ double largest_strain(const Model& model, const State& state) {
 class TimedRun {
  public:
   TimedRun(Model& model, const TimedExperiment& experiment, const TimedRig& rig, const RunOptions& options, Run& run,
-           State start, const Scheme& scheme, const std::string& identity, bool muscles, bool contact_damps)
+           State start, const StepperMethod& method, const std::string& identity, bool muscles, bool contact_damps)
       : model_(model),
         experiment_(experiment),
         rig_(rig),
@@ -57,7 +57,7 @@ class TimedRun {
         muscles_(muscles),
         begin_(state_.positions),
         ledger_(model, state_),
-        control_(model, state_, *options.time, scheme, options.statics),
+        control_(model, state_, *options.time, method, options.statics),
         mass_(sum_over(model.body(), model.body().mass.head(owned_molecules(model.body())).sum())) {}
 
   void resume() {
@@ -376,9 +376,9 @@ class TimedRun {
 
 }  // namespace
 
-std::pair<Scheme, std::string> chosen_scheme(const TimeOptions& options, const TimedExperiment& experiment,
-                                             bool uses_cells) {
-  if (options.scheme) return {*options.scheme, ""};
+std::pair<StepperMethod, std::string> chosen_stepper(const TimeOptions& options, const TimedExperiment& experiment,
+                                                     bool uses_cells) {
+  if (options.stepper) return {*options.stepper, ""};
   if (experiment.slow())
     return {"backward_euler", "a " + experiment.name() + " is slow: its steps damp vibrations and grow with them"};
   if (uses_cells) return {"newmark", "cells make short stable steps: implicit steps may be as long as they are right"};
@@ -388,8 +388,8 @@ std::pair<Scheme, std::string> chosen_scheme(const TimeOptions& options, const T
 void run_in_time(Model& model, const TimedExperiment& experiment, TimedRig& rig, const Specimen& specimen,
                  const RunOptions& options, Run& run) {
   if (!options.time) throw InputError("a " + experiment.name() + " experiment needs to know for how long: TimeOptions");
-  const auto [scheme, reason] = chosen_scheme(*options.time, experiment, run.uses_cells);
-  if (const std::string why = unsuited_for(*scheme, model); !why.empty()) {
+  const auto [method, reason] = chosen_stepper(*options.time, experiment, run.uses_cells);
+  if (const std::string why = unsuited_for(*method, model); !why.empty()) {
     run.suited = false;
     run.cause = why;
     return;
@@ -397,7 +397,7 @@ void run_in_time(Model& model, const TimedExperiment& experiment, TimedRig& rig,
   if (model.body().share && !options.restart.empty())
     throw InputError(options.restart_path + ": several processes that share a body go on from no restart file");
   run.time = TimeReport{};
-  run.time->scheme = scheme->name;
+  run.time->stepper = method->name;
   run.time->reason = reason;
   run.time->resumed = !options.restart.empty();
   State state = state_at_rest(model.body());
@@ -405,7 +405,7 @@ void run_in_time(Model& model, const TimedExperiment& experiment, TimedRig& rig,
   const StaticResult started = rig.start(state, options.statics);
   run.newton_iterations += started.newton_iterations;
   run.linear_iterations += started.linear_iterations;
-  run.solver = run.time->scheme;
+  run.solver = run.time->stepper;
   if (started.outcome != Outcome::converged) {
     run.outcome = started.outcome;
     run.cause = started.cause + " (before time 0)";
@@ -424,11 +424,11 @@ void run_in_time(Model& model, const TimedExperiment& experiment, TimedRig& rig,
     return;
   }
   const std::string identity =
-      restart_identity(model.body(), options.problem, run.strategy, *options.time, run.time->scheme);
+      restart_identity(model.body(), options.problem, run.strategy, *options.time, run.time->stepper);
   const std::vector<Material> materials = materials_of(specimen);
   const bool muscles =
       std::any_of(materials.begin(), materials.end(), [](const Material& own) { return own.active.has_value(); });
-  TimedRun timed_run(model, experiment, rig, options, run, std::move(state), scheme, identity, muscles,
+  TimedRun timed_run(model, experiment, rig, options, run, std::move(state), method, identity, muscles,
                      specimen.contact && specimen.contact->restitution < 1);
   if (run.time->resumed) timed_run.resume();
   timed_run.go();

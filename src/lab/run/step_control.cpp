@@ -25,11 +25,11 @@ namespace elastin::lab {
 
 namespace {
 
-ParameterValues values_of(const Scheme& scheme, const TimeOptions& options) {
-  if (scheme->effort.empty())
-    throw InputError("a budget chooses a number of sweeps or iterations, and '" + std::string(scheme->name) +
+ParameterValues values_of(const StepperMethod& method, const TimeOptions& options) {
+  if (method->effort.empty())
+    throw InputError("a budget chooses a number of sweeps or iterations, and '" + std::string(method->name) +
                      "' takes none");
-  return complete_values(scheme->name, scheme->parameters, options.parameters);
+  return complete_values(method->name, method->parameters, options.parameters);
 }
 
 int parts_of(const ParameterValues& values) {
@@ -39,25 +39,25 @@ int parts_of(const ParameterValues& values) {
 
 }  // namespace
 
-PacedSteps::PacedSteps(Integrator& integrator, const Scheme& scheme, const TimeOptions& options,
+PacedSteps::PacedSteps(Stepper& stepper, const StepperMethod& method, const TimeOptions& options,
                        const StaticOptions& newton)
-    : integrator_(integrator),
-      converged_(make_integrator({"backward_euler", {}, newton})),
-      parts_(parts_of(values_of(scheme, options))),
+    : stepper_(stepper),
+      converged_(make_stepper({"backward_euler", {}, newton})),
+      parts_(parts_of(values_of(method, options))),
       seconds_(options.budget),
-      name_(scheme->effort) {
-  set_effort(std::max(1, static_cast<int>(values_of(scheme, options).at(scheme->effort))));
+      name_(method->effort) {
+  set_effort(std::max(1, static_cast<int>(values_of(method, options).at(method->effort))));
 }
 
 void PacedSteps::set_effort(int effort) {
   effort_ = effort;
-  dynamic_cast<HasEffort&>(integrator_).set_effort(effort);
+  dynamic_cast<HasEffort&>(stepper_).set_effort(effort);
 }
 
 StepResult PacedSteps::advance(Model& model, State& state, double dt) {
   const Stopwatch watch;
   set_effort(budget_.next(seconds_, effort_));
-  const StepResult result = integrator_.advance(model, state, dt);
+  const StepResult result = stepper_.advance(model, state, dt);
   const double took = watch.seconds();
   budget_.took(took, effort_);
   efforts_.push_back(effort_);
@@ -66,16 +66,16 @@ StepResult PacedSteps::advance(Model& model, State& state, double dt) {
 }
 
 void PacedSteps::look(Model& model, const State& state, double dt) {
-  const auto reached = [&](Integrator& integrator, int parts) {
+  const auto reached = [&](Stepper& stepper, int parts) {
     State tried = state;
     bool went = true;
     for (int part = 0; part < parts && went; ++part)
-      went = integrator.advance(model, tried, dt / parts).outcome == Outcome::converged;
+      went = stepper.advance(model, tried, dt / parts).outcome == Outcome::converged;
     model.begin_step(state, state.time);
     if (model.drive) model.drive(state.time, model.supports);
     return went ? tried.positions : Positions();
   };
-  const Positions own = reached(integrator_, 1), balance = reached(*converged_, parts_);
+  const Positions own = reached(stepper_, 1), balance = reached(*converged_, parts_);
   if (own.size() == 0 || balance.size() == 0) return;
   error_ = std::max(error_, (own - balance).colwise().norm().maxCoeff());
   motion_ = std::max(motion_, (balance - state.positions).colwise().norm().maxCoeff());
@@ -110,18 +110,18 @@ double size_of(const Body& body) {
 
 }  // namespace
 
-StepControl::StepControl(Model& model, const State& start, const TimeOptions& options, const Scheme& scheme,
+StepControl::StepControl(Model& model, const State& start, const TimeOptions& options, const StepperMethod& method,
                          const StaticOptions& newton)
     : options_(options), size_(size_of(model.body())) {
-  integrator_ = make_integrator({scheme, options.parameters, newton});
-  order_ = scheme->order;
-  if (options.budget > 0) paced_.emplace(*integrator_, scheme, options, newton);
+  stepper_ = make_stepper({method, options.parameters, newton});
+  order_ = method->order;
+  if (options.budget > 0) paced_.emplace(*stepper_, method, options, newton);
   const bool automatic = options.choice == StepChoice::automatic;
-  by_error_ = options.choice == StepChoice::by_error || (automatic && !scheme->is_explicit);
-  watched_ = scheme->is_explicit && options.choice != StepChoice::fixed;
+  by_error_ = options.choice == StepChoice::by_error || (automatic && !method->is_explicit);
+  watched_ = method->is_explicit && options.choice != StepChoice::fixed;
   memory.wanted = options.choice == StepChoice::fixed ? options.step : options.time_of(1);
   memory.stable = std::numeric_limits<double>::infinity();
-  if (scheme->is_explicit) {
+  if (method->is_explicit) {
     const StableStep found = find_stable_step(model, start);
     memory.critical = found.step;
     memory.frequency = found.frequency;
@@ -153,7 +153,7 @@ StepResult StepControl::one_step(Model& model, State& state, double until) {
     if (!(state.time + dt > state.time))
       return {Outcome::diverged, "the step has become too short for the clock", 0, 0, 1, 0};
     const State before = by_error_ ? state : State{};
-    StepResult result = paced_ ? paced_->advance(model, state, dt) : integrator_->advance(model, state, dt);
+    StepResult result = paced_ ? paced_->advance(model, state, dt) : stepper_->advance(model, state, dt);
     if (result.outcome != Outcome::converged) return result;
     if (by_error_) {
       const double ratio = result.error / (options_.error * size_);
@@ -181,7 +181,7 @@ StepResult StepControl::one_step(Model& model, State& state, double until) {
 namespace {
 
 constexpr std::string_view kName = "elastin-restart-";
-constexpr const char* kHead = "elastin-restart-8";  // another format, or another meaning of a number, counts on
+constexpr const char* kHead = "elastin-restart-9";  // another format, or another meaning of a number, counts on
 constexpr std::string_view kEnd = "\nend\n";
 constexpr const char* kFrame = "frame";    ///< what it calls the time of a frame [s]
 constexpr std::string_view kHash = "#";    ///< begins what is too long to be shown
@@ -308,13 +308,13 @@ RestartPoint parse_restart(const std::string& text, const std::string& identity,
 }
 
 std::string restart_identity(const Body& body, const std::string& problem, const std::string& strategy,
-                             const TimeOptions& options, const std::string& scheme) {
+                             const TimeOptions& options, const std::string& method) {
   std::uint64_t hash = checksum(nullptr, 0);
   const auto add = [&](const void* data, std::size_t size) { hash = checksum(data, size, hash); };
   add(body.rest.data(), sizeof(double) * static_cast<std::size_t>(body.rest.size()));
   add(body.mass.data(), sizeof(double) * static_cast<std::size_t>(body.mass.size()));
   add(body.connections.ends.data(), sizeof(int) * 2 * body.connections.ends.size());
-  std::string identity = "strategy=" + as_word(strategy) + ",integrator=" + as_word(scheme) + "," + kFrame + "=" +
+  std::string identity = "strategy=" + as_word(strategy) + ",stepper=" + as_word(method) + "," + kFrame + "=" +
                          number(options.time_of(1), 12) + ",body=" + std::string(kHash) + hex(hash);
   if (options.first_frame > 0) identity += ",duration=" + number(options.duration, 12);
   // "small" or "large", then a line a key: see Scene::problem.

@@ -6,18 +6,18 @@
 
 #include "core/simulation/budget.h"
 #include "elastin/core/model/state.h"
-#include "elastin/core/solve/integrator.h"
+#include "elastin/core/solve/stepper.h"
 #include "lab/run/run.h"
 #include "lab/run/time_options.h"
 
 namespace elastin::lab {
 
-/// Steps of a scheme that takes a number of sweeps or iterations: as many as the pace of the steps before leaves time
+/// Steps of a stepper that takes a number of sweeps or iterations: as many as the pace of the steps before leaves time
 /// for. What so few of them leave is measured at each `look`.
 class PacedSteps {
  public:
-  /// Throws InputError where the scheme takes no number of them.
-  PacedSteps(Integrator& integrator, const Scheme& scheme, const TimeOptions& options, const StaticOptions& newton);
+  /// Throws InputError where the stepper takes no number of them.
+  PacedSteps(Stepper& stepper, const StepperMethod& method, const TimeOptions& options, const StaticOptions& newton);
 
   StepResult advance(Model& model, State& state, double dt);
   /// Tries a step by dt by both methods, by the last step's sweeps and by backward Euler to the end, and takes it back.
@@ -27,8 +27,8 @@ class PacedSteps {
  private:
   void set_effort(int effort);
 
-  Integrator& integrator_;
-  std::unique_ptr<Integrator> converged_;
+  Stepper& stepper_;
+  std::unique_ptr<Stepper> converged_;
   int parts_;  ///< of a converged step, where the stepper's own goes in substeps
   double seconds_;
   std::string name_;  ///< of what a step takes some of
@@ -43,9 +43,9 @@ class PacedSteps {
 /// written down and read again: the steps that follow are then the same, bit by bit.
 class StepControl {
  public:
-  /// Throws InputError if nothing says how long a step may be (an explicit scheme on a body that nothing holds
+  /// Throws InputError if nothing says how long a step may be (an explicit stepper on a body that nothing holds
   /// together).
-  StepControl(Model& model, const State& start, const TimeOptions& options, const Scheme& scheme,
+  StepControl(Model& model, const State& start, const TimeOptions& options, const StepperMethod& method,
               const StaticOptions& newton);
 
   /// Steps to `until` [s] exactly. Ends early if a step fails: the state is then the last good one. `after` is called
@@ -78,7 +78,7 @@ class StepControl {
     double wanted = 0;                   ///< length of the next step [s]
     double first_bound = 0;              ///< of frequencies, where the watch began [rad/s]
     double stable = 0;                   ///< longest step that is stable, with safety [s]
-    double critical = 0, frequency = 0;  ///< of explicit schemes at the start: longest stable step [s], ω_max [rad/s]
+    double critical = 0, frequency = 0;  ///< of explicit steppers at the start: longest stable step [s], ω_max [rad/s]
     double shortest = 0, last = 0;       ///< steps taken [s]
     int steps = 0, rejected = 0;
   };
@@ -95,7 +95,7 @@ class StepControl {
   void watch(Model& model, const State& state);
 
   TimeOptions options_;
-  std::unique_ptr<Integrator> integrator_;
+  std::unique_ptr<Stepper> stepper_;
   std::optional<PacedSteps> paced_;  ///< where steps have a budget
   double size_ = 0;                  // of the body [m]
   double order_ = 2;
@@ -118,8 +118,8 @@ std::string restart_text(const RestartPoint& point, const std::string& identity)
 /// another version, or that of another run.
 RestartPoint parse_restart(const std::string& text, const std::string& identity, const std::string& path = "");
 
-/// What a run must share with the one that it goes on from: body, problem, strategy, scheme and frames.
+/// What a run must share with the one that it goes on from: body, problem, strategy, stepper and frames.
 std::string restart_identity(const Body& body, const std::string& problem, const std::string& strategy,
-                             const TimeOptions& options, const std::string& scheme);
+                             const TimeOptions& options, const std::string& method);
 
 }  // namespace elastin::lab

@@ -5,14 +5,14 @@
 #include <utility>
 
 #include "elastin/core/forces/time_function.h"
-#include "elastin/core/solve/integrator.h"
+#include "elastin/core/solve/stepper.h"
 #include "lab/run/config_names.h"
 
 namespace elastin::lab {
 
 /// By what the length of a time step is set.
 enum class StepChoice {
-  automatic,  ///< explicit schemes: 0.8 of the longest stable step, watched; implicit ones: by their error
+  automatic,  ///< explicit steppers: 0.8 of the longest stable step, watched; implicit ones: by their error
   fixed,
   by_error,
   per_frame,  ///< a count of equal length in each frame
@@ -20,9 +20,9 @@ enum class StepChoice {
 
 /// Time-stepping options.
 struct TimeOptions {
-  double duration = 1;              ///< [s], > 0
-  std::optional<Scheme> scheme;     ///< none: see chosen_scheme
-  ParameterValues parameters = {};  ///< of the scheme
+  double duration = 1;                   ///< [s], > 0
+  std::optional<StepperMethod> stepper;  ///< none: see chosen_stepper
+  ParameterValues parameters = {};       ///< of the stepper
   StepChoice choice = StepChoice::automatic;
   double step = 0;                      ///< [s], of fixed ones; frames shorten it evenly
   double error = 1e-4;                  ///< of a step in position, as a part of the body's size
@@ -33,7 +33,7 @@ struct TimeOptions {
   double first_frame = 0;
   double frame_rate = 250;  ///< frames a second at most, where a run is shown live
   int checkpoint = 0;       ///< frames between two restart files; 0 = none
-  double budget = 0;        ///< [s] by the clock for a step of a scheme that takes sweeps; 0 = any
+  double budget = 0;        ///< [s] by the clock for a step of a stepper that takes sweeps; 0 = any
 
   /// When a frame ends [s]: frame 0 … frames.
   double time_of(int frame) const {
@@ -58,10 +58,10 @@ struct BudgetReport {
 
 /// Time-stepping report.
 struct TimeReport {
-  std::string scheme, reason;               ///< the scheme, and why it was taken if the scene left that open
+  std::string stepper, reason;              ///< the stepper, and why it was taken if the scene left that open
   int steps = 0, rejected = 0;              ///< rejected: gone again, shorter, because their error was too large
   double shortest_step = 0, last_step = 0;  ///< [s]
-  double critical_step = 0, frequency = 0;  ///< of explicit schemes: longest stable step [s], ω_max [rad/s]
+  double critical_step = 0, frequency = 0;  ///< of explicit steppers: longest stable step [s], ω_max [rad/s]
   double simulated = 0, seconds = 0;        ///< simulated and wall-clock time of this run alone [s]
   bool resumed = false;
   std::optional<BudgetReport> budget;

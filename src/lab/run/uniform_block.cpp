@@ -42,7 +42,7 @@ std::optional<Measures> measured_on_block(const UniformTest& test, const Body& s
   constexpr double longest = 0.1;  // strain of a step
   try {
     SimulationOptions options;
-    options.integrator.scheme = "backward_euler";
+    options.stepper.method = "backward_euler";
     options.parameters = values;
     Simulation block(
         law.dimensions == 3 ? solid_block(test.frame) : flat_block(specimen, test.frame, material.thickness), law,

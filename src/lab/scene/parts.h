@@ -40,15 +40,15 @@ struct Study {
   bool any() const { return !axes.empty() || repeats > 1 || !threads.empty(); }
 };
 
-/// A scheme with the parameters that a comparison of steppers leaves as they are.
+/// A stepper with the parameters that a comparison of steppers leaves as they are.
 struct StepperChoice {
-  Scheme scheme;
+  StepperMethod method;
   ParameterValues parameters = {};
 };
 
-/// What a comparison of steppers runs through: each scheme with each number of iterations and each time step.
+/// What a comparison of steppers runs through: each stepper with each number of iterations and each time step.
 struct StepperStudy {
-  std::vector<StepperChoice> schemes;
+  std::vector<StepperChoice> methods;
   std::vector<int> iterations{1, 4, 16, 64};
   std::vector<double> steps;  ///< [s]; empty = 1/25 and 1/100 of the loaded shape's period
 };
@@ -63,7 +63,7 @@ struct EngineStudy {
 };
 
 /// "all", or names separated by commas. Throws InputError with the nearest name.
-std::vector<StepperChoice> read_steppers(const std::string& names, const Table<Stepper>& steppers);
+std::vector<StepperChoice> read_steppers(const std::string& names, const Table<StepperKind>& steppers);
 
 /// One axis as a command line gives it: "KEY.PATH=[value, …]" or "{KEY.PATH: [value, …], KEY.PATH: …}".
 StudyAxis read_axis(const std::string& text);
@@ -162,7 +162,7 @@ Study read_study(const Reader& reader, const std::vector<StrategyChoice>& known)
 void check_identify(const Reader& reader);
 /// Standard deviations of numbers that the scene, read with these overrides, states. Throws InputError.
 void read_uncertainty(Reader reader, const std::vector<std::string>& overrides, Scene& scene);
-StepperStudy read_stepper_study(const Reader& reader, const elastin::Table<Stepper>& steppers);
+StepperStudy read_stepper_study(const Reader& reader, const elastin::Table<StepperKind>& steppers);
 EngineStudy read_engine_study(const Reader& reader);
 /// Contact, and which obstacles' motions follow the load, and which the time.
 struct SceneContact : contact::ContactOptions {
@@ -185,9 +185,9 @@ elastin::Table<LoadKind> scene_loads(const Catalog& catalog);
 /// `rotation` turns its directions with the scene.
 SceneLoad read_load(Reader reader, const elastin::Table<LoadKind>& loads, const Body& body, const Material& material,
                     const Matrix3& rotation);
-TimeOptions read_time(const Reader& reader, const elastin::Table<Stepper>& steppers);
-/// {scheme: NAME, PARAMETER: VALUE, …}, or the name alone.
-void read_integrator(const Reader& reader, const elastin::Table<Stepper>& steppers, TimeOptions& options);
+TimeOptions read_time(const Reader& reader, const elastin::Table<StepperKind>& steppers);
+/// {method: NAME, PARAMETER: VALUE, …}, or the name alone.
+void read_stepper(const Reader& reader, const elastin::Table<StepperKind>& steppers, TimeOptions& options);
 /// How the run begins: velocities and positions other than those at rest.
 std::function<void(State&)> read_initial(const Reader& reader, const Body& body, const Matrix3& rotation, bool timed);
 /// What stays where it is besides the experiment's own grips; at most one a molecule.

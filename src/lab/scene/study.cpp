@@ -77,24 +77,24 @@ Keys<Study> comparison_keys(const std::vector<StrategyChoice>& known) {
                      })};
 }
 
-Keys<StepperStudy> stepper_study_keys(const elastin::Table<Stepper>& steppers) {
+Keys<StepperStudy> stepper_study_keys(const elastin::Table<StepperKind>& steppers) {
   using S = StepperStudy;
-  const auto read_schemes = [&steppers](const Reader& value, S& study) {
+  const auto read_methods = [&steppers](const Reader& value, S& study) {
     if (value.is_text()) {
-      study.schemes = value.located([&] { return read_steppers(value.text(), steppers); });
+      study.methods = value.located([&] { return read_steppers(value.text(), steppers); });
       return;
     }
     for (Reader item : value.items()) {
-      item.set_section("time.integrator");
+      item.set_section("time.stepper");
       TimeOptions options;
-      read_integrator(item, steppers, options);
-      study.schemes.push_back({*options.scheme, options.parameters});
+      read_stepper(item, steppers, options);
+      study.methods.push_back({*options.stepper, options.parameters});
     }
-    if (study.schemes.empty()) value.fail("names no scheme; write a list of them, or all");
+    if (study.methods.empty()) value.fail("names no stepper; write a list of them, or all");
   };
-  return {Key<S>({"schemes", "`all`, or list of words or maps", "", "", "`all`",
-                  "schemes, each as `time.integrator` has them; what a map gives is not varied"},
-                 read_schemes, [&steppers](S& study, const Frame&) { study.schemes = read_steppers("all", steppers); }),
+  return {Key<S>({"methods", "`all`, or list of words or maps", "", "", "`all`",
+                  "steppers, each as `time.stepper` has them; what a map gives is not varied"},
+                 read_methods, [&steppers](S& study, const Frame&) { study.methods = read_steppers("all", steppers); }),
           key::wholes("iterations", &S::iterations, 1, 1000,
                       "sweeps, iterations or solves of each step; Newton's method has 1 and as many as it takes")
               .otherwise("1, 4, 16, 64")
@@ -144,7 +144,7 @@ std::vector<std::vector<std::pair<std::string, std::string>>> combinations(const
   return all;
 }
 
-std::vector<StepperChoice> read_steppers(const std::string& names, const elastin::Table<Stepper>& steppers) {
+std::vector<StepperChoice> read_steppers(const std::string& names, const elastin::Table<StepperKind>& steppers) {
   std::vector<StepperChoice> choices;
   std::istringstream words(names);
   for (std::string word; std::getline(words, word, ',');) {
@@ -154,11 +154,11 @@ std::vector<StepperChoice> read_steppers(const std::string& names, const elastin
     else
       choices.push_back({steppers.find(word)});
   }
-  if (choices.empty()) throw InputError("names no scheme");
+  if (choices.empty()) throw InputError("names no stepper");
   return choices;
 }
 
-StepperStudy read_stepper_study(const Reader& reader, const elastin::Table<Stepper>& steppers) {
+StepperStudy read_stepper_study(const Reader& reader, const elastin::Table<StepperKind>& steppers) {
   return stepper_study_keys(steppers).read(reader);
 }
 
@@ -169,7 +169,7 @@ std::vector<KeySection> study_keys(const Catalog& catalog) {
            "engines.names=[NAMES]` and `--set engines.dt=TIME`.",
            engine_study_keys().rows()},
           {"steppers", "Steppers",
-           "What `elastin compare` runs in place of strategies: the scene's own strategy by several schemes.",
+           "What `elastin compare` runs in place of strategies: the scene's own strategy by several steppers.",
            stepper_study_keys(catalog.steppers).rows()},
           {"study", "Study", "", comparison_keys({}).rows()}};
 }

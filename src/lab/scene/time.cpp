@@ -10,9 +10,9 @@
 namespace elastin::lab {
 namespace {
 
-/// Fails where a key is a parameter of other schemes than the one chosen.
-void refuse_others(Reader& reader, const elastin::Table<Stepper>& steppers, const Stepper& chosen) {
-  const auto has = [](const Stepper& stepper, const std::string& key) {
+/// Fails where a key is a parameter of other steppers than the one chosen.
+void refuse_others(Reader& reader, const elastin::Table<StepperKind>& steppers, const StepperKind& chosen) {
+  const auto has = [](const StepperKind& stepper, const std::string& key) {
     return std::any_of(stepper.parameters.begin(), stepper.parameters.end(),
                        [&](const ParameterInfo& info) { return info.name == key; });
   };
@@ -56,12 +56,12 @@ void read_step(const Reader& reader, TimeOptions& options) {
 /// Uniform in −1 … 1: the same on every machine.
 double uniform(std::mt19937_64& generator) { return 2 * static_cast<double>(generator() >> 11) * 0x1p-53 - 1; }
 
-void check_budget(const Reader& reader, const elastin::Table<Stepper>& steppers, const TimeOptions& options) {
-  if (!options.scheme || (*options.scheme)->effort.empty()) {
+void check_budget(const Reader& reader, const elastin::Table<StepperKind>& steppers, const TimeOptions& options) {
+  if (!options.stepper || (*options.stepper)->effort.empty()) {
     std::string able;
     for (const auto& stepper : steppers)
       if (!stepper->effort.empty()) able += (able.empty() ? "" : ", ") + stepper->name;
-    reader.fail("chooses how many sweeps or iterations a step gets: write `integrator:` with one of " + able);
+    reader.fail("chooses how many sweeps or iterations a step gets: write `stepper:` with one of " + able);
   }
   if (options.choice != StepChoice::fixed) reader.fail("needs steps of one length: write `step: 1 ms` or another");
   if (options.checkpoint) reader.fail("the clock decides: a run that goes on from a checkpoint would take other steps");
@@ -124,67 +124,66 @@ const Keys<InitialSetup>& initial_setup_keys() {
   return keys;
 }
 
-/// {scheme: NAME, PARAMETER: VALUE, …}
-Keys<TimeOptions> integrator_keys(const elastin::Table<Stepper>& steppers) {
+/// {method: NAME, PARAMETER: VALUE, …}
+Keys<TimeOptions> stepper_keys(const elastin::Table<StepperKind>& steppers) {
   using T = TimeOptions;
-  return {key::row("scheme", &T::scheme, steppers, "name of the integrator").needed("needed in the map"),
+  return {key::row("method", &T::stepper, steppers, "name of the stepper").needed("needed in the map"),
           parameter_keys(steppers, &T::parameters,
-                         [](const T& options) { return options.scheme ? &**options.scheme : nullptr; })};
+                         [](const T& options) { return options.stepper ? &**options.stepper : nullptr; })};
 }
 
-Keys<TimeOptions> time_options_keys(const elastin::Table<Stepper>& steppers) {
+Keys<TimeOptions> time_options_keys(const elastin::Table<StepperKind>& steppers) {
   using T = TimeOptions;
-  SceneKey integrator{"integrator",
-                      "word, or map",
-                      "",
-                      "",
-                      "`velocity_verlet` for springs, `newmark` for cells; of creep and relaxation `backward_euler`",
-                      words_text(steppers.names())};
-  return {
-      key::quantity("duration", &T::duration, dimension::time, "time that the run covers", kPositive).needed(),
-      Key<T>("integrator", key::rows_below(std::move(integrator), integrator_keys(steppers)),
-             [&steppers](const Reader& value, T& options) { read_integrator(value, steppers, options); }),
-      Key<T>("step",
-             key::rows_below(
-                 {"step", "quantity, `automatic`, or map", "s", "> 0", "`automatic`",
-                  "explicit: 0.8 of the longest stable step, checked as the body stiffens; implicit: by error"},
-                 step_forms()),
-             read_step),
-      key::whole("frames", &T::frames, 1, 1000000, "points of the time history and snapshots, at equal times"),
-      key::quantity("first_frame", &T::first_frame, dimension::time,
-                    "end of the first frame; the ends of the others are a geometric sequence up to the duration: "
-                    "decades of time",
-                    kPositive)
-          .refused_for([](const T& options) {
-            return options.first_frame > 0 && (options.first_frame >= options.duration || options.frames < 2)
-                       ? "must be shorter than the duration, and there must be at least 2 frames"
-                       : "";
-          }),
-      key::quantity("frame_rate", &T::frame_rate, {0, 0, -1}, "most frames a second with `--live`", kPositive),
-      key::whole("checkpoint", &T::checkpoint, 1, 1000000, "frames between restart files; Ctrl-C leaves one too"),
-      key::quantity("budget", &T::budget, dimension::time,
-                    "computing time of a step of fixed length: an integrator with sweeps or iterations gets as many "
-                    "as there is time for; what is left of the error is measured at the frames. Not with "
-                    "`checkpoint`",
-                    kPositive)
-          .then([&steppers](const Reader& value, const T& options) { check_budget(value, steppers, options); })};
+  SceneKey stepper{"stepper",
+                   "word, or map",
+                   "",
+                   "",
+                   "`velocity_verlet` for springs, `newmark` for cells; of creep and relaxation `backward_euler`",
+                   words_text(steppers.names())};
+  return {key::quantity("duration", &T::duration, dimension::time, "time that the run covers", kPositive).needed(),
+          Key<T>("stepper", key::rows_below(std::move(stepper), stepper_keys(steppers)),
+                 [&steppers](const Reader& value, T& options) { read_stepper(value, steppers, options); }),
+          Key<T>("step",
+                 key::rows_below(
+                     {"step", "quantity, `automatic`, or map", "s", "> 0", "`automatic`",
+                      "explicit: 0.8 of the longest stable step, checked as the body stiffens; implicit: by error"},
+                     step_forms()),
+                 read_step),
+          key::whole("frames", &T::frames, 1, 1000000, "points of the time history and snapshots, at equal times"),
+          key::quantity("first_frame", &T::first_frame, dimension::time,
+                        "end of the first frame; the ends of the others are a geometric sequence up to the duration: "
+                        "decades of time",
+                        kPositive)
+              .refused_for([](const T& options) {
+                return options.first_frame > 0 && (options.first_frame >= options.duration || options.frames < 2)
+                           ? "must be shorter than the duration, and there must be at least 2 frames"
+                           : "";
+              }),
+          key::quantity("frame_rate", &T::frame_rate, {0, 0, -1}, "most frames a second with `--live`", kPositive),
+          key::whole("checkpoint", &T::checkpoint, 1, 1000000, "frames between restart files; Ctrl-C leaves one too"),
+          key::quantity("budget", &T::budget, dimension::time,
+                        "computing time of a step of fixed length: a stepper with sweeps or iterations gets as many "
+                        "as there is time for; what is left of the error is measured at the frames. Not with "
+                        "`checkpoint`",
+                        kPositive)
+              .then([&steppers](const Reader& value, const T& options) { check_budget(value, steppers, options); })};
 }
 
 }  // namespace
 
-void read_integrator(const Reader& reader, const elastin::Table<Stepper>& steppers, TimeOptions& options) {
+void read_stepper(const Reader& reader, const elastin::Table<StepperKind>& steppers, TimeOptions& options) {
   if (reader.is_text()) {
-    options.scheme = reader.located([&] { return steppers.find(reader.text()); });
+    options.stepper = reader.located([&] { return steppers.find(reader.text()); });
     return;
   }
-  const Keys<TimeOptions> keys = integrator_keys(steppers);
+  const Keys<TimeOptions> keys = stepper_keys(steppers);
   Reader map = reader;
-  if (const auto scheme = map.find("scheme"))
-    refuse_others(map, steppers, *scheme->located([&] { return steppers.find(scheme->text()); }));
+  if (const auto method = map.find("method"))
+    refuse_others(map, steppers, *method->located([&] { return steppers.find(method->text()); }));
   options = keys.read(map, {}, options);
 }
 
-TimeOptions read_time(const Reader& reader, const elastin::Table<Stepper>& steppers) {
+TimeOptions read_time(const Reader& reader, const elastin::Table<StepperKind>& steppers) {
   return time_options_keys(steppers).read(reader);
 }
 

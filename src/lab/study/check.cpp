@@ -172,9 +172,9 @@ void add_steps_in_time(std::string& out, Scene& scene) {
     if (!unsuited(scene.specimen, *scene.experiment, choice).empty()) continue;
     const std::optional<HeldModel> held = make_model(scene.specimen, *scene.experiment, choice, {}, run);
     if (!held) continue;
-    const auto [scheme, reason] =
-        chosen_scheme(*scene.time, *scene.experiment->in_time(), needs_cells(choice.strategy, scene.specimen.body));
-    std::string text = scheme->name;
+    const auto [method, reason] =
+        chosen_stepper(*scene.time, *scene.experiment->in_time(), needs_cells(choice.strategy, scene.specimen.body));
+    std::string text = method->name;
     if (!reason.empty()) text += " by default (" + reason + ")";
     const StableStep found = find_stable_step(*held->model, state_at_rest(scene.specimen.body));
     text +=
@@ -321,7 +321,7 @@ std::string catalog_text(const Catalog& catalog, const ExperimentCatalog& experi
   }
   out += strategies.text(colours) + "\n" + painted("Their parameters", Tone::bold, colours) + "\n" +
          parameters.text(colours);
-  out += rows_text("Integrators (time.integrator)", catalog.steppers, colours);
+  out += rows_text("Steppers (time.stepper)", catalog.steppers, colours);
   out += rows_text("Linear solvers (solver.linear_solver)", catalog.linear_solvers, colours);
   out += rows_text("Engines (solver.engine)", catalog.engines, colours);
   out += rows_text("Loads (loads)", scene_loads(catalog), colours);

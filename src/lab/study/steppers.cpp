@@ -69,30 +69,30 @@ Held held_model(const Scene& scene, const StaticExperiment& fixture, const RunOp
   return held;
 }
 
-/// One row's scheme.
+/// One row's stepper.
 struct Variant {
-  Scheme scheme;
+  StepperMethod method;
   ParameterValues parameters;
   int iterations = 0;
 };
 
-const ParameterInfo* effort_of(const Stepper& scheme) {
-  for (const ParameterInfo& info : scheme.parameters)
-    if (info.name == scheme.effort) return &info;
+const ParameterInfo* effort_of(const StepperKind& method) {
+  for (const ParameterInfo& info : method.parameters)
+    if (info.name == method.effort) return &info;
   return nullptr;
 }
 
 /// A stepper's parameters with this number of iterations in each step; 0: until it converges.
 Variant variant_of(const StepperChoice& choice, int iterations) {
-  Variant variant{choice.scheme, choice.parameters, iterations};
-  if (const ParameterInfo* effort = effort_of(*choice.scheme)) variant.parameters[effort->name] = iterations;
-  for (const ParameterInfo& info : choice.scheme->parameters)  // its substeps would be another step
+  Variant variant{choice.method, choice.parameters, iterations};
+  if (const ParameterInfo* effort = effort_of(*choice.method)) variant.parameters[effort->name] = iterations;
+  for (const ParameterInfo& info : choice.method->parameters)  // its substeps would be another step
     if (info.name == "substeps" && !variant.parameters.contains(info.name)) variant.parameters[info.name] = 1;
   return variant;
 }
 
 std::vector<Variant> variants_of(const StepperChoice& choice, const std::vector<int>& iterations) {
-  const ParameterInfo* effort = effort_of(*choice.scheme);
+  const ParameterInfo* effort = effort_of(*choice.method);
   if (!effort || choice.parameters.contains(effort->name)) {
     Variant fixed = variant_of(choice, 0);
     if (!effort) return {fixed};
@@ -146,10 +146,10 @@ class StepperRuns {
       if (progress) progress(fmt::format("reference at steps of {}", readable(step, dimension::time, 3)));
       exact_ = released_by_short_steps(step);
       converged_.clear();
-      for (const StepperChoice& choice : study_.schemes)
+      for (const StepperChoice& choice : study_.methods)
         for (const Variant& variant : variants_of(choice, study_.iterations)) {
           if (progress)
-            progress(fmt::format("{}, {} iterations, steps of {}", variant.scheme->name, variant.iterations,
+            progress(fmt::format("{}, {} iterations, steps of {}", variant.method->name, variant.iterations,
                                  readable(step, dimension::time, 3)));
           result_.rows.push_back(row(variant, step));
           if (stop && stop()) return std::move(result_);
@@ -208,11 +208,11 @@ class StepperRuns {
 
   StepperRow row(const Variant& variant, double step) {
     StepperRow row{
-        variant.scheme->name, variant.iterations, step, {}, {}, true, true, {}, kNaN, kNaN, kNaN, kNaN, kNaN};
-    row.cause = unsuited_for(*variant.scheme, model(*loaded_));
+        variant.method->name, variant.iterations, step, {}, {}, true, true, {}, kNaN, kNaN, kNaN, kNaN, kNaN};
+    row.cause = unsuited_for(*variant.method, model(*loaded_));
     row.suited = row.cause.empty();
     if (!row.suited) return row;
-    if (variant.scheme->is_explicit) row.substeps = substeps_of(variant, *released_, step);
+    if (variant.method->is_explicit) row.substeps = substeps_of(variant, *released_, step);
     const auto note = [&](const StepResult& end) {
       if (end.outcome == Outcome::converged || row.outcome != Outcome::converged) return;
       row.outcome = end.outcome, row.cause = end.cause;
@@ -230,17 +230,17 @@ class StepperRuns {
   }
 
   int substeps_of(const Variant& variant, const Held& held, double step) const {
-    return variant.scheme->is_explicit ? std::max(1, static_cast<int>(std::ceil(step / (kStable * held.stable)))) : 1;
+    return variant.method->is_explicit ? std::max(1, static_cast<int>(std::ceil(step / (kStable * held.stable)))) : 1;
   }
 
-  std::unique_ptr<Integrator> integrator(const Variant& variant) const {
-    return make_integrator({variant.scheme, variant.parameters, scene_.statics});
+  std::unique_ptr<Stepper> made(const Variant& variant) const {
+    return make_stepper({variant.method, variant.parameters, scene_.statics});
   }
 
-  static StepResult advance(Integrator& integrator, Model& model, State& state, double step, int substeps) {
+  static StepResult advance(Stepper& stepper, Model& model, State& state, double step, int substeps) {
     StepResult result;
     for (int part = 0; part < substeps && result.outcome == Outcome::converged; ++part)
-      result = integrator.advance(model, state, step / substeps);
+      result = stepper.advance(model, state, step / substeps);
     return result;
   }
 
@@ -254,7 +254,7 @@ class StepperRuns {
     State state{equilibrium_.positions, Positions::Zero(3, equilibrium_.positions.cols())};
     if (model.drive) model.drive(0, model.supports);
     model.declare_history(state);
-    const auto stepper = integrator(variant);
+    const auto stepper = made(variant);
     Ledger ledger(model, state);
     const Energies first = ledger.energies(model, state);
     const double rest = model.elastic_energy(released_->start.positions);
@@ -285,17 +285,17 @@ class StepperRuns {
     return motion;
   }
 
-  /// The same steps solved in full; null where the scheme solves nothing, or that fails.
+  /// The same steps solved in full; null where the stepper solves nothing, or that fails.
   const Motion* converged_reference(const Variant& variant, double step) {
-    if (variant.scheme->is_explicit || !effort_of(*variant.scheme)) return nullptr;
-    Variant full = variant_of({variant.scheme->order == 1 ? Scheme("backward_euler") : variant.scheme, {}}, 0);
-    if (variant.scheme->order > 1) {
+    if (variant.method->is_explicit || !effort_of(*variant.method)) return nullptr;
+    Variant full = variant_of({variant.method->order == 1 ? StepperMethod("backward_euler") : variant.method, {}}, 0);
+    if (variant.method->order > 1) {
       full.parameters = variant.parameters;
-      full.parameters[variant.scheme->effort] = 0;
+      full.parameters[variant.method->effort] = 0;
     }
     for (const auto& [name, motion] : converged_)
-      if (name == full.scheme->name) return motion.end.outcome == Outcome::converged ? &motion : nullptr;
-    converged_.emplace_back(full.scheme->name, released(full, step));
+      if (name == full.method->name) return motion.end.outcome == Outcome::converged ? &motion : nullptr;
+    converged_.emplace_back(full.method->name, released(full, step));
     const Motion& made = converged_.back().second;
     return made.end.outcome == Outcome::converged ? &made : nullptr;
   }
@@ -314,7 +314,7 @@ class StepperRuns {
     State state{loaded_->start.positions, Positions::Zero(3, equilibrium_.positions.cols())};
     if (model.drive) model.drive(0, model.supports);
     model.declare_history(state);
-    const auto stepper = integrator(variant);
+    const auto stepper = made(variant);
     const int substeps = substeps_of(variant, *loaded_, step);
     const int between = std::max(1, static_cast<int>(std::lround(result_.period / 10 / step)));
     double last = kNaN;
@@ -352,7 +352,7 @@ StepperStudy study_of(const Request& request, const Catalog& catalog, const Scen
   StepperStudy study = scene.steppers.value_or(StepperStudy{});
   if (request.steppers.empty()) return study;
   try {
-    study.schemes = read_steppers(request.steppers, catalog.steppers);
+    study.methods = read_steppers(request.steppers, catalog.steppers);
   } catch (const InputError& error) {
     throw InputError(std::string("--steppers: ") + error.what());
   }

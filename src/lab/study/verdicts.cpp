@@ -23,8 +23,8 @@ struct Choice {
 
 const std::vector<Choice>& choices() {
   static const std::vector<Choice> list{
-      {"explicit", {"solver.method=explicit"}, {"time.integrator=velocity_verlet", "time.step=automatic"}},
-      {"implicit", {"solver.method=implicit"}, {"time.integrator=newmark"}},
+      {"explicit", {"solver.method=explicit"}, {"time.stepper=velocity_verlet", "time.step=automatic"}},
+      {"implicit", {"solver.method=implicit"}, {"time.stepper=newmark"}},
       {"linear", {"solver.displacements=small"}, {}, false, false},
       {"plain springs", {}, {}, true}};
   return list;
@@ -34,7 +34,7 @@ const std::vector<Choice>& choices() {
 std::vector<Choice> choices_of_steppers(const Catalog& catalog) {
   std::vector<Choice> list;
   for (const auto& stepper : catalog.steppers) {
-    Choice choice{stepper->name, {}, {"time.integrator=" + stepper->name}};
+    Choice choice{stepper->name, {}, {"time.stepper=" + stepper->name}};
     if (stepper->is_explicit) choice.in_time.emplace_back("time.step=automatic");
     list.push_back(std::move(choice));
   }

@@ -287,18 +287,20 @@ class Simulation:
     """A body that moves. Steps let other Python threads run; each simulation may run in a thread of its own. Views
     never copy: they stay where they are, and keep the simulation alive."""
     def __init__(self, body: Body, strategy: str | Strategy,
-                 material: Material | Sequence[Material] | Mapping[str, Any] | str, *, scheme: str | Stepper = "symplectic_euler", safety: float = 0.8, max_substeps: int = 1000,
-                 scheme_parameters: Mapping[str, float] = ..., parameters: Mapping[str, float] = ...,
-                 budget: float = 0.0, catalog: Catalog | None = None) -> None:
+                 material: Material | Sequence[Material] | Mapping[str, Any] | str, *, stepper: str | Stepper = "symplectic_euler", safety: float = 0.8, max_substeps: int = 1000,
+                 stepper_parameters: Mapping[str, float] = ..., parameters: Mapping[str, float] = ...,
+                 budget: float = 0.0, catalog: Catalog | None = None, scheme: str | Stepper | None = None,
+                 scheme_parameters: Mapping[str, float] | None = None) -> None:
         """material: one, or of a body of parts (see of_parts) a list, which the parts count from 0. strategy: a name
         ('lattice', 'lattice+volume', 'calibrated:patch') or a Strategy. calibrated: fits a rule to the material by
         the body's homogenised stiffness, as the experiment `material` of a scene does; the body is of tetrahedra, or
         a box. What strategy and material need of the body is added: pairs of molecules for bending_rigidity, sides
-        of cells, Voronoi cells. scheme: one of steppers() or one's own (see elastin.stepper), and scheme_parameters
-        its own by name: {'newton_iterations': 1}. Explicit schemes part a step so that each part is at most `safety`
-        of the body's stable step; a step that would take more than max_substeps is not taken. parameters: of the
-        strategy, by name. budget: by the clock, what a step may take [s]; 0: any. Of schemes that take a number of
-        sweeps or iterations: each step gets as many as the pace of the steps before leaves time for; see effort."""
+        of cells, Voronoi cells. stepper: one of steppers() or one's own (see elastin.stepper), and
+        stepper_parameters its own by name: {'newton_iterations': 1}. Explicit steppers part a step so that each part
+        is at most `safety` of the body's stable step; a step that would take more than max_substeps is not taken.
+        parameters: of the strategy, by name. budget: by the clock, what a step may take [s]; 0: any. Of steppers
+        that take a number of sweeps or iterations: each step gets as many as the pace of the steps before leaves
+        time for; see effort. scheme, scheme_parameters: former names of stepper, stepper_parameters."""
     @property
     def body(self) -> Body: ...
     @property
@@ -342,7 +344,7 @@ class Simulation:
         """The state to go on from, bitwise identically."""
     @property
     def effort(self) -> int:
-        """Sweeps or iterations of the last step; 0 where the scheme takes no number of them. With a budget it differs
+        """Sweeps or iterations of the last step; 0 where the stepper takes no number of them. With a budget it differs
         from step to step and from machine to machine: record it and pass it to set_effort to reproduce the run."""
     def set_effort(self, effort: int) -> None:
         """From now on this count, whatever the budget says: steps are then bitwise identical again."""
@@ -410,12 +412,12 @@ class Simulation:
         """How positions and reactions, each (n, 3), of the equilibrium that settle() has found change with forces on
         all molecules and displacements of fixed ones, (n, 3), and the logarithms of the stiffness of all elements, a
         list as vjp() gives it: a derivative along these."""
-    def trajectory(self, dt: float, steps: int, scheme: str = "symplectic_euler",
-                   parameters: dict[str, float] = ...) -> Trajectory:
+    def trajectory(self, dt: float, steps: int, stepper: str = "symplectic_euler",
+                   parameters: dict[str, float] = ..., *, scheme: str | None = None) -> Trajectory:
         """Takes equal steps by dt [s] from the present state, which stays as it is, so that their end can be
-        differentiated. Schemes: symplectic_euler, velocity_verlet, backward_euler, newmark, generalized_alpha, with
+        differentiated. Steppers: symplectic_euler, velocity_verlet, backward_euler, newmark, generalized_alpha, with
         their parameters by name; explicit ones must be given steps short enough, for no step is split. Nothing that
-        acts on the body may change until the last vjp()."""
+        acts on the body may change until the last vjp(). scheme: former name of stepper."""
     def couple(self, molecule: int, position: ArrayLike, stiffness: float, damping: float = 0.0) -> int:
         """A spring [N/m] and damper [N s/m] between a molecule and a position [m]: a tool. Gives the coupling's number."""
     def move_coupling(self, coupling: int, position: ArrayLike, velocity: ArrayLike = ...) -> None:
@@ -604,11 +606,13 @@ class Laboratory:
         result has the positions of each load step or frame. derivatives_by: keys of numbers of the scene,
         'material.youngs_modulus', by which all measures at rest are differentiated. Numerical trouble is an outcome
         in the result."""
-    def simulation(self, strategy: str = "", *, scheme: str | Stepper = "symplectic_euler", safety: float = 0.8,
-                   max_substeps: int = 1000, scheme_parameters: Mapping[str, float] = ...,
-                   parameters: Mapping[str, float] = ...) -> Simulation:
+    def simulation(self, strategy: str = "", *, stepper: str | Stepper = "symplectic_euler", safety: float = 0.8,
+                   max_substeps: int = 1000, stepper_parameters: Mapping[str, float] = ...,
+                   parameters: Mapping[str, float] = ..., scheme: str | Stepper | None = None,
+                   scheme_parameters: Mapping[str, float] | None = None) -> Simulation:
         """The scene's body at rest, or at time 0, with its strategy, loads, damping and contact, held by its experiment
-        and loaded in full at once, to be stepped."""
+        and loaded in full at once, to be stepped. scheme, scheme_parameters: former names of stepper,
+        stepper_parameters."""
 
 class View:
     """A body in 3D, which a notebook shows: drag turns it. `html` is a page that needs no other file."""
@@ -765,7 +769,7 @@ def load(name: str, forces: Callable[..., ArrayLike], energy: Callable[..., floa
     load as it is, loads=[trap], or by its name from a Catalog."""
 def stepper(name: str, step: Callable[..., tuple[ArrayLike, ArrayLike]], *, explicit: bool = True, order: int = 1,
             summary: str = "", source: str = "") -> Stepper:
-    """A stepper of one's own, Simulation(…, scheme=it), from a function that gives positions and velocities, (n, 3)
+    """A stepper of one's own, Simulation(…, stepper=it), from a function that gives positions and velocities, (n, 3)
     each, at the end of a step by dt [s]:
 
         def leap(positions, velocities, forces, masses, dt):
@@ -775,9 +779,9 @@ def stepper(name: str, step: Callable[..., tuple[ArrayLike, ArrayLike]], *, expl
     The names of its arguments determine their meaning: positions [m] and velocities [m/s] at the beginning, masses
     (n,) [kg], dt, time [s], the body, and forces, a function of positions and velocities that gives all forces [N]
     but those of supports, as they act at the end of the step. Other arguments are parameters with a default
-    (scheme_parameters). Fixed and moved molecules then go where their supports want them; a step that is not finite,
-    or inverts a cell, fails and leaves the state as it was. explicit: whether steps must stay below the body's
-    longest stable one, and are divided. order: of the error at a fixed time."""
+    (stepper_parameters). Fixed and moved molecules then go where their supports want them; a step that is not
+    finite, or inverts a cell, fails and leaves the state as it was. explicit: whether steps must stay below the
+    body's longest stable one, and are divided. order: of the error at a fixed time."""
 def where(condition: Any, one: Any, other: Any) -> Any:
     """In an energy of elastin.law: `one` where the condition holds (J < 1), else `other`. Elsewhere as numpy.where."""
 def run(scene: Scene, strategy: str | Strategy = "", *, experiment: Experiment | Mapping[str, Any] | None = None,
@@ -853,7 +857,7 @@ def identify(scene: Scene | None = None, data: Mapping[str, Any] | None = None, 
 def strategies(catalog: Catalog | None = None) -> list[Strategy]:
     """Every strategy there is, with summary, source and parameters."""
 def steppers() -> list[Row]:
-    """What a simulation takes as its scheme."""
+    """What a simulation takes as its stepper."""
 def linear_solvers() -> list[Row]:
     """What scenes name under solver.linear_solver."""
 def loads() -> list[Row]:

@@ -59,7 +59,7 @@ def load(name, forces, energy=None, *, summary="", source=""):
 
 
 def stepper(name, step, *, explicit=True, order=1, summary="", source=""):
-    """A stepper of one's own, Simulation(…, scheme=it), from a function that gives positions and velocities, (n, 3) each, at
+    """A stepper of one's own, Simulation(…, stepper=it), from a function that gives positions and velocities, (n, 3) each, at
     the end of a step by dt [s]:
 
         def leap(positions, velocities, forces, masses, dt):
@@ -68,7 +68,7 @@ def stepper(name, step, *, explicit=True, order=1, summary="", source=""):
 
     The names of its arguments determine their meaning: positions [m] and velocities [m/s] at the beginning, masses (n,) [kg],
     dt, time [s], the body, and forces, a function of positions and velocities that gives all forces [N] but those of
-    supports, as they act at the end of the step. Other arguments are parameters with a default (scheme_parameters). Fixed and
+    supports, as they act at the end of the step. Other arguments are parameters with a default (stepper_parameters). Fixed and
     moved molecules then go where their supports want them; a step that is not finite, or inverts a cell, fails and leaves the
     state as it was. explicit: whether steps must stay below the body's longest stable one, and are divided. order: of the error
     at a fixed time."""

@@ -47,15 +47,15 @@ export interface Material {
 
 export interface Options {
   /** A row of the table "steppers"; default symplectic_euler. */
-  scheme?: string;
+  stepper?: string;
   /** Share of the stable step that a part of an explicit step takes, from 1e-6 to 1; default 0.8. */
   safety?: number;
   /** Of a step; more, and it is not taken; default 1000. */
   max_substeps?: number;
   /** Of the strategy. */
   parameters?: Record<string, number>;
-  /** Of the scheme: newton_iterations, … */
-  scheme_parameters?: Record<string, number>;
+  /** Of the stepper: newton_iterations, … */
+  stepper_parameters?: Record<string, number>;
 }
 
 /** What a row of a table takes: its range with its ends, and the value where none is given. */

@@ -194,12 +194,13 @@ class Body {
   }
 
   simulate(strategy, material, options = {}) {
-    checked(options, ['scheme', 'safety', 'max_substeps', 'parameters', 'scheme_parameters'], 'options');
-    const {scheme, safety = 0, max_substeps = 0, parameters = {}, scheme_parameters = {}} = options;
+    checked(options, ['stepper', 'safety', 'max_substeps', 'parameters', 'stepper_parameters', 'scheme', 'scheme_parameters'], 'options');
+    const {scheme, scheme_parameters = {}} = options;  // former names
+    const {stepper = scheme, safety = 0, max_substeps = 0, parameters = {}, stepper_parameters = scheme_parameters} = options;
     return new Simulation(this, this.elastin.handle_of('elastin_simulate', memory => [this.handle, memory.text(strategy),
       material_of(memory, material),
-      memory.structure([['word', scheme ? memory.text(scheme) : 0], ['number', safety], ['whole', max_substeps],
-        ...named_values(memory, parameters), ['whole', 0], ['word', 0], ['word', 0], ['whole', 0], ...named_values(memory, scheme_parameters)])]));
+      memory.structure([['word', stepper ? memory.text(stepper) : 0], ['number', safety], ['whole', max_substeps],
+        ...named_values(memory, parameters), ['whole', 0], ['word', 0], ['word', 0], ['whole', 0], ...named_values(memory, stepper_parameters)])]));
   }
 
   free() {

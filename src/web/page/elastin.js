@@ -176,9 +176,9 @@ class ElastinLab {
     }
   }
 
-  /** elastin_lab_settings of {strategy, scheme, iterations, E, nu, density, phi, psi, alpha, pressure}. */
+  /** elastin_lab_settings of {strategy, stepper, iterations, E, nu, density, phi, psi, alpha, pressure}. */
   settings(memory, s) {
-    return memory.structure([['word', memory.text(s.strategy)], ['word', memory.text(s.scheme)], ['whole', s.iterations || 0],
+    return memory.structure([['word', memory.text(s.strategy)], ['word', memory.text(s.stepper)], ['whole', s.iterations || 0],
       ...[s.E, s.nu, s.density, s.phi, s.psi, s.alpha, s.pressure || 0].map(value => ['number', value])]);
   }
 

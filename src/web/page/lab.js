@@ -52,7 +52,7 @@ class Lab {
       if (i) select.append(new Option('—', ''));
       select.append(...scene.strategies.map(option));
     });
-    part('scheme').append(...scene.schemes.map(option));
+    part('stepper').append(...scene.steppers.map(option));
     const size = this.body.size, gravity = Math.hypot(...first.gravity);
     // The slowest vibration of a body of this size is about so fast [1/s]; it rings down in a few swings.
     const rate = Math.sqrt(first.E / first.density) / size, damped = first.phi || first.psi || first.alpha;
@@ -98,8 +98,9 @@ class Lab {
     });
     // What conserves energy in steps of the scene's length may gain it where a hand pulls or springs fold: then the page begins
     // with something that never does.
-    const schemes = scene.schemes.map(one => one.name), own = scene.schemes.find(one => one.name === first.scheme);
-    part('scheme').value = schemes.includes(hash.scheme) ? hash.scheme : own?.newton ? 'backward_euler' : own?.name ?? (scene.cells ? 'backward_euler' : 'symplectic_euler');
+    const steppers = scene.steppers.map(one => one.name), own = scene.steppers.find(one => one.name === first.stepper);
+    const given = hash.stepper ?? hash.scheme;  // the former name
+    part('stepper').value = steppers.includes(given) ? given : own?.newton ? 'backward_euler' : own?.name ?? (scene.cells ? 'backward_euler' : 'symplectic_euler');
     part('one-iteration').checked = hash.one !== undefined ? hash.one === '1' : (first.iterations ?? 1) === 1;
     for (const [name, slider] of Object.entries(this.sliders)) {
       const value = parseFloat(hash[name]);
@@ -114,7 +115,7 @@ class Lab {
   hash() {
     const values = {painter: this.painter};
     all('.strategy').forEach((select, i) => { values['s' + (i + 1)] = select.value; });
-    Object.assign(values, {scheme: part('scheme').value, one: part('one-iteration').checked ? '1' : '0', colour: part('colour').value,
+    Object.assign(values, {stepper: part('stepper').value, one: part('one-iteration').checked ? '1' : '0', colour: part('colour').value,
       speed: part('speed').value});
     for (const [name, slider] of Object.entries(this.sliders)) if (slider.value !== this.start[name]) values[name] = slider.value;
     return hash_of(values);
@@ -123,11 +124,11 @@ class Lab {
   /** What the choices mean, and which of them there is now: one Newton iteration a step is one for steppers that iterate by
    *  Newton's method alone, a tilt where there is weight. */
   show_choices() {
-    const scheme = scene.schemes.find(one => one.name === part('scheme').value), {strategies} = this;
-    part('one-iteration').closest('label').hidden = !scheme.newton;
+    const stepper = scene.steppers.find(one => one.name === part('stepper').value), {strategies} = this;
+    part('one-iteration').closest('label').hidden = !stepper.newton;
     part('tilt').disabled = !(this.sliders.gravity.value > 0);
     const chosen = scene.strategies.filter(one => strategies.includes(one.name));
-    part('meaning').replaceChildren(...[...chosen, scheme].map(({name, summary}) => {
+    part('meaning').replaceChildren(...[...chosen, stepper].map(({name, summary}) => {
       const item = document.createElement('li');
       item.append(Object.assign(document.createElement('b'), {textContent: name}), ': ' + summary);
       return item;
@@ -142,12 +143,12 @@ class Lab {
 
   /** The messages to the worker. */
   settings() {
-    const value = name => this.sliders[name].value, scheme = scene.schemes.find(one => one.name === part('scheme').value);
+    const value = name => this.sliders[name].value, stepper = scene.steppers.find(one => one.name === part('stepper').value);
     const tilt = value('tilt') * Math.PI / 180, g = first.gravity, size = Math.hypot(...g);
     // Down is where the scene's weight points, tilted about the axis towards the reader.
     const down = size > 0 ? g.map(v => v / size) : [0, 0, -1], [c, s] = [Math.cos(tilt), Math.sin(tilt)];
     const turned = [c * down[0] - s * down[2], down[1], s * down[0] + c * down[2]];
-    return {strategies: this.strategies, scheme: scheme.name, explicit: scheme.explicit, iterations: part('one-iteration').checked ? 1 : 0,
+    return {strategies: this.strategies, stepper: stepper.name, explicit: stepper.explicit, iterations: part('one-iteration').checked ? 1 : 0,
       step: first.step, E: value('E'), nu: value('nu'), density: value('density'), phi: value('phi'), psi: value('psi'), alpha: value('alpha'),
       pressure: value('pressure'), gravity: turned.map(v => v * value('gravity')), own_load: value('load') / 100};
   }
@@ -161,7 +162,7 @@ class Lab {
         if (!['strain', 'stiffness', 'probe'].includes(name)) this.change(slider.kind.rebuild);
       });
     all('.strategy').forEach(select => select.addEventListener('change', () => this.choose_bodies()));
-    for (const id of ['scheme', 'one-iteration']) on(id, 'change', () => this.change(true));
+    for (const id of ['stepper', 'one-iteration']) on(id, 'change', () => this.change(true));
     all('input[name=tool]').forEach(input => input.addEventListener('change', () => this.choose_tool(input.value)));
     on('play', 'click', () => this.play(!this.playing));
     on('step', 'click', () => { this.play(false); this.single = true; });
@@ -211,7 +212,7 @@ class Lab {
     const viscosity = 2 * this.body.size / 0.17;
     this.set_sliders({E: 5e3, nu: scene.own_constants ? this.start.nu : 0.3, density: 1000, alpha: scene.solid ? 0 : 0.3,
       phi: scene.solid ? viscosity : 0, psi: scene.solid ? viscosity : 0, pressure: 0});
-    part('scheme').value = 'backward_euler';
+    part('stepper').value = 'backward_euler';
     part('one-iteration').checked = true;
     this.change(true);
     said('Jell-O: E = 5 kPa, hardly damped, one Newton iteration a step');
@@ -499,7 +500,7 @@ class Lab {
     const cause = this.pace.core > this.pace.drawing ? 'each step costs too much here' : 'this browser takes long to draw';
     part('readout').textContent += slow ? ` · slower than chosen: ${cause}` : '';
     const trouble = !stopped ? '' : stopped.stopped ? `A body stands still: ${stopped.stopped}. Reset it, or choose an implicit stepper.`
-      : `A body has more elastic energy than it could hold: ${part('scheme').value} is not stable here. Choose backward_euler and reset it.`;
+      : `A body has more elastic energy than it could hold: ${part('stepper').value} is not stable here. Choose backward_euler and reset it.`;
     if (trouble !== (this.complained ?? '')) complain(trouble);
     this.complained = trouble;
     part('canvas').setAttribute('aria-label', `The body with ${this.strategies.join(', ')}, coloured by ${this.legend?.title ?? 'tension'}`);

@@ -28,7 +28,7 @@ double answer_to_ramp(const Relaxation& relaxation, double time, double end) {
   return sum;
 }
 
-/// Two molecules and a spring; positions are prescribed, and steps committed as integrators do.
+/// Two molecules and a spring; positions are prescribed, and steps committed as steppers do.
 struct Pair {
   Body body;
   std::unique_ptr<Model> model;
@@ -242,14 +242,14 @@ TEST_CASE("a dashpot parallel to the law: Kelvin and Voigt", "[prony]") {
   CHECK(pair.force_density() == Approx(10).epsilon(1e-12));
 }
 
-TEST_CASE("a relaxing oscillator steps alike with every scheme", "[prony]") {
-  // A mass on a standard linear solid: m x‴ + … = 0; here the schemes against each other and a fine one.
-  const auto after = [](const char* scheme, double dt) {
+TEST_CASE("a relaxing oscillator steps alike with every stepper", "[prony]") {
+  // A mass on a standard linear solid: m x‴ + … = 0; here the steppers against each other and a fine one.
+  const auto after = [](const char* method, double dt) {
     Body body = cubic_lattice({1, 1, 2}, 1, {true, false, false});
     set_matter(body, 0.1, 1000, 0, 0);
     body.mass.setConstant(1);
     SimulationOptions options;
-    options.integrator.scheme = scheme;
+    options.stepper.method = method;
     const Catalog catalog = built_in_catalog();
     const Material material{.youngs_modulus = 100, .relaxation = Relaxation{{{0.8, 0.1}}}};
     Simulation simulation(std::move(body), catalog.find("prony:uniform"), material, options);
@@ -302,16 +302,16 @@ TEST_CASE("explicit steps are as long as the instantaneous stiffness and the das
   }
 }
 
-TEST_CASE("a relaxing body that was pushed stays whole in explicit steps of any scheme", "[prony]") {
+TEST_CASE("a relaxing body that was pushed stays whole in explicit steps of any stepper", "[prony]") {
   for (const double retardation : {0., 1e-3})
     for (const char* name : {"prony:lattice", "prony:neo_hookean"})
-      for (const char* scheme : {"symplectic_euler", "velocity_verlet"}) {
-        INFO(name << " by " << scheme << ", " << retardation << " s");
+      for (const char* method : {"symplectic_euler", "velocity_verlet"}) {
+        INFO(name << " by " << method << ", " << retardation << " s");
         Body body = std::string(name) == "prony:lattice" ? jittered_lattice() : jittered_block();
         Simulation tissue(
             body, built_in_catalog().find(name),
             {.youngs_modulus = 2e4, .poissons_ratio = 0.3, .relaxation = Relaxation{{{3, 1}}, false, retardation}},
-            {.integrator = {std::string(scheme)}});
+            {.stepper = {std::string(method)}});
         tissue.set_velocities(0.05 * random_motion(body, 7));
         int substeps = 0;
         for (int step = 0; step < 300; ++step) {

@@ -14,7 +14,7 @@
 #include "elastin/core/forces/model.h"
 #include "elastin/core/shapes/arrays.h"
 #include "elastin/core/simulation/catalog.h"
-#include "elastin/core/solve/integrator.h"
+#include "elastin/core/solve/stepper.h"
 #include "support/bodies.h"
 #include "support/processes.h"
 
@@ -199,7 +199,7 @@ struct Stepped {
 };
 
 /// Some steps of a model that has a load and damping, from a deformed state; the body a share or the whole.
-Stepped stepped(const Body& body, int molecules, const std::string& strategy, const std::string& scheme, double dt) {
+Stepped stepped(const Body& body, int molecules, const std::string& strategy, const std::string& method, double dt) {
   Model model(body);
   if (body.share) model.complete_rows(spread_of(body));
   model.add(built_in_catalog().find(strategy).make(body, soft(), {}));
@@ -213,10 +213,10 @@ Stepped stepped(const Body& body, int molecules, const std::string& strategy, co
   }
   Stepped found;
   found.stable_step = find_stable_step(model, state).step;
-  const auto integrator = make_integrator({scheme});
+  const auto stepper = make_stepper({method});
   Ledger ledger(model, state);
   for (int step = 0; step < 5; ++step) {
-    const StepResult result = integrator->advance(model, state, dt);
+    const StepResult result = stepper->advance(model, state, dt);
     found.converged &= result.outcome == Outcome::converged;
     ledger.record(model, state);
     found.error = result.error;
@@ -239,17 +239,17 @@ TEST_CASE("share: explicit steps are the whole's, on any number of processes bit
   const std::vector<std::pair<const Body*, std::string>> cases{
       {&lattice, "lattice+volume"}, {&tetrahedra, "neo_hookean"}, {&tetrahedra, "neo_hookean+volume"}};
   for (const auto& [body, strategy] : cases)
-    for (const std::string scheme : {"velocity_verlet", "symplectic_euler"}) {
-      CAPTURE(strategy, scheme);
+    for (const std::string method : {"velocity_verlet", "symplectic_euler"}) {
+      CAPTURE(strategy, method);
       const Body& whole = *body;
-      const Stepped plain = stepped(whole, whole.size(), strategy, scheme, 1e-4);
+      const Stepped plain = stepped(whole, whole.size(), strategy, method, 1e-4);
       REQUIRE(plain.stable_step > 1e-4);
       Positions first;
       for (const int count : {1, 2, 3}) {
         const auto all = on_processes(count, [&](const auto& processes) {
           std::string why;
           const Body share = share_out([&] { return whole; }, processes, why);
-          return stepped(share, whole.size(), strategy, scheme, 1e-4);
+          return stepped(share, whole.size(), strategy, method, 1e-4);
         });
         Positions together = Positions::Zero(3, whole.size());
         for (const Stepped& own : all) {

@@ -14,9 +14,9 @@ namespace {
 
 constexpr double kStep = 1e-3;  // s
 
-Simulation swinging(const Scheme& scheme, double budget, const ParameterValues& parameters = {}) {
+Simulation swinging(const StepperMethod& method, double budget, const ParameterValues& parameters = {}) {
   SimulationOptions options;
-  options.integrator = {scheme, parameters, {}};
+  options.stepper = {method, parameters, {}};
   options.budget = budget;
   Simulation tissue(tissue_block(), built_in_catalog().find("neo_hookean"), kTissue, options);
   tissue.add_load(*built_in_loads().find("gravity"), {.vectors = {{"acceleration", Vector3(3, 0, -9.81)}}});
@@ -42,9 +42,9 @@ TEST_CASE("a budget of sweeps follows the pace of the machine", "[budget]") {
 }
 
 TEST_CASE("the number of sweeps is recorded, and a replay with it is bitwise the same", "[budget]") {
-  for (const Scheme scheme : {"block_descent", "xpbd", "backward_euler"}) {
-    INFO(scheme->name);
-    Simulation tissue = swinging(scheme, 1e-4), replay = swinging(scheme, 0);
+  for (const StepperMethod method : {"block_descent", "xpbd", "backward_euler"}) {
+    INFO(method->name);
+    Simulation tissue = swinging(method, 1e-4), replay = swinging(method, 0);
     for (int step = 0; step < 20; ++step) {
       REQUIRE(tissue.step(kStep).outcome == Outcome::converged);
       REQUIRE(tissue.effort() >= 1);
@@ -78,7 +78,7 @@ TEST_CASE("the error of too few sweeps is reported, and reporting changes nothin
   }
 }
 
-TEST_CASE("a scheme without sweeps has no budget", "[budget]") {
+TEST_CASE("a stepper without sweeps has no budget", "[budget]") {
   CHECK_THROWS_WITH(swinging("symplectic_euler", 1e-3), Contains("takes no number of sweeps"));
   Simulation tissue = swinging("velocity_verlet", 0);
   CHECK(tissue.effort() == 0);

@@ -11,7 +11,7 @@
 #include "elastin/core/forces/tangent.h"
 #include "elastin/core/model/rest.h"
 #include "elastin/core/simulation/catalog.h"
-#include "elastin/core/solve/integrator.h"
+#include "elastin/core/solve/stepper.h"
 #include "elastin/mesh/voronoi.h"
 #include "support/allocations.h"
 #include "support/bodies.h"
@@ -299,26 +299,26 @@ TEST_CASE("every strategy and stepper: steps allocate no memory after the first 
     model.add(make_mass_damping(body, 10));
     model.supports.push_back({0});
     for (const auto& row : built_in_steppers()) {
-      const Stepper& scheme = *row;
-      if (!unsuited_for(scheme, model).empty()) continue;
+      const StepperKind& method = *row;
+      if (!unsuited_for(method, model).empty()) continue;
       State state = state_at_rest(body);
       state.velocities = 0.01 * random_motion(body, 33);
-      const double dt = scheme.is_explicit ? 0.2 * bounded_stable_step(model, state).step : 2e-4;
-      const auto integrator = make_integrator({scheme.name});
-      const int parts = integrator->advance(model, state, dt).substeps;
+      const double dt = method.is_explicit ? 0.2 * bounded_stable_step(model, state).step : 2e-4;
+      const auto stepper = make_stepper({method.name});
+      const int parts = stepper->advance(model, state, dt).substeps;
       bool went = true;
-      for (int step = 0; step < 2; ++step) went &= integrator->advance(model, state, dt).substeps == parts;
+      for (int step = 0; step < 2; ++step) went &= stepper->advance(model, state, dt).substeps == parts;
       const long before = allocations();
       for (int step = 0; step < 4; ++step) {
-        const StepResult result = integrator->advance(model, state, dt);
+        const StepResult result = stepper->advance(model, state, dt);
         went &= result.outcome == Outcome::converged && result.substeps == parts;
       }
       const long after = allocations();
-      INFO(scheme.name);
+      INFO(method.name);
       CHECK(went);
       CHECK(after == before);
-      ++steps[scheme.name];
+      ++steps[method.name];
     }
   });
-  for (const auto& scheme : built_in_steppers()) CHECK(steps[scheme->name] > 2);
+  for (const auto& method : built_in_steppers()) CHECK(steps[method->name] > 2);
 }

@@ -9,8 +9,8 @@ using namespace elastin::contact;
 using namespace elastin::testing;
 
 TEST_CASE("simulation: a body on a rough floor goes on bitwise identically after restore, and allocates no memory") {
-  for (const Scheme scheme : {"symplectic_euler", "velocity_verlet", "backward_euler"}) {
-    Simulation tissue = simulation_of(tissue_cube(4), scheme);
+  for (const StepperMethod method : {"symplectic_euler", "velocity_verlet", "backward_euler"}) {
+    Simulation tissue = simulation_of(tissue_cube(4), method);
     const Body& body = tissue.body();
     tissue.model().add(make_gravity(body, {2, 0, -10}));
     tissue.model().add(make_mass_damping(body, 10));

@@ -17,8 +17,8 @@ namespace {
 constexpr double kStep = 1e-3;  // s
 
 /// A cube that the ratchet pulls ever harder.
-Simulation ratcheted(const Scheme& scheme) {
-  Simulation tissue = simulation_of(tissue_cube(3), scheme);
+Simulation ratcheted(const StepperMethod& method) {
+  Simulation tissue = simulation_of(tissue_cube(3), method);
   tissue.add_load(own::ratchet_row(),
                   {.vectors = {{"growth", Vector3(0, 0, 1e-6)}}, .molecules = {{"molecules", {26}}}});
   tissue.fix(0);
@@ -41,9 +41,9 @@ std::string refusal(const std::vector<char>& bytes) {
 }  // namespace
 
 TEST_CASE("the history of a load is committed with each step, and goes through a saved state", "[saved-state]") {
-  for (const Scheme& scheme : kSchemes) {
-    INFO(scheme->name);
-    Simulation whole = ratcheted(scheme), other = ratcheted(scheme);
+  for (const StepperMethod& method : kSteppers) {
+    INFO(method->name);
+    Simulation whole = ratcheted(method), other = ratcheted(method);
     step(whole, 5);
     const std::vector<char> bytes = bytes_of(whole.save());
     const SimulationState read = simulation_state_of(bytes.data(), bytes.size());
@@ -107,17 +107,17 @@ TEST_CASE("steps go on bitwise identically in another simulation, whatever went 
   material.relaxation = Relaxation{{{0.6, 3e-3}, {0.3, 0.1}}, false, 0};
   material.softening = Softening{1.5, 1, 0.1};
   const LoadValues water{.numbers = {{"viscosity", 10}}};
-  for (const Scheme& scheme : kSchemes)
+  for (const StepperMethod& method : kSteppers)
     for (const char* name : {"lattice", "prony:lattice", "mullins:lattice"}) {
       const Strategy strategy = built_in_catalog().find(name);
       Body body = tissue_cube(3);
       Model model(body);
       model.add(strategy.make(body, material, {}));
-      if (!unsuited_for(*scheme, model).empty()) continue;
-      INFO(scheme->name << " of " << name);
+      if (!unsuited_for(*method, model).empty()) continue;
+      INFO(method->name << " of " << name);
       SimulationOptions options;
-      options.integrator.scheme = scheme;
-      if (scheme->name == "projective") options.integrator.parameters = {{"solves", 3}};
+      options.stepper.method = method;
+      if (method->name == "projective") options.stepper.parameters = {{"solves", 3}};
       // Loads that come before the first step or after some, of which explicit steps know bounds alone.
       for (const int before : {0, 4}) {
         Simulation whole(body, strategy, material, options), other(body, strategy, material, options);

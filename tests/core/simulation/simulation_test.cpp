@@ -33,8 +33,8 @@ double difference(const Positions& a, const Positions& b) { return (a - b).cwise
 }  // namespace
 
 TEST_CASE("simulation: a free body falls as its weight says, and its views stay where they are") {
-  for (const Scheme& scheme : kSchemes) {
-    Simulation tissue = simulation_of(tissue_cube(3), scheme);
+  for (const StepperMethod& method : kSteppers) {
+    Simulation tissue = simulation_of(tissue_cube(3), method);
     tissue.model().add(make_gravity(tissue.body(), {0, 0, -10}));
     const double* const views[] = {tissue.positions().data(), tissue.velocities().data(), tissue.forces().data(),
                                    tissue.tensions().data()};
@@ -52,9 +52,9 @@ TEST_CASE("simulation: a free body falls as its weight says, and its views stay 
 TEST_CASE("simulation: a load gets other values and goes, in the middle of a run") {
   const LoadKind& gravity = *built_in_loads().find("gravity");
   const auto along = [](double x, double z) { return LoadValues{.vectors = {{"acceleration", Vector3(x, 0, z)}}}; };
-  for (const Scheme& scheme : kSchemes) {
-    CAPTURE(scheme->name);
-    Simulation tissue = simulation_of(tissue_cube(3), scheme);
+  for (const StepperMethod& method : kSteppers) {
+    CAPTURE(method->name);
+    Simulation tissue = simulation_of(tissue_cube(3), method);
     const LoadId load = tissue.add_load(gravity, along(0, -10));
     const auto falls = [&](double x, double z) {
       run(tissue, 20);
@@ -153,8 +153,8 @@ TEST_CASE("simulation: one spring under its weight; tension, reaction and settle
 }
 
 TEST_CASE("simulation: what is moved goes there at one speed, and is pulled by what its reaction says") {
-  for (const Scheme& scheme : kSchemes) {
-    Simulation tissue = simulation_of(tissue_cube(3), scheme);
+  for (const StepperMethod& method : kSteppers) {
+    Simulation tissue = simulation_of(tissue_cube(3), method);
     for (int molecule = 0; molecule < 9; ++molecule) tissue.fix(molecule);
     for (int step = 1; step <= 20; ++step) {
       for (int molecule = 0; molecule < 9; ++molecule)
@@ -212,11 +212,11 @@ TEST_CASE("simulation: a free direction of a support is free") {
 }
 
 TEST_CASE("simulation: a grip pulls with its spring and its damper, in steps and at rest") {
-  for (const Scheme& scheme : kSchemes) {
-    INFO(scheme->name);
+  for (const StepperMethod& method : kSteppers) {
+    INFO(method->name);
     SimulationOptions options;  // few iterations of xpbd have a rest of their own
-    if (scheme->name == "xpbd") options.integrator.parameters = {{"iterations", 100}};
-    Simulation tissue = simulation_of(tissue_cube(3), scheme, "lattice", options);
+    if (method->name == "xpbd") options.stepper.parameters = {{"iterations", 100}};
+    Simulation tissue = simulation_of(tissue_cube(3), method, "lattice", options);
     for (int molecule = 0; molecule < 9; ++molecule) tissue.fix(molecule);
     const Vector3 position = tissue.body().rest.col(22) + Vector3(0, 0, 5e-4);
     const CouplingId coupling = tissue.couple(22, position, 20, 0.05);
@@ -239,11 +239,11 @@ TEST_CASE("simulation: a grip pulls with its spring and its damper, in steps and
 }
 
 TEST_CASE("simulation: host forces, steps and grips give bitwise identical results after restore", "[slow]") {
-  for (const Scheme& scheme : kSchemes) {
+  for (const StepperMethod& method : kSteppers) {
     for (const char* strategy : {"lattice", "lattice+volume"}) {
-      if (!suits(scheme, strategy)) continue;
+      if (!suits(method, strategy)) continue;
       const auto make = [&] {
-        Simulation tissue = simulation_of(tissue_cube(4), scheme, strategy);
+        Simulation tissue = simulation_of(tissue_cube(4), method, strategy);
         tissue.model().add(make_mass_damping(tissue.body(), 3));
         return tissue;
       };
@@ -286,8 +286,8 @@ TEST_CASE("simulation: observers see every n-th good step") {
 }
 
 TEST_CASE("simulation: a step that cannot be leaves the state as it was and says why") {
-  for (const Scheme& scheme : kSchemes) {
-    Simulation tissue = simulation_of(tissue_block(), scheme, "neo_hookean");
+  for (const StepperMethod& method : kSteppers) {
+    Simulation tissue = simulation_of(tissue_block(), method, "neo_hookean");
     tissue.fix(0);
     run(tissue, 3);
     const auto refused = [&](double dt, const char* why) {
@@ -302,7 +302,7 @@ TEST_CASE("simulation: a step that cannot be leaves the state as it was and says
     };
     for (const double dt : {0., -1e-3, kNaN, std::numeric_limits<double>::infinity()})
       refused(dt, "above 0 s and finite");
-    if (scheme->is_explicit) refused(100, "1000 are allowed");
+    if (method->is_explicit) refused(100, "1000 are allowed");
     tissue.host_forces()(1, 7) = kNaN;
     refused(kStep, "the host's force on molecule 7 is not finite");
     tissue.host_forces().setZero();
@@ -376,7 +376,7 @@ TEST_CASE("simulation: an explicit step goes in as many parts as its body and it
   const double stiff = 0.8 * 2 / std::sqrt(1e6 / verlet.body().mass[13]);
   CHECK(verlet.step(10.5 * stiff).substeps == 11);
   run(verlet, 20);
-  // … and none of a scheme that takes it at the end of the step: two of them, with dampers that alone would ask for
+  // … and none of a stepper that takes it at the end of the step: two of them, with dampers that alone would ask for
   // steps of 2 m/c = 1e-8 of this one.
   const Vector3 at = tissue.positions().col(13) + Vector3(1e-4, 0, 0);
   tissue.couple(13, at, 1e6, tissue.body().mass[13] * 2e8 / longest);
@@ -417,9 +417,9 @@ TEST_CASE("simulation: explicit steps see that the body stiffens, and go in shor
   Material fibrous = kTissue;
   fibrous.curve = StressStrain::toe(0.03, 1e4, 1e5);
   fibrous.youngs_modulus = fibrous.curve->modulus(0);
-  for (const char* scheme : {"symplectic_euler", "velocity_verlet"}) {
+  for (const char* method : {"symplectic_euler", "velocity_verlet"}) {
     SimulationOptions options;
-    options.integrator.scheme = scheme, options.safety = 0.95;
+    options.stepper.method = method, options.safety = 0.95;
     Simulation tissue(tissue_cube(5), built_in_catalog().find("lattice"), fibrous, options);
     tissue.model().add(make_mass_damping(tissue.body(), 50));
     const Positions& rest = tissue.body().rest;
@@ -441,11 +441,11 @@ TEST_CASE("simulation: explicit steps see that the body stiffens, and go in shor
       const double drawn = 1 + 0.08 * std::min(1., (tissue.time() + dt) / 0.2);
       for (const int molecule : top) tissue.move_to(molecule, rest.col(molecule).cwiseProduct(Vector3(1, 1, drawn)));
       const StepResult result = tissue.step(dt);
-      INFO(scheme << ", step " << step << ": " << result.cause);
+      INFO(method << ", step " << step << ": " << result.cause);
       REQUIRE(result.outcome == Outcome::converged);
       (step == 0 ? first : last) = result.substeps;
     }
-    INFO(scheme);
+    INFO(method);
     CHECK(first == 1);
     const double now = longest(tissue.positions());
     REQUIRE(now < dt / 2);  // whole steps would go wild
@@ -483,8 +483,8 @@ TEST_CASE(
 }
 
 TEST_CASE("simulation: a grip at the end of explicit steps tends to the motion of short steps with order 1") {
-  const auto end_after = [](const char* scheme, int steps) {
-    Simulation tissue = simulation_of(tissue_cube(3), scheme);
+  const auto end_after = [](const char* method, int steps) {
+    Simulation tissue = simulation_of(tissue_cube(3), method);
     for (int molecule = 0; molecule < 9; ++molecule) tissue.fix(molecule);
     tissue.couple(22, tissue.positions().col(22) + Vector3(2e-4, 0, 1e-4), 20, 2e-3);
     for (int step = 0; step < steps; ++step) REQUIRE(tissue.step(8e-3 / steps).outcome == Outcome::converged);
@@ -520,9 +520,9 @@ struct Breaks final : Load {
 }  // namespace
 
 TEST_CASE("simulation: forces of the host for another number of molecules are said, not read") {
-  for (const Scheme& scheme : kSchemes) {
-    CAPTURE(scheme->name);
-    Simulation tissue = simulation_of(tissue_cube(3), scheme);
+  for (const StepperMethod& method : kSteppers) {
+    CAPTURE(method->name);
+    Simulation tissue = simulation_of(tissue_cube(3), method);
     tissue.host_forces().row(2).setConstant(1e-5);
     run(tissue, 1);
     const Positions before = tissue.positions();
@@ -540,9 +540,9 @@ TEST_CASE("simulation: forces of the host for another number of molecules are sa
 }
 
 TEST_CASE("simulation: what a step calls can neither step nor change it, an observer can change it") {
-  for (const Scheme& scheme : kSchemes) {
-    CAPTURE(scheme->name);
-    Simulation tissue = simulation_of(tissue_cube(3), scheme);
+  for (const StepperMethod& method : kSteppers) {
+    CAPTURE(method->name);
+    Simulation tissue = simulation_of(tissue_cube(3), method);
     const LoadKind& gravity = *built_in_loads().find("gravity");
     const LoadValues down{.vectors = {{"acceleration", Vector3(0, 0, -10)}}};
     const LoadId load = tissue.add_load(gravity, down);
@@ -584,9 +584,9 @@ TEST_CASE("simulation: what a step calls can neither step nor change it, an obse
 }
 
 TEST_CASE("simulation: the cause of a step or an equilibrium that fails names what is not finite") {
-  for (const Scheme& scheme : kSchemes) {
-    CAPTURE(scheme->name);
-    Simulation tissue = simulation_of(tissue_cube(3), scheme);
+  for (const StepperMethod& method : kSteppers) {
+    CAPTURE(method->name);
+    Simulation tissue = simulation_of(tissue_cube(3), method);
     tissue.add([](Model& model) { model.add(std::make_unique<Breaks>()); });
     StepResult result;
     for (int step = 0; step < 4 && result.outcome == Outcome::converged; ++step) result = tissue.step(kStep);

@@ -37,22 +37,23 @@ TEST_CASE("every row has a name of its own, a summary, and defaults within their
   check_rows(built_in_steppers());
   check_rows(built_in_linear_solvers());
   check_rows(built_in_loads());
-  CHECK_THAT(refusal([] { Scheme("newmrk"); }), Contains("scheme 'newmrk'") && Contains("did you mean 'newmark'?"));
-  Table<Stepper> steppers = built_in_steppers();
-  CHECK_THAT(refusal([&] { steppers.add({{"newmark", "", ""}}); }), Contains("there is a scheme 'newmark' already"));
+  CHECK_THAT(refusal([] { StepperMethod("newmrk"); }),
+             Contains("stepper 'newmrk'") && Contains("did you mean 'newmark'?"));
+  Table<StepperKind> steppers = built_in_steppers();
+  CHECK_THAT(refusal([&] { steppers.add({{"newmark", "", ""}}); }), Contains("there is a stepper 'newmark' already"));
 }
 
 TEST_CASE("a stepper of one's own is taken by name", "[tables]") {
   const Catalog catalog = catalog_with_own_rows();
   SimulationOptions options;
-  options.integrator.parameters = {{"parts", 4}};
+  options.stepper.parameters = {{"parts", 4}};
   Simulation own = simulation_of(tissue_cube(3), catalog.steppers.find("in_parts"), "lattice", options);
   Simulation verlet = simulation_of(tissue_cube(3), "velocity_verlet");
   for (Simulation* tissue : {&own, &verlet}) tissue->couple(26, Vector3(0.02, 0.02, 0.03), 1);
   REQUIRE(own.step(4e-5).outcome == Outcome::converged);
   for (int part = 0; part < 4; ++part) REQUIRE(verlet.step(1e-5).outcome == Outcome::converged);
   CHECK((own.positions().array() == verlet.positions().array()).all());
-  options.integrator.parameters = {{"parts", 2.5}};
+  options.stepper.parameters = {{"parts", 2.5}};
   CHECK_THAT(refusal([&] { simulation_of(tissue_cube(3), catalog.steppers.find("in_parts"), "lattice", options); }),
              Contains("in_parts.parts: 2.5 is out of range: it must be whole, at least 1 and at most 100"));
 }

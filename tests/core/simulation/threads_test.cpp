@@ -62,25 +62,25 @@ Positions after_steps(Simulation& tissue, int steps) {
 }  // namespace
 
 TEST_CASE("simulation: steps, views, grips, moved supports and observers allocate no memory", "[slow]") {
-  for (const Scheme& scheme : kSchemes)
+  for (const StepperMethod& method : kSteppers)
     for (const char* strategy : {"lattice", "lattice+volume", "neo_hookean"})
       for (const int newton : {0, 1}) {
-        if (newton == 1 && scheme->effort != "newton_iterations") continue;
-        if (!suits(scheme, strategy)) continue;
-        INFO(scheme->name << " " << strategy << " " << newton);
+        if (newton == 1 && method->effort != "newton_iterations") continue;
+        if (!suits(method, strategy)) continue;
+        INFO(method->name << " " << strategy << " " << newton);
         // More molecules than one block of an ordered sum, where that is quick.
         Body body = strategy[0] == 'n' ? tissue_block() : tissue_cube(std::string(strategy) == "lattice" ? 11 : 5);
         SimulationOptions options;
-        if (newton > 0) options.integrator.parameters["newton_iterations"] = newton;
-        Simulation tissue = simulation_of(std::move(body), scheme, strategy, options);
+        if (newton > 0) options.stepper.parameters["newton_iterations"] = newton;
+        Simulation tissue = simulation_of(std::move(body), method, strategy, options);
         load(tissue);
         CHECK(allocations_in_steps(tissue, 4) == 0);
       }
 }
 
 TEST_CASE("simulation: damping of connections, of the stiffness and of cells allocates no memory") {
-  for (const Scheme scheme : {"velocity_verlet", "backward_euler"}) {
-    Simulation tissue = simulation_of(tissue_block(), scheme, "neo_hookean");
+  for (const StepperMethod method : {"velocity_verlet", "backward_euler"}) {
+    Simulation tissue = simulation_of(tissue_block(), method, "neo_hookean");
     load(tissue);
     tissue.model().add(make_damping(1e-4));
     tissue.model().add(make_stiffness_damping(tissue.body(), *tissue.model().elasticity().front(), 1e-4));
@@ -92,7 +92,7 @@ TEST_CASE("simulation: damping of connections, of the stiffness and of cells all
 TEST_CASE("simulation: the host's threads give bitwise identical results, and allocate no memory either") {
   const auto with = [](TaskRunner* runner, int threads) {
     SimulationOptions options{.runner = runner, .threads = threads};
-    options.integrator.parameters["newton_iterations"] = 1;
+    options.stepper.parameters["newton_iterations"] = 1;
     // Large enough to be shared out.
     Simulation tissue = simulation_of(tissue_cube(20), "backward_euler", "lattice", options);
     load(tissue);
@@ -113,7 +113,7 @@ TEST_CASE("simulation: the host's threads give bitwise identical results, and al
 TEST_CASE("simulation: several in several threads move as each does alone") {
   constexpr int count = 4;
   const auto run = [](int number) {
-    Simulation tissue = simulation_of(tissue_cube(3 + number), kSchemes[number]);
+    Simulation tissue = simulation_of(tissue_cube(3 + number), kSteppers[number]);
     load(tissue);
     return after_steps(tissue, 40);
   };

@@ -23,23 +23,23 @@ inline Body tissue_block() {
   return body;
 }
 
-inline Simulation simulation_of(Body body, Scheme scheme = "symplectic_euler", const std::string& strategy = "lattice",
-                                SimulationOptions options = {}) {
+inline Simulation simulation_of(Body body, StepperMethod method = "symplectic_euler",
+                                const std::string& strategy = "lattice", SimulationOptions options = {}) {
   const Catalog catalog = built_in_catalog();
-  options.integrator.scheme = scheme;
+  options.stepper.method = method;
   Material material = kTissue;
   if (strategy.ends_with("+volume")) material.poissons_ratio = 0.45;
   return Simulation(std::move(body), catalog.find(strategy), material, std::move(options));
 }
 
-inline const std::vector<Scheme> kSchemes{built_in_steppers().begin(), built_in_steppers().end()};
+inline const std::vector<StepperMethod> kSteppers{built_in_steppers().begin(), built_in_steppers().end()};
 
-/// Whether the scheme has a form for the strategy's law.
-inline bool suits(const Scheme& scheme, const std::string& strategy) {
+/// Whether the stepper has a form for the strategy's law.
+inline bool suits(const StepperMethod& method, const std::string& strategy) {
   const Body body = strategy[0] == 'n' ? tissue_block() : tissue_cube(3);
   Model model(body);
   model.add(built_in_catalog().find(strategy).make(body, {.youngs_modulus = 1e4, .poissons_ratio = 0.3}, {}));
-  return unsuited_for(*scheme, model).empty();
+  return unsuited_for(*method, model).empty();
 }
 
 }  // namespace elastin::testing

@@ -34,7 +34,7 @@ class Look final : public Load {
 TEST_CASE("a tool goes from pose to pose at constant speed and spin", "[tools]") {
   std::vector<std::pair<double, Pose>> seen;
   SimulationOptions options;
-  options.integrator.scheme = "velocity_verlet";
+  options.stepper.method = "velocity_verlet";
   options.safety = 0.05;  // in several substeps
   Simulation tissue(tissue_cube(3), built_in_catalog().find("lattice"), kTissue, options);
   const ToolId tool = tissue.add_tool({.turn = about_z(0.3), .position = {1e-3, 0, 0}});

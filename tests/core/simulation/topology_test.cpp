@@ -24,10 +24,10 @@ void step(Simulation& tissue, int count) {
 }
 
 /// A block or lattice that hangs from one side under gravity.
-Simulation hanging(const std::string& strategy, const Scheme& scheme = "backward_euler") {
+Simulation hanging(const std::string& strategy, const StepperMethod& method = "backward_euler") {
   const bool cells = strategy.starts_with("neo");
   SimulationOptions options;
-  options.integrator.scheme = scheme;
+  options.stepper.method = method;
   Simulation tissue(cells ? tissue_block() : tissue_cube(4), built_in_catalog().find(strategy), kTissue, options);
   tissue.add_load(*built_in_loads().find("gravity"), {.vectors = {{"acceleration", Vector3(0, 0, -9.81)}}});
   for (int molecule = 0; molecule < tissue.body().size(); ++molecule)
@@ -65,16 +65,16 @@ TEST_CASE("a body that is cut while it moves keeps momentum, energy and stiffnes
 }
 
 TEST_CASE("a cut body goes on as one that was made so", "[topology]") {
-  for (const Scheme scheme : {"backward_euler", "symplectic_euler", "block_descent", "projective"}) {
-    INFO(scheme->name);
+  for (const StepperMethod method : {"backward_euler", "symplectic_euler", "block_descent", "projective"}) {
+    INFO(method->name);
     const double dt =
-        scheme->is_explicit ? 2e-5 : kStep;  // in one part, whatever the longest stable step is said to be
-    Simulation tissue = hanging("neo_hookean", scheme);
+        method->is_explicit ? 2e-5 : kStep;  // in one part, whatever the longest stable step is said to be
+    Simulation tissue = hanging("neo_hookean", method);
     step(tissue, 10);
     const Positions there = tissue.positions();
     tissue.cut(kMiddle);
     SimulationOptions options;
-    options.integrator.scheme = scheme;
+    options.stepper.method = method;
     const Body made = cut(tissue_block(), there, kMiddle).body;
     Simulation other(made, built_in_catalog().find("neo_hookean"), kTissue, options);
     other.add_load(*built_in_loads().find("gravity"), {.vectors = {{"acceleration", Vector3(0, 0, -9.81)}}});

@@ -84,7 +84,7 @@ TEST_CASE("a simulation warns as the laboratory does", "[simulation]") {
 
 TEST_CASE("a budget that no number of sweeps keeps is reported", "[simulation]") {
   SimulationOptions options;
-  options.integrator.scheme = "block_descent";
+  options.stepper.method = "block_descent";
   options.budget = 1e-9;
   Simulation tissue(tissue_block(), built_in_catalog().find("neo_hookean"), kTissue, options);
   CHECK(tissue.warnings().empty());

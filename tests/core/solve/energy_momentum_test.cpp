@@ -44,11 +44,11 @@ TEST_CASE("energy_momentum keeps a spinning block's energy and momenta at ten st
   const double spin = 20, dt = 2 * std::numbers::pi / spin / 10;
   for (const std::string strategy : {"lattice", "neo_hookean", "neo_hookean+volume", "st_venant_kirchhoff"}) {
     Spinning block(strategy, spin);
-    const auto integrator = make_integrator({"energy_momentum"});
+    const auto stepper = make_stepper({"energy_momentum"});
     const Energies first = block.energies();
     const int turns = strategy == "st_venant_kirchhoff" ? 20 : 1;
     for (int step = 0; step < 10 * turns; ++step) {
-      const StepResult result = integrator->advance(*block.model, block.state, dt);
+      const StepResult result = stepper->advance(*block.model, block.state, dt);
       INFO(strategy << ", step " << step << ": " << result.cause);
       REQUIRE(result.outcome == Outcome::converged);
     }
@@ -57,20 +57,20 @@ TEST_CASE("energy_momentum keeps a spinning block's energy and momenta at ten st
     CHECK(last.balance() == Approx(first.balance()).epsilon(1e-6));
     CHECK((last.angular_momentum - first.angular_momentum).norm() <= 1e-6 * first.angular_momentum.norm());
     CHECK((last.momentum - first.momentum).norm() <= 1e-9 * first.momentum.norm());
-    // Newmark's scheme does not: its energy is another one after the first turn.
+    // Newmark's method does not: its energy is another one after the first turn.
     Spinning other(strategy, spin);
-    const auto newmark = make_integrator({"newmark"});
+    const auto newmark = make_stepper({"newmark"});
     for (int step = 0; step < 10; ++step) newmark->advance(*other.model, other.state, dt);
     CHECK(std::abs(other.energies().balance() / first.balance() - 1) > 1e-3);
   }
 }
 
 TEST_CASE("energy_momentum is of order 2", "[steppers]") {
-  const auto place_after = [](const std::string& scheme, int steps) {
+  const auto place_after = [](const std::string& method, int steps) {
     Spinning block("neo_hookean", 5);
-    const auto integrator = make_integrator({scheme});
+    const auto stepper = make_stepper({method});
     for (int step = 0; step < steps; ++step)
-      REQUIRE(integrator->advance(*block.model, block.state, 0.02 / steps).outcome == Outcome::converged);
+      REQUIRE(stepper->advance(*block.model, block.state, 0.02 / steps).outcome == Outcome::converged);
     return block.state.positions;
   };
   const Positions exact = place_after("velocity_verlet", 4000);
@@ -83,13 +83,13 @@ TEST_CASE("energy_momentum under weight, with supports, and with damping", "[ste
   Spinning block("neo_hookean", 0);
   block.model->supports = {{0}, {1}, {2}};
   block.model->add(make_gravity(block.body, {0, 0, -9.81}));
-  const auto integrator = make_integrator({"energy_momentum"});
+  const auto stepper = make_stepper({"energy_momentum"});
   block.state.positions = block.body.rest;
   block.state.velocities.setZero();
   const double first = block.energies().balance();
   double most = 0;
   for (int step = 0; step < 100; ++step) {
-    REQUIRE(integrator->advance(*block.model, block.state, 5e-3).outcome == Outcome::converged);
+    REQUIRE(stepper->advance(*block.model, block.state, 5e-3).outcome == Outcome::converged);
     const Energies now = block.energies();
     most = std::max(most, now.kinetic);
     CHECK(std::abs(now.balance() - first) <= 1e-7 * most + 1e-12);
@@ -97,14 +97,14 @@ TEST_CASE("energy_momentum under weight, with supports, and with damping", "[ste
   CHECK(most > 1e-4);
   block.model->add(make_mass_damping(block.body, 20));
   for (int step = 0; step < 400; ++step)
-    REQUIRE(integrator->advance(*block.model, block.state, 0.02).outcome == Outcome::converged);
+    REQUIRE(stepper->advance(*block.model, block.state, 0.02).outcome == Outcome::converged);
   CHECK(block.energies().kinetic < 1e-6 * most);
 }
 
 TEST_CASE("energy_momentum refuses what has no energy to keep", "[steppers]") {
   const auto simulate = [](const std::string& strategy, const Body& body) {
     SimulationOptions options;
-    options.integrator.scheme = "energy_momentum";
+    options.stepper.method = "energy_momentum";
     return Simulation(body, built_in_catalog().find(strategy), Material{.youngs_modulus = 1e5}, options);
   };
   Body sheet = rectangular_sheet({0.1, 0.1}, {3, 3}, SheetPattern::alternating);

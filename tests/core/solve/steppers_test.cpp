@@ -7,7 +7,7 @@
 #include "elastin/core/parallel/threads.h"
 #include "elastin/core/simulation/catalog.h"
 #include "elastin/core/simulation/simulation.h"
-#include "elastin/core/solve/integrator.h"
+#include "elastin/core/solve/stepper.h"
 #include "support/allocations.h"
 #include "support/bodies.h"
 
@@ -37,8 +37,8 @@ struct Bar {
       state.velocities(1, i) = 0.5 * height;
     }
   }
-  StepResult step(const IntegratorOptions& options, double dt) {
-    return make_integrator(options)->advance(*model, state, dt);
+  StepResult step(const StepperOptions& options, double dt) {
+    return make_stepper(options)->advance(*model, state, dt);
   }
   bool cells;
   Body body;
@@ -46,9 +46,9 @@ struct Bar {
   State state;
 };
 
-IntegratorOptions options_of(const Stepper& scheme, double iterations) {
-  IntegratorOptions options{scheme.name, {{scheme.effort, iterations}}};
-  if (scheme.name == "xpbd") options.parameters["substeps"] = 1;
+StepperOptions options_of(const StepperKind& method, double iterations) {
+  StepperOptions options{method.name, {{method.effort, iterations}}};
+  if (method.name == "xpbd") options.parameters["substeps"] = 1;
   return options;
 }
 
@@ -64,11 +64,11 @@ TEST_CASE("iterations of every stepper lead to backward Euler's step", "[stepper
       REQUIRE(exact.step({"backward_euler"}, dt).outcome == Outcome::converged);
       const double moved = (exact.state.positions - start.positions).norm();
       for (const std::string& name : kIterative) {
-        const Stepper& scheme = *built_in_steppers().find(name);
+        const StepperKind& method = *built_in_steppers().find(name);
         double last = 1;
         for (const int iterations : {2, 8, 32, 512}) {
           Bar bar(strategy);
-          const StepResult result = bar.step(options_of(scheme, iterations), dt);
+          const StepResult result = bar.step(options_of(method, iterations), dt);
           INFO(name << " on " << strategy << ", " << iterations << " iterations of " << dt << " s: " << result.cause);
           REQUIRE(result.outcome == Outcome::converged);
           if (result.substeps > 1) continue;  // a cell inverted: the step was bisected, and says so
@@ -104,9 +104,9 @@ TEST_CASE("few sweeps of block descent at a long step do not make energy from no
       Bar bar(strategy);
       const Ledger ledger(*bar.model, bar.state);
       const double first = ledger.energies(*bar.model, bar.state).balance();
-      const auto integrator = make_integrator({"block_descent", {{"sweeps", sweeps}}});
+      const auto stepper = make_stepper({"block_descent", {{"sweeps", sweeps}}});
       for (int step = 0; step < 50; ++step) {
-        const StepResult result = integrator->advance(*bar.model, bar.state, 0.02);
+        const StepResult result = stepper->advance(*bar.model, bar.state, 0.02);
         INFO(strategy << ", " << sweeps << " sweeps, step " << step << ": " << result.cause);
         REQUIRE(result.outcome == Outcome::converged);
         // What sweeps leave undone may swing; it never exceeds what the body began with.
@@ -123,10 +123,10 @@ TEST_CASE("a crushed body comes back by every stepper, or the outcome says why n
       bar.state.positions.row(2) *= flat;
       const double before = bar.model->elastic_energy(bar.state.positions);
       bar.model->add(make_mass_damping(bar.body, 30));
-      const auto integrator = make_integrator({name});
+      const auto stepper = make_stepper({name});
       bool stopped = false;
       for (int step = 0; step < 100 && !stopped; ++step) {
-        const StepResult result = integrator->advance(*bar.model, bar.state, 2e-3);
+        const StepResult result = stepper->advance(*bar.model, bar.state, 2e-3);
         stopped = result.outcome != Outcome::converged;
         if (stopped) CHECK(!result.cause.empty());
       }
@@ -144,10 +144,10 @@ TEST_CASE("steps of every stepper allocate nothing after the first", "[steppers]
     Bar bar("lattice");
     bar.model->add(make_gravity(bar.body, {0, 0, -9.81}));
     bar.model->add(make_mass_damping(bar.body, 3));
-    const auto integrator = make_integrator({name});
-    for (int step = 0; step < 3; ++step) integrator->advance(*bar.model, bar.state, 1e-3);
+    const auto stepper = make_stepper({name});
+    for (int step = 0; step < 3; ++step) stepper->advance(*bar.model, bar.state, 1e-3);
     const long before = allocations();
-    for (int step = 0; step < 5; ++step) integrator->advance(*bar.model, bar.state, 1e-3);
+    for (int step = 0; step < 5; ++step) stepper->advance(*bar.model, bar.state, 1e-3);
     const long after = allocations();
     INFO(name);
     CHECK(after == before);
@@ -155,9 +155,9 @@ TEST_CASE("steps of every stepper allocate nothing after the first", "[steppers]
 }
 
 TEST_CASE("a law that a stepper has no form for is refused by what it takes", "[steppers]") {
-  const auto simulate = [](const std::string& strategy, const char* scheme) {
+  const auto simulate = [](const std::string& strategy, const char* method) {
     SimulationOptions options;
-    options.integrator.scheme = scheme;
+    options.stepper.method = method;
     return Simulation(Bar(strategy).body, built_in_catalog().find(strategy),
                       Material{.youngs_modulus = 2e4, .poissons_ratio = 0.3}, options);
   };

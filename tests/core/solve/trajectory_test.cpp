@@ -120,13 +120,13 @@ double measure(const MeasureWeights& weights, int number, int steps, const State
 }
 
 struct Steps {
-  IntegratorOptions options;
+  StepperOptions options;
   int steps;
   double tolerance;
 };
 
-IntegratorOptions scheme(const std::string& name, ParameterValues parameters = {}) {
-  IntegratorOptions options{name, std::move(parameters)};
+StepperOptions method(const std::string& name, ParameterValues parameters = {}) {
+  StepperOptions options{name, std::move(parameters)};
   options.newton.tolerance = 1e-14;
   return options;
 }
@@ -140,13 +140,13 @@ std::pair<double, double> both(const Case& one, const Steps& by, double dt) {
   along.number = one.by_number ? 1 : 0;
   const auto value = [&](double amount) {
     Problem problem(one, &along, amount);
-    const auto integrator = make_integrator(by.options);
+    const auto stepper = make_stepper(by.options);
     State state = problem.start;
     problem.model.declare_history(state);
     problem.model.begin_step(state, state.time);
     double sum = measure(weights, 0, by.steps, state);
     for (int step = 1; step <= by.steps; ++step) {
-      REQUIRE(integrator->advance(problem.model, state, dt).outcome == Outcome::converged);
+      REQUIRE(stepper->advance(problem.model, state, dt).outcome == Outcome::converged);
       sum += measure(weights, step, by.steps, state);
     }
     return sum;
@@ -204,25 +204,25 @@ TEST_CASE("derivatives of a run in time by one sweep backward are differences of
                                 with_past("mullins:neo_hookean", hexahedra),
                                 with_past("mullins:neo_hookean+volume", hexahedra, 0.45),
                                 with_past("mullins:neo_hookean_membrane", sheet(0.001))};
-  const std::vector<Steps> schemes{{scheme("symplectic_euler"), 1000, 1e-6},
-                                   {scheme("velocity_verlet"), 1000, 1e-6},
-                                   {scheme("backward_euler"), 20, 1e-6},
-                                   {scheme("newmark"), 20, 1e-6},
-                                   {scheme("newmark", {{"beta", 0.3}, {"gamma", 0.6}}), 10, 1e-6},
-                                   {scheme("generalized_alpha"), 20, 1e-6}};
+  const std::vector<Steps> methods{{method("symplectic_euler"), 1000, 1e-6},
+                                   {method("velocity_verlet"), 1000, 1e-6},
+                                   {method("backward_euler"), 20, 1e-6},
+                                   {method("newmark"), 20, 1e-6},
+                                   {method("newmark", {{"beta", 0.3}, {"gamma", 0.6}}), 10, 1e-6},
+                                   {method("generalized_alpha"), 20, 1e-6}};
   [[maybe_unused]] int met = 0;
   for (Case one : cases)
-    for (Steps by : schemes) {
+    for (Steps by : methods) {
 #ifdef __SANITIZE_ADDRESS__
-      if (++met % 5) continue;  // no divisor of the schemes' number: each of them is met
+      if (++met % 5) continue;  // no divisor of the steppers' number: each of them is met
 #endif
-      if (one.name.starts_with("mullins")) one.by_number = by.options.scheme->name != "symplectic_euler";
+      if (one.name.starts_with("mullins")) one.by_number = by.options.method->name != "symplectic_euler";
       if (one.name != cases[0].name) by.steps = std::min(by.steps, 40);  // each is run five times
       Problem problem(one, nullptr, 0);
       const double stable = find_stable_step(problem.model, problem.start).step;
-      const double dt = by.options.scheme->is_explicit ? 0.2 * stable : one.implicit_step * stable;
+      const double dt = by.options.method->is_explicit ? 0.2 * stable : one.implicit_step * stable;
       const auto [sweep, differences] = both(one, by, dt);
-      INFO(one.name << " by " << by.options.scheme->name << ": " << sweep << " and " << differences);
+      INFO(one.name << " by " << by.options.method->name << ": " << sweep << " and " << differences);
       CHECK(sweep == Approx(differences).epsilon(by.tolerance));
     }
 }
@@ -237,7 +237,7 @@ TEST_CASE("of a linear body the sweep is the transpose of the run to rounding", 
     Problem problem(one, nullptr, 0);
     const double dt = 0.2 * find_stable_step(problem.model, problem.start).step;
     const Positions by_x = random_motion(one.body, 51), by_v = random_motion(one.body, 52);
-    Trajectory run(problem.model, problem.start, dt, 200, scheme(name));
+    Trajectory run(problem.model, problem.start, dt, 200, method(name));
     const TrajectoryAdjoint found = run.adjoint([&](int number, const State&, Positions& of_x, Positions& of_v) {
       if (number == run.steps()) of_x += by_x, of_v += by_v;
     });
@@ -247,7 +247,7 @@ TEST_CASE("of a linear body the sweep is the transpose of the run to rounding", 
                  {VectorX::Zero(one.elements)}};
     for (const double size : {1., 1e-3}) {
       Problem other(one, &along, size);
-      const Trajectory moved(other.model, other.start, dt, 200, scheme(name));
+      const Trajectory moved(other.model, other.start, dt, 200, method(name));
       const double change = product(by_x, moved.end().positions - run.end().positions) +
                             product(by_v, moved.end().velocities - run.end().velocities),
                    sum = product(found.positions, along.positions) + product(found.velocities, along.velocities) +
@@ -266,7 +266,7 @@ TEST_CASE("a sweep stores about two square roots of its steps, and is bitwise id
   for (const int threads : {1, 2, 3}) {
     const ThreadScope scope(nullptr, threads);
     Problem problem(one, nullptr, 0);
-    Trajectory run(problem.model, problem.start, 1e-5, 1000, scheme("velocity_verlet"));
+    Trajectory run(problem.model, problem.start, 1e-5, 1000, method("velocity_verlet"));
     CHECK(run.stored_numbers() == 64u * 9u * static_cast<std::size_t>(one.body.size()));
     const TrajectoryAdjoint found = run.adjoint([&](int number, const State& state, Positions& of_x, Positions&) {
       if (number == 1000) of_x += state.positions;
@@ -279,21 +279,21 @@ TEST_CASE("a sweep stores about two square roots of its steps, and is bitwise id
 TEST_CASE("a run without a transpose is refused by name", "[adjoint][trajectory]") {
   const Case one = springs("springs", [](Model&) {});
   Problem problem(one, nullptr, 0);
-  const auto refused = [&](const IntegratorOptions& by, const std::string& why) {
+  const auto refused = [&](const StepperOptions& by, const std::string& why) {
     CHECK_THROWS_WITH(Trajectory(problem.model, problem.start, 1e-4, 3, by), Catch::Contains(why));
   };
-  refused(scheme("xpbd"), "scheme 'xpbd' has no transpose");
+  refused(method("xpbd"), "stepper 'xpbd' has no transpose");
   const double longest = find_stable_step(problem.model, problem.start).step;
-  CHECK_THROWS_WITH(Trajectory(problem.model, problem.start, 1.01 * longest, 3, scheme("velocity_verlet")),
+  CHECK_THROWS_WITH(Trajectory(problem.model, problem.start, 1.01 * longest, 3, method("velocity_verlet")),
                     Catch::Contains("are not stable"));
-  CHECK_NOTHROW(Trajectory(problem.model, problem.start, 0.99 * longest, 3, scheme("velocity_verlet")));
+  CHECK_NOTHROW(Trajectory(problem.model, problem.start, 0.99 * longest, 3, method("velocity_verlet")));
   problem.model.add(
       make_updated_springs(problem.body, [&](const Positions&) { return VectorX::Constant(one.elements, 1); }));
-  refused(scheme("newmark"), "constants that change");
+  refused(method("newmark"), "constants that change");
 
   const Case softens = with_past("mullins:standard", jittered_lattice());
   Problem soft(softens, nullptr, 0), below(softens, nullptr, 0), above(softens, nullptr, 0);
-  Trajectory run(soft.model, soft.start, 1e-5, 3, scheme("symplectic_euler"));
+  Trajectory run(soft.model, soft.start, 1e-5, 3, method("symplectic_euler"));
   const auto nothing = [](int, const State&, Positions&, Positions&) {};
   CHECK_NOTHROW(run.adjoint(nothing));
   CHECK_THROWS_WITH(run.adjoint(nothing, {{&below.model, &above.model, 1}}), Catch::Contains("take velocity_verlet"));

@@ -5,7 +5,7 @@
 #include "elastin/core/base/error.h"
 #include "elastin/core/forces/air.h"
 #include "elastin/core/simulation/catalog.h"
-#include "elastin/core/solve/integrator.h"
+#include "elastin/core/solve/stepper.h"
 #include "lab/experiment/parachute/parachute.h"
 
 using namespace elastin;
@@ -57,7 +57,7 @@ TEST_CASE("a parachute ends at the speed at which drag carries the weight", "[pa
   const auto rig = parachute->timed_rig(model);
   State state = state_at_rest(body);
   rig->start(state, {});
-  const auto integrator = make_integrator({.scheme = "backward_euler"});
+  const auto stepper = make_stepper({.method = "backward_euler"});
   std::vector<CurvePoint> history;
   for (int step = 0; step <= 150; ++step) {
     CurvePoint row;
@@ -65,7 +65,7 @@ TEST_CASE("a parachute ends at the speed at which drag carries the weight", "[pa
     row.measures = rig->read(state);
     history.push_back(row);
     INFO("step " << step);
-    REQUIRE(integrator->advance(model, state, 0.02).outcome == Outcome::converged);
+    REQUIRE(stepper->advance(model, state, 0.02).outcome == Outcome::converged);
   }
   const Measures& end = history.back().measures;
   CHECK(end.get("drag_balance") == Approx(0).margin(0.02));

@@ -156,7 +156,7 @@ TEST_CASE("relaxation of a clamped bar gives E and its Prony term from the force
   const auto built =
       load_scene(scene("youngs_modulus: 12 kPa, relaxation: {terms: [[0.5, 0.5 s]]}",
                        "stiffness: prony:neo_hookean\nexperiment: {kind: relaxation, ramp: 0.1 s, fixture: {" + pulled +
-                           "}}\ntime: {duration: 2 s, integrator: newmark, step: 5 ms, frames: 20}\n"),
+                           "}}\ntime: {duration: 2 s, stepper: newmark, step: 5 ms, frames: 20}\n"),
                  kCatalog);
   RunOptions options;
   options.statics = built->statics, options.time = *built->time;

@@ -36,7 +36,7 @@ TEST_CASE("a page takes the load of a scene's experiment where it is the same wh
   for (const auto& [load, share] : {std::pair("applied", 1.), std::pair("removed", 0.)}) {
     const Parcel swinging = parcel_of(
         std::string("{kind: release, fixture: {kind: bending, axis: x, gravity: 9.81 m/s2, direction: -z}, load: ") +
-        load + "}\ntime: {duration: 1 s, integrator: newmark, step: 5 ms}");
+        load + "}\ntime: {duration: 1 s, stepper: newmark, step: 5 ms}");
     REQUIRE(swinging.own_load.cols() == hanging.body.size());
     CHECK(swinging.own_load.isApprox(hanging.own_load, 1e-12));
     CHECK(swinging.own_load_share == Approx(share).margin(1e-9));

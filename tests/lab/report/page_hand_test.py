@@ -292,7 +292,7 @@ class Obstacles(unittest.TestCase):
 class Kinds(unittest.TestCase):
     """Every kind of page opens without a word on the console, shows its plots, sorts its tables and says what it is of."""
 
-    STEPPERS = SCENE + "steppers: {schemes: [symplectic_euler, backward_euler]}\n"
+    STEPPERS = SCENE + "steppers: {methods: [symplectic_euler, backward_euler]}\n"
     STUDY = SCENE + "study: {vary: [{body.lattice.spacing: [1 mm, 2 mm]}]}\n"
     IDENTIFY = """title: Rubber
 material: {law: mooney_rivlin, c1: 100 kPa, c2: 10 kPa}

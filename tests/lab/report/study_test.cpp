@@ -200,7 +200,7 @@ TEST_CASE("a row comes back from its line of JSON", "[study]") {
   record.run.curve[1].linear_iterations = 40;
   record.run.curve[1].residual = 1e-11;
   record.run.time = TimeReport{};
-  record.run.time->scheme = "newmark";
+  record.run.time->stepper = "newmark";
   record.run.time->reason = "cells";
   record.run.time->frequency = 3600;
   record.run.time->seconds = 2;

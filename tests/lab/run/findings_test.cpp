@@ -36,7 +36,7 @@ std::string falling(const std::string& height, const std::string& speed, const s
          "]], radius: 5 mm}\nmaterial: {youngs_modulus: 10 kPa, density: 1000 kg/m3}\nstiffness: standard\n"
          "experiment: {kind: drop, speed: " +
          speed + "}\ncontact: {obstacles: [{name: thing, " + obstacle +
-         "}]}\ntime: {duration: 50 ms, integrator: velocity_verlet, frames: 25, step: " + step + "}\n";
+         "}]}\ntime: {duration: 50 ms, stepper: velocity_verlet, frames: 25, step: " + step + "}\n";
 }
 const std::string kPlane = "plane: {point: [0, 0, 0], normal: z}";
 

@@ -270,7 +270,7 @@ void draw_in_time(Draw& draw, const Units& units, Drawn& drawn) {
   if (const int wrapper = draw.below(4); wrapper < 2)
     drawn.stiffness = wrapped(wrapper ? "prony:" : "mullins:", units, drawn);
   if (draw.below(3) == 0) drawn.more += "loads: [{rayleigh: {stiffness: " + text(draw.between(0.01, 0.3) * t) + "}}]\n";
-  drawn.time = "time: {duration: " + text(duration) + ", frames: 60, integrator: " +
+  drawn.time = "time: {duration: " + text(duration) + ", frames: 60, stepper: " +
                draw.pick({"velocity_verlet", "symplectic_euler", "newmark", "backward_euler", "generalized_alpha",
                           "energy_momentum", "block_descent", "projective"}) +
                ", step: {per_frame: " + text(4 + draw.below(8)) + "}}\n";

@@ -62,10 +62,9 @@ std::vector<double> numbers_of(const Run& run) {
 
 TEST_CASE("a released oscillator has its frequency and its decrement", "[time][slow]") {
   // b = 2 N s/m: delta = b / 2m = 1 /s, omega = sqrt(100 - 1).
-  for (const char* scheme : {"velocity_verlet", "newmark"}) {
-    INFO(scheme);
-    const std::string time =
-        std::string("time: {duration: 3 s, frames: 600, step: 1 ms, integrator: ") + scheme + "}\n";
+  for (const char* method : {"velocity_verlet", "newmark"}) {
+    INFO(method);
+    const std::string time = std::string("time: {duration: 3 s, frames: 600, step: 1 ms, stepper: ") + method + "}\n";
     const Run run = run_of(kRelease + "loads: [{damping: 2 N s/m}]\n" + time);
     CHECK(measured(run, "frequency") == Approx(std::sqrt(99.) / (2 * M_PI)).epsilon(1e-4));
     CHECK(measured(run, "logarithmic_decrement") == Approx(2 * M_PI / std::sqrt(99.)).epsilon(1e-3));
@@ -80,11 +79,11 @@ TEST_CASE("a released oscillator has its frequency and its decrement", "[time][s
 }
 
 TEST_CASE("measures in time come from the steps, however few frames are kept", "[time]") {
-  for (const char* scheme : {"velocity_verlet", "newmark"}) {
-    INFO(scheme);
-    const Run run = run_of(
-        kRelease + "loads: [{damping: 2 N s/m}]\ntime: {duration: 3 s, frames: 2, step: 1 ms, integrator: " + scheme +
-        "}\n");
+  for (const char* method : {"velocity_verlet", "newmark"}) {
+    INFO(method);
+    const Run run =
+        run_of(kRelease +
+               "loads: [{damping: 2 N s/m}]\ntime: {duration: 3 s, frames: 2, step: 1 ms, stepper: " + method + "}\n");
     CHECK(run.curve.size() == 3);
     CHECK(measured(run, "frequency") == Approx(std::sqrt(99.) / (2 * M_PI)).epsilon(1e-3));
     CHECK(measured(run, "damping_ratio") == Approx(0.1).epsilon(1e-2));
@@ -92,13 +91,13 @@ TEST_CASE("measures in time come from the steps, however few frames are kept", "
 }
 
 TEST_CASE("a load that jumps, and a body at rest, make no energy from nothing", "[time]") {
-  for (const char* scheme : {"velocity_verlet", "newmark", "backward_euler"})
+  for (const char* method : {"velocity_verlet", "newmark", "backward_euler"})
     for (const char* at : {"0.5 s", "100 s"}) {  // within the second, and never
-      INFO(scheme << " " << at);
+      INFO(method << " " << at);
       const Run run = run_of(kOscillator + "experiment: {kind: motion, in_time: {step: {at: " + at +
                              "}}, fixture: {kind: tension, axis: x, force: 0.1 N, cross_section: 1 cm2}}\n"
-                             "time: {duration: 1 s, frames: 10, step: 10 ms, integrator: " +
-                             scheme + "}\n");
+                             "time: {duration: 1 s, frames: 10, step: 10 ms, stepper: " +
+                             method + "}\n");
       CHECK(run.cause == "");
       CHECK(run.outcome == Outcome::converged);
     }
@@ -112,7 +111,7 @@ TEST_CASE("a load put on at once swings to twice its displacement at rest", "[ti
   CHECK(measured(run, "first_peak") == Approx(2e-3).epsilon(1e-3));
   CHECK(measured(run, "first_peak_time") == Approx(M_PI / 10).epsilon(1e-3));
   CHECK(measured(run, "return_time") == Approx(2 * M_PI / 10).epsilon(1e-3));
-  CHECK(run.time->scheme == std::string("velocity_verlet"));
+  CHECK(run.time->stepper == std::string("velocity_verlet"));
   CHECK_THAT(run.time->reason, Contains("springs"));
 }
 
@@ -121,12 +120,12 @@ TEST_CASE("steps: stable ones by themselves, fixed ones in even parts of a frame
   CHECK(automatic.time->critical_step == Approx(0.2).epsilon(1e-5));
   CHECK(automatic.curve[1].step <= 0.8 * 0.2);
   CHECK(automatic.curve[1].step > 0.8 * 0.2 * 0.95);
-  const Run fixed = run_of(kRelease + "time: {duration: 1 s, frames: 3, step: 30 ms, integrator: newmark}\n");
+  const Run fixed = run_of(kRelease + "time: {duration: 1 s, frames: 3, step: 30 ms, stepper: newmark}\n");
   CHECK(fixed.time->steps == 3 * 12);
   CHECK(fixed.curve[2].step == Approx(1. / 36));
   for (int frame = 0; frame <= 3; ++frame) CHECK(fixed.curve[frame].time == 1. * frame / 3);
   // Ten times less error a step: 10^(1/3) times as many of them.
-  const std::string by_error = "time: {duration: 1 s, frames: 2, integrator: newmark, step: {error: ";
+  const std::string by_error = "time: {duration: 1 s, frames: 2, stepper: newmark, step: {error: ";
   const Run coarse = run_of(kRelease + by_error + "1e-6}}\n"), fine = run_of(kRelease + by_error + "1e-9}}\n");
   const double factor = static_cast<double>(fine.time->steps) / coarse.time->steps;
   CHECK(factor > 7);
@@ -140,7 +139,7 @@ TEST_CASE("creep, relaxation and a shaken base follow their formulas", "[time]")
   const Run creep =
       run_of(chain +
              "experiment: {kind: creep, fixture: {kind: tension, axis: x, force: 0.1 mN, cross_section: 1 cm2}}\n"
-             "loads: [{rayleigh: {stiffness: 0.2 s}}]\ntime: {duration: 1 s, integrator: newmark, step: 0.2 ms}\n");
+             "loads: [{rayleigh: {stiffness: 0.2 s}}]\ntime: {duration: 1 s, stepper: newmark, step: 0.2 ms}\n");
   CHECK(measured(creep, "retardation_time") == Approx(0.2).epsilon(1e-3));
   CHECK(measured(creep, "elongation") == Approx(1e-5 * (1 - std::exp(-5.))).epsilon(1e-3));
   // The middle molecule, drawn by two springs through a liquid: c / 2k.
@@ -149,7 +148,7 @@ TEST_CASE("creep, relaxation and a shaken base follow their formulas", "[time]")
              "experiment: {kind: relaxation, ramp: 10 ms, fixture: {kind: tension, axis: x, displacement: 0.1 mm, "
              "cross_section: 1 cm2}}\n"
              "loads: [{stokes_drag: {viscosity: 50 Pa s}}]\n"
-             "time: {duration: 1 s, integrator: newmark, step: 1 ms, frames: 200}\n");
+             "time: {duration: 1 s, stepper: newmark, step: 1 ms, frames: 200}\n");
   CHECK(measured(relaxation, "relaxation_time") == Approx(6 * M_PI * 50 * 0.005 / 40).epsilon(2e-3));
   CHECK(measured(relaxation, "force") == Approx(1e-3).epsilon(1e-3));
   const Run shake = run_of(kOscillator +
@@ -181,21 +180,21 @@ TEST_CASE("a time history that is no such curve gives no such measure, and the r
                         "stiffness: neo_hookean\n",
                     pulled = "fixture: {kind: tension, axis: z, force: 1 mN}}\n",
                     drawn = "fixture: {kind: tension, axis: z, displacement: 0.1 mm}}\n";
-  // An elastic body swings for ever, or jumps at once where the scheme lets nothing swing: neither is creep.
+  // An elastic body swings for ever, or jumps at once where the stepper lets nothing swing: neither is creep.
   check_absent(kOscillator + "experiment: {kind: creep, " + held + "time: {duration: 3 s, step: 5 ms}\n",
                {"retardation_time"}, "no retardation time");
   check_absent(bar + "experiment: {kind: creep, " + pulled +
-                   "time: {duration: 10 s, step: 0.5 s, frames: 20, integrator: backward_euler}\n",
+                   "time: {duration: 10 s, step: 0.5 s, frames: 20, stepper: backward_euler}\n",
                {"retardation_time"}, "no retardation time");
   check_absent(bar + "experiment: {kind: relaxation, ramp: 0.01 s, " + drawn +
-                   "time: {duration: 0.3 s, step: 1 ms, frames: 50, integrator: newmark}\n",
+                   "time: {duration: 0.3 s, step: 1 ms, frames: 50, stepper: newmark}\n",
                {"relaxation_time", "relaxed_ratio"}, "no relaxation time");
   // In its first period a body still vibrates: its resistance is not that of a cycle.
   check_absent(bar + "experiment: {kind: cyclic, frequency: 20 /s, " + drawn +
-                   "time: {duration: 50 ms, step: 0.5 ms, frames: 100, integrator: newmark}\n",
+                   "time: {duration: 50 ms, step: 0.5 ms, frames: 100, stepper: newmark}\n",
                {"storage_modulus", "loss_modulus", "loss_tangent"}, "no moduli");
   check_absent(bar + "experiment: {kind: cyclic, frequency: 20 /s, " + drawn +
-                   "time: {duration: 110 ms, step: 0.5 ms, frames: 220, integrator: newmark}\n",
+                   "time: {duration: 110 ms, step: 0.5 ms, frames: 220, stepper: newmark}\n",
                {"storage_modulus", "loss_modulus", "loss_tangent"}, "no moduli: the cycle is not steady yet");
   check_absent(kRelease + "loads: [{damping: 30 N s/m}]\ntime: {duration: 3 s, step: 5 ms}\n",
                {"frequency", "damping_ratio", "logarithmic_decrement"},
@@ -211,7 +210,7 @@ TEST_CASE("a time history that is no such curve gives no such measure, and the r
       "material: {youngs_modulus: 10 kPa, poissons_ratio: 0.3, density: 1 kg/m3, "
       "relaxation: {model: standard_linear_solid, share: 1, time: 0.1 s}}\nstiffness: \"prony:neo_hookean\"\n"
       "experiment: {kind: creep, " +
-      pulled + "time: {duration: 1 s, step: 5 ms, frames: 100, integrator: backward_euler}\n");
+      pulled + "time: {duration: 1 s, step: 5 ms, frames: 100, stepper: backward_euler}\n");
   CHECK(measured(creep, "retardation_time") == Approx(0.2).epsilon(0.02));
   CHECK(measured(creep, "fit_misfit") < 0.01);
   CHECK(creep.remark.empty());
@@ -280,26 +279,26 @@ TEST_CASE("what relaxes vibrates with the storage modulus at its own frequency",
   }
 }
 
-TEST_CASE("both drag laws reach their speeds, at the order of the integrator", "[time][drag]") {
+TEST_CASE("both drag laws reach their speeds, at the order of the stepper", "[time][drag]") {
   const std::string ball =
       "body: {molecules: [[0 m, 0 m, 0 m]], radius: 1 cm}\nmaterial: {youngs_modulus: 1 kPa, density: 1000 kg/m3}\n"
       "stiffness: {strategy: uniform, constant: 1 N/m}\nexperiment: {kind: motion}\n";
   const double m = 8e-3, g = 9.81, c = 6 * M_PI * 0.2 * 0.01, tau = m / c;
   const double sink = std::sqrt(m * g / (0.5 * 1000 * 0.47 * M_PI * 1e-4));
-  const auto speed = [&](const std::string& drag, const std::string& scheme, double duration, int frames) {
+  const auto speed = [&](const std::string& drag, const std::string& method, double duration, int frames) {
     const std::string time = "time: {duration: " + std::to_string(duration) + " s, frames: " + std::to_string(frames) +
-                             ", step: 1 s, integrator: " + scheme + "}\n";
+                             ", step: 1 s, stepper: " + method + "}\n";
     return measured(run_of(ball + "loads: [{gravity: [0, 0, -9.81 m/s2]}, {" + drag + "}}]\n" + time), "speed");
   };
   const std::string stokes = "stokes_drag: {viscosity: 0.2 Pa s",
                     quadratic = "quadratic_drag: {density: 1000 kg/m3, drag_coefficient: 0.47";
   CHECK(speed(stokes, "newmark", 4, 200) == Approx(g * tau).epsilon(1e-7));
   CHECK(speed(quadratic, "newmark", 2, 200) == Approx(sink).epsilon(1e-7));
-  for (const auto& [scheme, order] : {std::pair{"backward_euler", 1.}, {"newmark", 2.}, {"symplectic_euler", 1.}}) {
-    INFO(scheme);
+  for (const auto& [method, order] : {std::pair{"backward_euler", 1.}, {"newmark", 2.}, {"symplectic_euler", 1.}}) {
+    INFO(method);
     const double at = 0.2;
     const auto shown = [&](const std::string& drag, double exact) {
-      const double coarse = speed(drag, scheme, at, 20) - exact, fine = speed(drag, scheme, at, 40) - exact;
+      const double coarse = speed(drag, method, at, 20) - exact, fine = speed(drag, method, at, 40) - exact;
       return std::log2(std::abs(coarse / fine));
     };
     CHECK(shown(stokes, g * tau * (1 - std::exp(-at / tau))) > order - 0.1);
@@ -311,7 +310,7 @@ TEST_CASE("a drop without damping gives back its speed; with damping less", "[ti
   const std::string cube =
       "body: {molecules: [[0 m, 0 m, 5 cm]], radius: 1 cm}\nmaterial: {youngs_modulus: 10 kPa, density: 1000 kg/m3}\n"
       "stiffness: {strategy: uniform, constant: 1 N/m}\n";
-  const std::string time = "time: {duration: 60 ms, frames: 600, step: 50 us, integrator: velocity_verlet}\n";
+  const std::string time = "time: {duration: 60 ms, frames: 600, step: 50 us, stepper: velocity_verlet}\n";
   const Run elastic = run_of(cube + "experiment: {kind: drop, speed: 0.1 m/s, stiffness: 80 N/m}\n" + time);
   CHECK(measured(elastic, "restitution") == Approx(1).epsilon(1e-4));
   // Half a period of 8 g on 80 N/m, the soft first millimetre aside: 31.4 ms and somewhat more.
@@ -330,7 +329,7 @@ TEST_CASE("restitution is that of the whole impact, however its molecules bounce
   const std::string block =
       "body: {lattice: {kind: cubic, molecules: [6, 6, 6], spacing: 1 cm, connections: [axis, face]}}\n"
       "material: {youngs_modulus: 100 kPa, density: 1000 kg/m3}\nstiffness: lattice\n";
-  const std::string fine = ", step: 20 us, integrator: velocity_verlet}\n";
+  const std::string fine = ", step: 20 us, stepper: velocity_verlet}\n";
   for (const std::string floor : {"2 kN/m", "100 kN/m"}) {
     INFO(floor);
     const std::string thrown = block + "experiment: {kind: drop, speed: 1 m/s, stiffness: " + floor + "}\n";
@@ -392,7 +391,7 @@ TEST_CASE("a cycle shows no modulus where it passes through no strain", "[time]"
   const std::string bar =
       "body: {lattice: {kind: cubic, molecules: [3, 3, 4], spacing: 1 cm, connections: [axis, face]}}\n"
       "material: {youngs_modulus: 10 kPa, density: 1 kg/m3, relaxation: {model: kelvin_voigt, time: 50 ms}}\n"
-      "stiffness: prony:lattice\ntime: {duration: 1 s, frames: 8, step: {per_frame: 4}, integrator: backward_euler}\n";
+      "stiffness: prony:lattice\ntime: {duration: 1 s, frames: 8, step: {per_frame: 4}, stepper: backward_euler}\n";
   for (const auto& [fixture, strain, modulus] :
        {std::array<std::string, 3>{"kind: torsion, axis: z, angle: 0.01 rad", "angle", "torsional_stiffness"},
         {"kind: torsion, axis: z, angle: 0.01 rad", "angle", "shear_modulus"},
@@ -420,9 +419,9 @@ TEST_CASE("a run that stops and goes on has bitwise the same results as one that
       "in_time: {sine: {frequency: 30 Hz}}}\n"
       "loads: [{cell_damping: {bulk: 0.1 Pa s, shear: 0.1 Pa s}}, {gravity: [0, 0, -9.81 m/s2], "
       "in_time: {ramp: {duration: 20 ms}}}]\n";
-  for (const char* time : {"integrator: newmark, step: {error: 1e-4}", "integrator: backward_euler, step: 0.7 ms",
-                           "integrator: {scheme: newmark, newton_iterations: 1}, step: 1 ms",
-                           "integrator: velocity_verlet", "integrator: symplectic_euler"}) {
+  for (const char* time : {"stepper: newmark, step: {error: 1e-4}", "stepper: backward_euler, step: 0.7 ms",
+                           "stepper: {method: newmark, newton_iterations: 1}, step: 1 ms", "stepper: velocity_verlet",
+                           "stepper: symplectic_euler"}) {
     INFO(time);
     const std::string text = block + "time: {duration: 20 ms, frames: 10, checkpoint: 4, " + time + "}\n";
     std::vector<std::string> kept;
@@ -506,17 +505,17 @@ TEST_CASE("a restart file of another run, or a damaged one, is refused", "[time]
   };
   refuse("nothing of the kind", kRelease + time, "this is no restart file");
   std::string older = kept;
-  REQUIRE(older.starts_with("elastin-restart-8 "));
+  REQUIRE(older.starts_with("elastin-restart-9 "));
   older[std::string("elastin-restart-").size()] = '6';
-  refuse(older, kRelease + time, "of another version of the program ('elastin-restart-6', here 'elastin-restart-8')");
+  refuse(older, kRelease + time, "of another version of the program ('elastin-restart-6', here 'elastin-restart-9')");
   refuse(kept.substr(0, kept.size() / 2), kRelease + time, "cut off");
   refuse(kept, kRelease + "time: {duration: 2 s, frames: 4}\n", "of another run");
   refuse(kept, kRelease + "time: {duration: 2 s, frames: 4}\n",
          "it has a frame every 0.25 s, and this run every 0.5 s: change `time.frames` together with `time.duration`");
   refuse(kept, kRelease + "time: {duration: 0.5 s, frames: 2}\n",
          "is of frame 4, at t = 1 s, and this run ends with frame 2, at t = 0.5 s");
-  refuse(kept, kRelease + "time: {duration: 1 s, frames: 4, integrator: newmark}\n",
-         "its integrator is velocity_verlet, here newmark; of the scene");
+  refuse(kept, kRelease + "time: {duration: 1 s, frames: 4, stepper: newmark}\n",
+         "its stepper is velocity_verlet, here newmark; of the scene");
   refuse(kept, kRelease + time + "loads: [{damping: 2 N s/m}]\n", "of another run: its loads is not there, here ");
   std::string stiffer = kRelease;
   stiffer.replace(stiffer.find("10 kPa"), 6, "20 kPa");
@@ -550,9 +549,9 @@ TEST_CASE("steps that lose energy are named, implicit ones too, and what contact
     for (const std::string& warning : run.warnings) all += warning + "\n";
     return all;
   };
-  CHECK_THAT(warnings(run_of(swings + "time: {duration: 0.3 s, frames: 30, integrator: backward_euler, step: 2 ms}\n")),
+  CHECK_THAT(warnings(run_of(swings + "time: {duration: 0.3 s, frames: 30, stepper: backward_euler, step: 2 ms}\n")),
              Contains("the steps lose energy"));
-  CHECK(warnings(run_of(swings + "time: {duration: 0.3 s, frames: 30, integrator: newmark, step: 2 ms}\n")).empty());
+  CHECK(warnings(run_of(swings + "time: {duration: 0.3 s, frames: 30, stepper: newmark, step: 2 ms}\n")).empty());
   const Run bounced = run_of(
       "body: {lattice: {kind: cubic, molecules: [5, 5, 5], spacing: 1 cm, connections: [axis, face]}}\n"
       "material: {youngs_modulus: 100 kPa, density: 1000 kg/m3}\nstiffness: lattice\n"
@@ -569,7 +568,7 @@ TEST_CASE("implicit steps that make more energy than there is end with that as t
       "body: {lattice: {kind: cubic, molecules: [4, 4, 6], spacing: 10 mm, connections: [axis, face]}}\n"
       "material: {youngs_modulus: 10 kPa, poissons_ratio: 0.25, density: 1000 kg/m3}\nstiffness: lattice\n"
       "experiment: {kind: release, load: removed, fixture: {kind: tension, displacement: 20 mm}}\n"
-      "time: {duration: 1 s, frames: 10, integrator: newmark, step: 20 ms}\n");
+      "time: {duration: 1 s, frames: 10, stepper: newmark, step: 20 ms}\n");
   CHECK(run.outcome == Outcome::diverged);
   CHECK_THAT(run.cause, Contains("the steps make energy from nothing"));
 }
@@ -580,8 +579,8 @@ TEST_CASE("laws with a history and laws without an energy keep an account, and a
       "material: {youngs_modulus: 10 kPa, density: 1000 kg/m3, relaxation: {terms: [[0.5, 2 s]]},"
       " softening: {r: 1.5, m: 50 Pa, beta: 0.1}}\n"
       "experiment: {kind: creep, fixture: {kind: tension, axis: z, force: 80 mN}}\n";
-  const std::string coarse = "time: {duration: 36 s, frames: 30, integrator: newmark, step: 20 ms}\n",
-                    fine = "time: {duration: 0.2 s, frames: 10, integrator: newmark, step: 1 ms}\n";
+  const std::string coarse = "time: {duration: 36 s, frames: 30, stepper: newmark, step: 20 ms}\n",
+                    fine = "time: {duration: 0.2 s, frames: 10, stepper: newmark, step: 1 ms}\n";
   const Run exploded = run_of(creep + "stiffness: \"prony:lattice\"\n" + coarse);
   CHECK(exploded.outcome == Outcome::diverged);
   CHECK_THAT(exploded.cause, Contains("the steps make energy from nothing"));
@@ -598,7 +597,7 @@ TEST_CASE("laws with a history and laws without an energy keep an account, and a
       "material: {youngs_modulus: 10 kPa, density: 1 kg/m3, relaxation: {terms: [[1, 0.5 s]]}}\n"
       "stiffness: \"prony:neo_hookean\"\n"
       "experiment: {kind: relaxation, ramp: 0.2 s, fixture: {kind: tension, axis: z, displacement: 0.03 mm}}\n"
-      "time: {duration: 4 s, integrator: newmark, step: 10 ms, frames: 100}\n");
+      "time: {duration: 4 s, stepper: newmark, step: 10 ms, frames: 100}\n");
   const double stored = measured(relaxed, "force") * 0.03e-3 / 2, work = measured(relaxed, "work");
   CHECK(measured(relaxed, "energy") == Approx(stored).epsilon(0.01));
   CHECK(work > 1.5 * stored);
@@ -607,18 +606,18 @@ TEST_CASE("laws with a history and laws without an energy keep an account, and a
 }
 
 TEST_CASE("a budget gives each step the sweeps that it leaves time for", "[time][budget]") {
-  const auto swung = [](const std::string& integrator, const std::string& budget) {
+  const auto swung = [](const std::string& stepper, const std::string& budget) {
     return run_of(
         "body: {lattice: {kind: cubic, molecules: [2, 2, 5], spacing: 1 cm, connections: [axis, face]}}\n"
         "material: {youngs_modulus: 10 kPa, density: 1000 kg/m3}\n"
         "stiffness: lattice\n"
         "experiment: {kind: release, fixture: {kind: bending, axis: z, direction: x, force: 1 mN}}\n"
-        "time: {duration: 0.2 s, frames: 10, step: 2 ms, integrator: " +
-        integrator + budget + "}\n");
+        "time: {duration: 0.2 s, frames: 10, step: 2 ms, stepper: " +
+        stepper + budget + "}\n");
   };
   // None is in time: each step keeps its one sweep, and looking what it leaves changes nothing.
-  const Run late = swung("{scheme: block_descent, sweeps: 1}", ", budget: 1 ns");
-  const Run one = swung("{scheme: block_descent, sweeps: 1}", "");
+  const Run late = swung("{method: block_descent, sweeps: 1}", ", budget: 1 ns");
+  const Run one = swung("{method: block_descent, sweeps: 1}", "");
   REQUIRE(late.time->budget);
   CHECK(late.time->budget->median == 1);
   CHECK(late.time->budget->late == 1);
@@ -628,7 +627,7 @@ TEST_CASE("a budget gives each step the sweeps that it leaves time for", "[time]
   CHECK_THAT(late.warnings[0], Contains("100 % of the steps took longer than their budget"));
   CHECK_THAT(late.warnings[1], Contains("the steps lose energy"));  // of one sweep a step
   // More time, more sweeps, less left to do.
-  const Run more = swung("{scheme: block_descent, sweeps: 9}", ", budget: 20 ms");
+  const Run more = swung("{method: block_descent, sweeps: 9}", ", budget: 20 ms");
   REQUIRE(more.time->budget);
   const BudgetReport& found = *more.time->budget;
   CHECK(found.effort == "sweeps");
@@ -640,7 +639,7 @@ TEST_CASE("a budget gives each step the sweeps that it leaves time for", "[time]
 }
 
 TEST_CASE("a step far above the stable one ends with its cause and keeps the frames before", "[time]") {
-  const Run run = run_of(kRelease + "time: {duration: 200 s, frames: 100, step: 2 s, integrator: velocity_verlet}\n");
+  const Run run = run_of(kRelease + "time: {duration: 200 s, frames: 100, step: 2 s, stepper: velocity_verlet}\n");
   CHECK(run.outcome == Outcome::diverged);
   CHECK_THAT(run.cause, Contains("energy from nothing") && Contains("longest stable one was 0.2 s"));
   CHECK(run.curve.size() < 20);
@@ -657,7 +656,7 @@ TEST_CASE("St Venant-Kirchhoff inverts where neo_hookean holds", "[time]") {
       "experiment: {kind: motion, fixture: {kind: compression, axis: z, displacement: 75 mm, fixed_grip: clamped, "
       "loaded_grip: clamped}, in_time: {ramp: {duration: 0.5 s}}}\n"
       "loads: [{cell_damping: {bulk: 10 Pa s, shear: 10 Pa s}}]\n"
-      "time: {duration: 0.6 s, integrator: {scheme: backward_euler, newton_iterations: 1}, step: 10 ms, frames: 60}\n";
+      "time: {duration: 0.6 s, stepper: {method: backward_euler, newton_iterations: 1}, step: 10 ms, frames: 60}\n";
   const Run holds = run_of(text);
   CHECK(holds.outcome == Outcome::converged);
   const Run fails = run_of(text, {}, {"stiffness=st_venant_kirchhoff"});
@@ -715,7 +714,7 @@ TEST_CASE("the file of a run in time has a row a frame", "[time][files]") {
   for (const char* column : {"time [s],", "elongation [m]", "kinetic_energy [J]", "energy_balance [J]", "work [J]",
                              "momentum [kg m/s]", "angular_momentum [kg m^2/s]", "step [s],steps,"})
     CHECK_THAT(csv, Contains(column));
-  CHECK_THAT(json_text({record}), Contains("\"integrator\": \"velocity_verlet\"") && Contains("\"real_time_factor\""));
+  CHECK_THAT(json_text({record}), Contains("\"stepper\": \"velocity_verlet\"") && Contains("\"real_time_factor\""));
 }
 
 namespace {
@@ -725,7 +724,7 @@ std::string decades(const std::string& strategy, const std::string& experiment, 
   return "body: {lattice: {kind: cubic, molecules: [3, 3, 5], spacing: 5 mm, connections: [axis, face]}}\n"
          "material: {youngs_modulus: 10 kPa, density: 1e-9 kg/m3, relaxation: {terms: [[0.4, 10 ms], [0.3, 1 s], "
          "[0.2, 100 s]]}}\nstiffness: \"" +
-         strategy + "\"\nexperiment: {" + experiment + "}\ntime: {integrator: backward_euler, " + time + "}\n";
+         strategy + "\"\nexperiment: {" + experiment + "}\ntime: {stepper: backward_euler, " + time + "}\n";
 }
 
 double left_of_ramp(double time, double ramp) {

@@ -23,7 +23,7 @@ const std::string kScene =
     "experiment: {kind: motion}\n"
     "loads:\n  - ratchet: {molecules: [26], growth: [0 N, 0 N, 1 uN]}\n"
     "solver: {linear_solver: own}\n"
-    "time: {duration: 1 ms, frames: 2, step: 20 us, integrator: {scheme: in_parts, parts: 2}}\n";
+    "time: {duration: 1 ms, frames: 2, step: 20 us, stepper: {method: in_parts, parts: 2}}\n";
 
 }  // namespace
 
@@ -36,7 +36,7 @@ TEST_CASE("a scene runs with a stepper, a linear solver and a load of the progra
   CHECK(result.solver == "in_parts");
   CHECK(result.positions(2, 26) > laboratory.body().rest(2, 26));
   CHECK_THROWS_WITH(Laboratory(path), Contains("linear solver 'own' is not known here"));
-  CHECK_THROWS_WITH(Laboratory(path, {"time.integrator.parts=0"}, catalog_with_own_rows()), Contains("whole number"));
+  CHECK_THROWS_WITH(Laboratory(path, {"time.stepper.parts=0"}, catalog_with_own_rows()), Contains("whole number"));
   CHECK_THROWS_WITH(Laboratory(path, {"solver.linear_solver=owm"}, catalog_with_own_rows()),
                     Contains("did you mean 'own'?"));
 }

@@ -87,14 +87,14 @@ TEST_CASE("fibres that are stretched beforehand pull as if the bar had been draw
 }
 
 TEST_CASE("in time the rest follows its factor, with steppers of all kinds", "[scene][rest]") {
-  for (const char* integrator : {"backward_euler", "velocity_verlet", "block_descent"}) {
+  for (const char* stepper : {"backward_euler", "velocity_verlet", "block_descent"}) {
     const Run run =
         run_of("title: A swelling body\nbody: {" + kLattice +
                "}\nmaterial: {youngs_modulus: 10 kPa, poissons_ratio: 0.25}\nstiffness: lattice\n"
                "rest: {swelling: 1.1, factor: {ramp: {duration: 0.5 s}}}\nloads: [{rayleigh: {mass: 100 1/s}}]\n"
-               "experiment: {kind: motion}\ntime: {duration: 1 s, frames: 10, integrator: " +
-               std::string(integrator) + "}\n");
-    INFO(integrator << ": " << run.cause);
+               "experiment: {kind: motion}\ntime: {duration: 1 s, frames: 10, stepper: " +
+               std::string(stepper) + "}\n");
+    INFO(stepper << ": " << run.cause);
     REQUIRE(run.outcome == Outcome::converged);
     CHECK(run.measures.get("largest_strain") == Approx(0.1).epsilon(0.01));
     CHECK(run.curve[3].measures.get("largest_strain") == Approx(0.1 * 0.6).epsilon(0.1));

@@ -68,11 +68,11 @@ TEST_CASE("mistakes in the key time", "[scene][time]") {
   check_refusal(kMotion, "time: {duration: 1 s, first_frame: 0 s}", 6, "must be above 0 s");
   check_refusal(kMotion, "time: {duration: 1 s, step: {per_frame: 2, error: 1e-3}}", 6, "unknown key 'error'");
   check_refusal(kMotion, "time: {duration: -1 s}", 6, "time.duration: '-1 s' is out of range: must be above 0 s");
-  check_refusal(kMotion, "time: {duration: 1 s, integrator: newmarc}", 6, "did you mean 'newmark'?");
-  check_refusal(kMotion, "time: {duration: 1 s, integrator: {scheme: backward_euler, beta: 0.3}}", 6,
-                "time.integrator.beta: only newmark has this");
-  check_refusal(kMotion, "time: {duration: 1 s, integrator: {scheme: newmark, gamma: 0.4}}", 6, "at least 0.5");
-  check_refusal(kMotion, "time: {duration: 1 s, integrator: {scheme: velocity_verlet, newton_iterations: 1}}", 6,
+  check_refusal(kMotion, "time: {duration: 1 s, stepper: newmarc}", 6, "did you mean 'newmark'?");
+  check_refusal(kMotion, "time: {duration: 1 s, stepper: {method: backward_euler, beta: 0.3}}", 6,
+                "time.stepper.beta: only newmark has this");
+  check_refusal(kMotion, "time: {duration: 1 s, stepper: {method: newmark, gamma: 0.4}}", 6, "at least 0.5");
+  check_refusal(kMotion, "time: {duration: 1 s, stepper: {method: velocity_verlet, newton_iterations: 1}}", 6,
                 "only backward_euler, newmark, generalized_alpha have this");
   check_refusal(kMotion, "time: {duration: 1 s, step: 1 kg}", 6, "time.step: 'kg' cannot be converted to s");
   check_refusal(kMotion, "time: {duration: 1 s, step: {eror: 1e-4}}", 6, "did you mean 'error'?");
@@ -80,13 +80,42 @@ TEST_CASE("mistakes in the key time", "[scene][time]") {
   check_refusal(kMotion, "time: {duration: 1 s, frames: 0}", 6, "time.frames: '0' is not a whole number of at least 1");
 }
 
+TEST_CASE("the stepper's keys are read by their former names too", "[scene][time]") {
+  const TemporaryFolder folder;
+  const auto stepper_of = [&](const std::string& time, const std::vector<std::string>& overrides) {
+    const auto scene = load_scene(folder.write("former.yaml", scene_with(kMotion, time)), kCatalog, overrides);
+    return std::pair((*scene->time->stepper)->name, scene->time->parameters);
+  };
+  using Stepper = std::pair<std::string, ParameterValues>;
+  const Stepper newmark{"newmark", {{"gamma", 0.6}}};
+  CHECK(stepper_of("time: {duration: 1 s, integrator: {scheme: newmark, gamma: 0.6}}", {}) == newmark);
+  CHECK(stepper_of("time: {duration: 1 s, stepper: {scheme: newmark, gamma: 0.6}}", {}) == newmark);
+  for (const char* key : {"integrator", "stepper"}) {
+    const std::string time = std::string("time: {duration: 1 s, ") + key + ": velocity_verlet}";
+    CHECK(stepper_of(time, {}).first == "velocity_verlet");
+    for (const char* other : {"integrator", "stepper"}) {
+      CHECK(stepper_of(time, {std::string("time.") + other + "=xpbd"}).first == "xpbd");
+      CHECK(stepper_of(time, {std::string("time.") + other + "={scheme: newmark, gamma: 0.6}"}) == newmark);
+    }
+  }
+  CHECK(stepper_of("time: {duration: 1 s, integrator: {scheme: xpbd}}",
+                   {"time.integrator.scheme=newmark", "time.stepper.gamma=0.6"}) == newmark);
+  check_refusal(kMotion, "time: {duration: 1 s, integrator: newmark, stepper: newmark}", 6,
+                "time.integrator is the former name of time.stepper, which stands here too");
+  const auto compared = load_scene(
+      folder.write("compared.yaml", scene_with("kind: tension, axis: z, strain: 1 %",
+                                               "steppers: {schemes: [{scheme: block_descent, chebyshev: 0.9}]}")),
+      kCatalog);
+  CHECK(compared->steppers->methods.at(0).method->name == "block_descent");
+}
+
 TEST_CASE("mistakes in a budget", "[scene][time][budget]") {
   const auto budget = [](const std::string& rest) { return "time: {duration: 1 s, budget: 1 ms" + rest + "}"; };
   check_refusal(kMotion, budget(""), 6,
                 "one of backward_euler, newmark, generalized_alpha, block_descent, xpbd, projective");
-  check_refusal(kMotion, budget(", step: 1 ms, integrator: velocity_verlet"), 6, "chooses how many sweeps");
-  check_refusal(kMotion, budget(", integrator: xpbd"), 6, "needs steps of one length");
-  check_refusal(kMotion, budget(", integrator: xpbd, step: 1 ms, checkpoint: 1"), 6, "would take other steps");
+  check_refusal(kMotion, budget(", step: 1 ms, stepper: velocity_verlet"), 6, "chooses how many sweeps");
+  check_refusal(kMotion, budget(", stepper: xpbd"), 6, "needs steps of one length");
+  check_refusal(kMotion, budget(", stepper: xpbd, step: 1 ms, checkpoint: 1"), 6, "would take other steps");
 }
 
 TEST_CASE("mistakes in functions of time, starts and loads", "[scene][time]") {

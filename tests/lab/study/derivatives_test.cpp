@@ -279,7 +279,7 @@ TEST_CASE("derivatives of a history are those of its closed forms", "[derivative
         run(block +
                 "material: {youngs_modulus: 10 kPa, poissons_ratio: 0.3, density: 1e-3 kg/m3, relaxation: {terms: [[1, "
                 "0.5 s]]}}\nstiffness: prony:neo_hookean\nexperiment: {kind: relaxation, ramp: 0.2 s, fixture: {kind: "
-                "tension, axis: z, displacement: 0.3 um}}\ntime: {duration: 1 s, integrator: backward_euler, step: "
+                "tension, axis: z, displacement: 0.3 um}}\ntime: {duration: 1 s, stepper: backward_euler, step: "
                 "5 ms, frames: 10}\n",
             {}, {"material.relaxation.terms.0.1", "material.youngs_modulus"});
     // F = E A e (1 + tau/T (exp(T/tau) - 1) exp(-t/tau)) behind the ramp T, of small strain e.
@@ -292,7 +292,7 @@ TEST_CASE("derivatives of a history are those of its closed forms", "[derivative
   }
   SECTION("a free motion, that only E over density and time moves on") {
     const Settings by{"material.youngs_modulus", "material.density"};
-    for (const std::string steps : {"integrator: newmark, step: 2 ms", "integrator: velocity_verlet"}) {
+    for (const std::string steps : {"stepper: newmark, step: 2 ms", "stepper: velocity_verlet"}) {
       INFO(steps);
       const LaboratoryResult result = run(
           block + kSoft +

@@ -69,10 +69,10 @@ TEST_CASE("every stepper gives the body's modulus when its iterations are enough
   }
 }
 
-TEST_CASE("the error of the time step goes down with the order of the scheme", "[steppers][slow]") {
+TEST_CASE("the error of the time step goes down with the order of the stepper", "[steppers][slow]") {
   for (const auto& [name, order] : {std::pair{"backward_euler", 1.}, std::pair{"newmark", 2.}}) {
     const StepperComparison comparison =
-        compared(kCube, std::string("steppers: {schemes: [{scheme: ") + name +
+        compared(kCube, std::string("steppers: {methods: [{method: ") + name +
                             ", newton_iterations: 0}], steps: [0.5 ms, 0.25 ms, 0.125 ms]}\n");
     REQUIRE(comparison.rows.size() == 3);
     INFO(name);
@@ -83,7 +83,7 @@ TEST_CASE("the error of the time step goes down with the order of the scheme", "
 TEST_CASE("a stepper that has no form for the law is a row that says so", "[steppers]") {
   std::string scene = kBlock;
   scene.replace(scene.find("stiffness: neo_hookean"), 22, "stiffness: st_venant_kirchhoff");
-  const StepperComparison comparison = compared(scene, "steppers: {schemes: [xpbd, projective], iterations: [8]}\n");
+  const StepperComparison comparison = compared(scene, "steppers: {methods: [xpbd, projective], iterations: [8]}\n");
   CHECK(!find(comparison, "xpbd", 8).suited);
   CHECK_THAT(find(comparison, "xpbd", 8).cause, Contains("neo_hookean"));
   CHECK(find(comparison, "projective", 8).suited);
@@ -94,7 +94,7 @@ TEST_CASE("a stepper that has no form for the law is a row that says so", "[step
 }
 
 TEST_CASE("slips in the keys of a comparison of steppers are named", "[steppers]") {
-  CHECK_THROWS_WITH(compared(kCube, "steppers: {schemes: [block_decent]}\n"), Contains("block_descent"));
+  CHECK_THROWS_WITH(compared(kCube, "steppers: {methods: [block_decent]}\n"), Contains("block_descent"));
   CHECK_THROWS_WITH(compared(kCube, "steppers: {iteration: [1]}\n"), Contains("iterations"));
   CHECK_THROWS_WITH(compared(kCube, "steppers: {iterations: [0]}\n"), Contains("1"));
   CHECK_THROWS_WITH(read_steppers("xpbd,proj", built_in_steppers()), Contains("proj"));

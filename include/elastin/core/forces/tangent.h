@@ -11,7 +11,7 @@ namespace elastin {
 class GridLinks;
 
 /// What a small change of position means for velocity and acceleration, where these follow from it: static problems are
-/// (0, 0), a time step has its integrator's weights.
+/// (0, 0), a time step has its stepper's weights.
 struct Weights {
   double velocity = 0;      ///< δv/δx [1/s]
   double acceleration = 0;  ///< δa/δx [1/s²]

@@ -32,7 +32,7 @@ struct State {
   Positions positions;   ///< [m]
   Positions velocities;  ///< [m/s]
   double time = 0;       ///< [s]
-  /// [m/s²], of the last step's end; empty before the first step. Integrators that need it go on from there.
+  /// [m/s²], of the last step's end; empty before the first step. Steppers that need it go on from there.
   Positions accelerations = {};
   // Both of the last state that was reached: changed where a step is accepted, carried along by trials.
   std::vector<ContactHistory> contact_history = {};  ///< empty without contact

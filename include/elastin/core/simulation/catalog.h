@@ -15,7 +15,7 @@
 #include "elastin/core/linear/linear_solver.h"
 #include "elastin/core/simulation/strategy_name.h"
 #include "elastin/core/solve/engine.h"
-#include "elastin/core/solve/integrator.h"
+#include "elastin/core/solve/stepper.h"
 
 namespace elastin {
 
@@ -309,7 +309,7 @@ class Catalog {
   std::vector<std::string> names() const;
 
   /// What scenes may name besides: to begin with what comes with Elastin.
-  Table<Stepper> steppers = built_in_steppers();
+  Table<StepperKind> steppers = built_in_steppers();
   Table<LinearSolverKind> linear_solvers = built_in_linear_solvers();
   Table<LoadKind> loads = built_in_loads();
   Table<StaticEngineKind> engines = built_in_engines();

@@ -12,7 +12,7 @@
 #include "elastin/core/parallel/threads.h"
 #include "elastin/core/simulation/catalog.h"
 #include "elastin/core/simulation/prepare.h"
-#include "elastin/core/solve/integrator.h"
+#include "elastin/core/solve/stepper.h"
 
 namespace elastin {
 
@@ -26,17 +26,17 @@ using LoadId = int;
 using ToolId = int;
 
 struct SimulationOptions {
-  IntegratorOptions integrator = {"symplectic_euler"};
+  StepperOptions stepper = {"symplectic_euler"};
   ParameterValues parameters = {};  ///< of the strategy
-  /// Explicit schemes part a step so that each part is at most this share (0 … 1] of the longest stable step of the
-  /// body at rest, with its grips unless the scheme takes them at the end of a step; see find_stable_step. The steps
+  /// Explicit steppers part a step so that each part is at most this share (0 … 1] of the longest stable step of the
+  /// body at rest, with its grips unless the stepper takes them at the end of a step; see find_stable_step. The steps
   /// themselves show where the body has become stiffer, and those after it are shorter for good; so that 0.95 does for
   /// laws that stiffen slowly, as springs do.
   double safety = 0.8;
   /// A step that would take more parts ends as limit_reached and leaves the state as it was: real time has a limit.
   int max_substeps = 1000;
-  /// By the clock, what a step may take [s]; 0: any. Of schemes that take a number of sweeps or iterations (their row's
-  /// `effort`): each step gets as many as the pace of the steps before leaves time for; see Simulation::effort.
+  /// By the clock, what a step may take [s]; 0: any. Of steppers that take a number of sweeps or iterations (their
+  /// row's `effort`): each step gets as many as the pace of the steps before leaves time for; see Simulation::effort.
   double budget = 0;
   /// Who runs the loops over large bodies (some 50 000 connections on): the host's task system, which must outlive the
   /// simulation; or, where it is null, this number of threads of the common one (set_runner, use_openmp), 0 = as
@@ -118,7 +118,7 @@ struct SimulationState {
 /// The views (positions, velocities, forces, tensions), the body and the model keep their address as long as the
 /// simulation lives and its topology stays. step(), the
 /// views and the calls that are noexcept allocate nothing after the first step and the first call of each, throw
-/// nothing, lock nothing and print nothing; what of that a step cannot promise is said at Integrator::advance.
+/// nothing, lock nothing and print nothing; what of that a step cannot promise is said at Stepper::advance.
 /// Functions that throw InputError do so before they change anything. A moved-from Simulation may only
 /// be assigned to or destroyed; its step() says that it is empty.
 class Simulation {
@@ -230,14 +230,14 @@ class Simulation {
   /// these.
   const std::vector<int>& origin() const noexcept;
 
-  /// Sweeps or iterations of the last step, of a scheme that takes a number of them; else 0. With a budget it differs
+  /// Sweeps or iterations of the last step, of a stepper that takes a number of them; else 0. With a budget it differs
   /// from step to step and from machine to machine: record it and pass it to set_effort to reproduce the run.
   int effort() const noexcept;
-  /// Sets the number (≥ 1) from now on, whatever the budget says. Throws InputError where the scheme takes none.
+  /// Sets the number (≥ 1) from now on, whatever the budget says. Throws InputError where the stepper takes none.
   void set_effort(int effort);
   /// What its few sweeps or iterations would do to a next step by dt > 0 [s], which is tried and taken back: the
   /// largest distance of a molecule from where backward Euler's balance to the end has it, and the largest distance
-  /// that it goes there [m]. NaN where one of the two fails. Throws InputError where the scheme takes no number of
+  /// that it goes there [m]. NaN where one of the two fails. Throws InputError where the stepper takes no number of
   /// them.
   std::pair<double, double> iteration_error(double dt);
 

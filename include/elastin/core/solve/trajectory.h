@@ -3,7 +3,7 @@
 #include <memory>
 #include <vector>
 
-#include "elastin/core/solve/integrator.h"
+#include "elastin/core/solve/stepper.h"
 
 namespace elastin {
 
@@ -25,16 +25,16 @@ struct TrajectoryAdjoint {
 };
 
 /// A run of equal steps that can be differentiated by everything at once: one sweep backward through the steps, each by
-/// the transpose of what the scheme has done. States are stored about every √N steps, and between two of them as the
+/// the transpose of what the stepper has done. States are stored about every √N steps, and between two of them as the
 /// sweep comes by, so that a sweep takes each of the N steps a second time. [Griewank & Walther 2008]
-/// Schemes: symplectic_euler, velocity_verlet, backward_euler, newmark, generalized_alpha. Histories: of what
+/// Steppers: symplectic_euler, velocity_verlet, backward_euler, newmark, generalized_alpha. Histories: of what
 /// relaxes or softens. Contact without friction counts as in the steps taken: what touches goes on touching.
 class Trajectory {
  public:
-  /// Takes the steps by dt [s] from a state, as the scheme does. Model and supports must stay. Throws InputError where
-  /// the scheme, a law or a load has no such derivatives, where explicit steps are longer than the longest stable one
+  /// Takes the steps by dt [s] from a state, as the stepper does. Model and supports must stay. Throws InputError where
+  /// the stepper, a law or a load has no such derivatives, where explicit steps are longer than the longest stable one
   /// about the start, and where a step fails or has to be bisected.
-  Trajectory(Model& model, State start, double dt, int steps, const IntegratorOptions& scheme);
+  Trajectory(Model& model, State start, double dt, int steps, const StepperOptions& stepper);
   ~Trajectory();
   Trajectory(Trajectory&&) noexcept;
 

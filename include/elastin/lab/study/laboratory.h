@@ -61,7 +61,7 @@ struct LaboratoryResult {
   };
   std::vector<Kept> states;
   std::vector<std::string> warnings;
-  std::string solver;  ///< "newton pcg"; of a run in time its scheme
+  std::string solver;  ///< "newton pcg"; of a run in time its stepper
   int newton_iterations = 0, linear_iterations = 0;
   double build_seconds = 0, solve_seconds = 0;
   /// What a page shows of it; null of one that was packed and unpacked.

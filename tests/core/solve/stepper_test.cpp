@@ -1,4 +1,4 @@
-#include "elastin/core/solve/integrator.h"
+#include "elastin/core/solve/stepper.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -17,7 +17,7 @@ using Catch::Matchers::Contains;
 
 namespace {
 
-const std::vector<Scheme> kSchemes{built_in_steppers().begin(), built_in_steppers().end()};
+const std::vector<StepperMethod> kSteppers{built_in_steppers().begin(), built_in_steppers().end()};
 
 /// One molecule of 0.5 kg on a spring of 50 N/m and 1 m along x: ω = 10 rad/s.
 struct Oscillator {
@@ -36,10 +36,10 @@ struct Oscillator {
 };
 constexpr double kOmega = 10;
 
-void run(Model& model, State& state, const IntegratorOptions& options, double dt, int steps) {
-  const auto integrator = make_integrator(options);
+void run(Model& model, State& state, const StepperOptions& options, double dt, int steps) {
+  const auto stepper = make_stepper(options);
   for (int step = 0; step < steps; ++step) {
-    const StepResult result = integrator->advance(model, state, dt);
+    const StepResult result = stepper->advance(model, state, dt);
     INFO("step " << step << ": " << result.cause);
     REQUIRE(result.outcome == Outcome::converged);
   }
@@ -47,7 +47,7 @@ void run(Model& model, State& state, const IntegratorOptions& options, double dt
 
 /// Orders of the error after `time` as the step is halved, smallest of three.
 template <class Make, class Error>
-double measured_order(const IntegratorOptions& options, double time, int steps, Make make, Error error) {
+double measured_order(const StepperOptions& options, double time, int steps, Make make, Error error) {
   double last = 0, least = 99;
   for (int refinement = 0; refinement < 4; ++refinement, steps *= 2) {
     auto problem = make();
@@ -78,12 +78,12 @@ struct Block {
 
 }  // namespace
 
-TEST_CASE("every integrator has the order that it declares", "[integrator]") {
-  for (const Scheme& scheme : kSchemes) {
+TEST_CASE("every stepper has the order that it declares", "[stepper]") {
+  for (const StepperMethod& method : kSteppers) {
     // x(t) = 1 + 0.2 cos ω t, velocity too; after 1.3 s, no whole number of periods.
     const double time = 1.3;
     const double order = measured_order(
-        {.scheme = scheme}, time, 400,
+        {.method = method}, time, 400,
         [] {
           Oscillator oscillator;
           oscillator.state.positions(0, 1) = 1.2;
@@ -93,17 +93,17 @@ TEST_CASE("every integrator has the order that it declares", "[integrator]") {
           return std::hypot(state.positions(0, 1) - 1 - 0.2 * std::cos(kOmega * time),
                             state.velocities(0, 1) / kOmega + 0.2 * std::sin(kOmega * time));
         });
-    INFO(scheme->name << ": " << order);
-    CHECK(order >= scheme->order - 0.1);
+    INFO(method->name << ": " << order);
+    CHECK(order >= method->order - 0.1);
   }
 }
 
-TEST_CASE("damping does not cost order", "[integrator]") {
-  for (const Scheme& scheme : kSchemes) {
+TEST_CASE("damping does not cost order", "[stepper]") {
+  for (const StepperMethod& method : kSteppers) {
     // b = 3 N s/m: δ = b/2m = 3 /s, ω_d = √(100 − 9).
     const double time = 0.7, delta = 3, omega = std::sqrt(91.);
     const double order = measured_order(
-        {.scheme = scheme}, time, 200,
+        {.method = method}, time, 200,
         [] {
           Oscillator oscillator;
           oscillator.model->add(make_damping(3));
@@ -115,44 +115,43 @@ TEST_CASE("damping does not cost order", "[integrator]") {
           return std::abs(state.positions(0, 1) - 1 -
                           decayed * (std::cos(omega * time) + delta / omega * std::sin(omega * time)));
         });
-    INFO(scheme->name << ": " << order);
-    CHECK(order >= scheme->order - 0.1);
+    INFO(method->name << ": " << order);
+    CHECK(order >= method->order - 0.1);
   }
 }
 
-TEST_CASE("energy stays bounded over 100 000 steps", "[integrator]") {
+TEST_CASE("energy stays bounded over 100 000 steps", "[stepper]") {
   const double start = 0.5 * 50 * 0.04;
-  for (const Scheme scheme : {"symplectic_euler", "velocity_verlet", "newmark"}) {
+  for (const StepperMethod method : {"symplectic_euler", "velocity_verlet", "newmark"}) {
     Oscillator oscillator;
     oscillator.state.positions(0, 1) = 1.2;
     const Ledger ledger(*oscillator.model, oscillator.state);
-    const auto integrator = make_integrator({.scheme = scheme});
+    const auto stepper = make_stepper({.method = method});
     double low = start, high = start, late = start;
     for (int step = 0; step < 100000; ++step) {
-      REQUIRE(integrator->advance(*oscillator.model, oscillator.state, 0.02).outcome == Outcome::converged);
+      REQUIRE(stepper->advance(*oscillator.model, oscillator.state, 0.02).outcome == Outcome::converged);
       const double energy = ledger.energies(*oscillator.model, oscillator.state).balance();
       low = std::min(low, energy), high = std::max(high, energy);
       if (step >= 90000) late = std::max(late, energy);
     }
     // ω dt = 0.2: the energy of Verlet swings by (ω dt)²/4, that of Euler by q/(1 − q), q = ω dt/2; Newmark's of a
     // linear spring not.
-    const double swing = scheme == "symplectic_euler" ? 0.1 / 0.9 + 1e-6 : scheme == "velocity_verlet" ? 0.0102 : 1e-6;
-    INFO(scheme->name << ": " << low / start - 1 << " … " << high / start - 1);
+    const double swing = method == "symplectic_euler" ? 0.1 / 0.9 + 1e-6 : method == "velocity_verlet" ? 0.0102 : 1e-6;
+    INFO(method->name << ": " << low / start - 1 << " … " << high / start - 1);
     CHECK(high <= start * (1 + swing));
     CHECK(low >= start * (1 - swing));
     CHECK(late <= start * (1 + swing));
   }
 }
 
-TEST_CASE("generalised alpha leaves of motions too fast for its steps what its spectral radius says", "[integrator]") {
+TEST_CASE("generalised alpha leaves of motions too fast for its steps what its spectral radius says", "[stepper]") {
   for (const double radius : {0., 0.6, 0.8, 0.95, 1.}) {
     Oscillator oscillator;
     oscillator.state.positions(0, 1) = 1.0001;
-    const auto integrator =
-        make_integrator({.scheme = "generalized_alpha", .parameters = {{"spectral_radius", radius}}});
+    const auto stepper = make_stepper({.method = "generalized_alpha", .parameters = {{"spectral_radius", radius}}});
     std::vector<double> left;  // √(x² + v²/ω²), over the first
     for (int step = 1; step <= 40; ++step) {
-      REQUIRE(integrator->advance(*oscillator.model, oscillator.state, 100 / kOmega).outcome == Outcome::converged);
+      REQUIRE(stepper->advance(*oscillator.model, oscillator.state, 100 / kOmega).outcome == Outcome::converged);
       left.push_back(std::hypot(oscillator.state.positions(0, 1) - 1, oscillator.state.velocities(0, 1) / kOmega) /
                      1e-4);
     }
@@ -168,17 +167,16 @@ TEST_CASE("generalised alpha leaves of motions too fast for its steps what its s
   }
 }
 
-TEST_CASE("generalised alpha meets prescribed motions at the end of its steps", "[integrator]") {
+TEST_CASE("generalised alpha meets prescribed motions at the end of its steps", "[stepper]") {
   for (const double radius : {0., 0.5, 1.}) {
     Oscillator oscillator;
     oscillator.model->drive = [](double time, std::vector<Support>& supports) {
       supports[0].displacement.x() = 0.1 * time * time;
       supports[0].velocity.x() = 0.2 * time;
     };
-    const auto integrator =
-        make_integrator({.scheme = "generalized_alpha", .parameters = {{"spectral_radius", radius}}});
+    const auto stepper = make_stepper({.method = "generalized_alpha", .parameters = {{"spectral_radius", radius}}});
     for (int step = 1; step <= 20; ++step) {
-      REQUIRE(integrator->advance(*oscillator.model, oscillator.state, 0.05).outcome == Outcome::converged);
+      REQUIRE(stepper->advance(*oscillator.model, oscillator.state, 0.05).outcome == Outcome::converged);
       const double time = 0.05 * step;
       CHECK(oscillator.state.positions(0, 0) == Approx(0.1 * time * time).margin(1e-14));
       CHECK(oscillator.state.velocities(0, 0) == Approx(0.2 * time));
@@ -187,14 +185,14 @@ TEST_CASE("generalised alpha meets prescribed motions at the end of its steps", 
   }
 }
 
-TEST_CASE("backward Euler never gains energy, whatever the step", "[integrator][slow]") {
+TEST_CASE("backward Euler never gains energy, whatever the step", "[stepper][slow]") {
   for (const double dt : {1e-4, 1e-3, 0.01, 0.1, 1.}) {
     Block block;
     const Ledger ledger(block.model, block.state);
-    const auto integrator = make_integrator({.scheme = "backward_euler"});
+    const auto stepper = make_stepper({.method = "backward_euler"});
     double last = ledger.energies(block.model, block.state).balance();
     for (int step = 0; step < 20; ++step) {
-      REQUIRE(integrator->advance(block.model, block.state, dt).outcome == Outcome::converged);
+      REQUIRE(stepper->advance(block.model, block.state, dt).outcome == Outcome::converged);
       const double now = ledger.energies(block.model, block.state).balance();
       REQUIRE(now <= last * (1 + 1e-9));
       last = now;
@@ -202,47 +200,47 @@ TEST_CASE("backward Euler never gains energy, whatever the step", "[integrator][
   }
 }
 
-TEST_CASE("momentum is kept to rounding, angular momentum where the scheme can", "[integrator][slow]") {
-  for (const Scheme& scheme : kSchemes) {
+TEST_CASE("momentum is kept to rounding, angular momentum where the stepper can", "[stepper][slow]") {
+  for (const StepperMethod& method : kSteppers) {
     Block block;
     block.model.add(make_cell_damping(block.body, 0.02, 0.01));
     const Ledger ledger(block.model, block.state);
     const Energies before = ledger.energies(block.model, block.state);
-    const double dt = scheme->is_explicit ? 0.5 * find_stable_step(block.model, block.state).step : 1e-3;
-    run(block.model, block.state, {.scheme = scheme}, dt, 200);
+    const double dt = method->is_explicit ? 0.5 * find_stable_step(block.model, block.state).step : 1e-3;
+    run(block.model, block.state, {.method = method}, dt, 200);
     const Energies after = ledger.energies(block.model, block.state);
-    INFO(scheme->name);
+    INFO(method->name);
     CHECK((after.momentum - before.momentum).norm() <= 1e-13 * before.momentum.norm());
     CHECK(after.kinetic + after.elastic != Approx(before.kinetic + before.elastic));  // something happened
-    if (scheme == "symplectic_euler")
+    if (method == "symplectic_euler")
       CHECK((after.angular_momentum - before.angular_momentum).norm() <= 1e-11 * before.angular_momentum.norm());
   }
   // Without damping Verlet keeps it too.
   Block block;
   const Ledger ledger(block.model, block.state);
   const Vector3 before = ledger.energies(block.model, block.state).angular_momentum;
-  run(block.model, block.state, {.scheme = "velocity_verlet"}, 0.5 * find_stable_step(block.model, block.state).step,
+  run(block.model, block.state, {.method = "velocity_verlet"}, 0.5 * find_stable_step(block.model, block.state).step,
       200);
   CHECK((ledger.energies(block.model, block.state).angular_momentum - before).norm() <= 1e-12 * before.norm());
 }
 
-TEST_CASE("free fall strains nothing", "[integrator]") {
-  for (const Scheme& scheme : kSchemes) {
+TEST_CASE("free fall strains nothing", "[stepper]") {
+  for (const StepperMethod& method : kSteppers) {
     Block block;
     block.state = state_at_rest(block.body);
     block.model.add(make_gravity(block.body, {0, 0, -9.81}));
-    const double dt = scheme->is_explicit ? 1e-4 : 0.01;
-    run(block.model, block.state, {.scheme = scheme}, dt, 50);
+    const double dt = method->is_explicit ? 1e-4 : 0.01;
+    run(block.model, block.state, {.method = method}, dt, 50);
     const Positions fall = block.state.positions - block.body.rest;
     const double apart = (fall.colwise() - Vector3(fall.col(0))).cwiseAbs().maxCoeff();
-    INFO(scheme->name << ", out of shape by " << apart);
+    INFO(method->name << ", out of shape by " << apart);
     CHECK(apart <= 5 * 50 * 2.2e-16 * std::abs(fall(2, 0)) + 1e-16);  // some roundings a step
-    if (scheme->order == 2)                                           // exact for a constant acceleration
+    if (method->order == 2)                                           // exact for a constant acceleration
       CHECK(fall(2, 0) == Approx(-0.5 * 9.81 * std::pow(50 * dt, 2)).epsilon(1e-10));
   }
 }
 
-TEST_CASE("the account of a run: weight, damping and a moved support add up", "[integrator]") {
+TEST_CASE("the account of a run: weight, damping and a moved support add up", "[stepper]") {
   // A shaken, damped oscillator under its weight: what is left of the balance goes down with the step squared.
   double last = 0;
   for (int refinement = 0; refinement < 3; ++refinement) {
@@ -258,9 +256,9 @@ TEST_CASE("the account of a run: weight, damping and a moved support add up", "[
     oscillator.state.velocities(0, 0) = 0.35;
     Ledger ledger(*oscillator.model, oscillator.state);
     const double before = ledger.energies(*oscillator.model, oscillator.state).balance();
-    const auto integrator = make_integrator({.scheme = "velocity_verlet"});
+    const auto stepper = make_stepper({.method = "velocity_verlet"});
     for (int step = 0; step < steps; ++step) {
-      REQUIRE(integrator->advance(*oscillator.model, oscillator.state, 2. / steps).outcome == Outcome::converged);
+      REQUIRE(stepper->advance(*oscillator.model, oscillator.state, 2. / steps).outcome == Outcome::converged);
       ledger.record(*oscillator.model, oscillator.state);
     }
     const Energies after = ledger.energies(*oscillator.model, oscillator.state);
@@ -273,7 +271,7 @@ TEST_CASE("the account of a run: weight, damping and a moved support add up", "[
   }
 }
 
-TEST_CASE("the stable step is that of the textbooks", "[integrator]") {
+TEST_CASE("the stable step is that of the textbooks", "[stepper]") {
   // A free chain of n equal molecules: ω_max = 2 √(k/m) cos(π/2n).
   const int n = 12;
   std::vector<Vector3> positions;
@@ -309,32 +307,32 @@ TEST_CASE("the stable step is that of the textbooks", "[integrator]") {
   REQUIRE(faults.empty());
 }
 
-TEST_CASE("just below the stable step a run stays, just above it does not", "[integrator]") {
-  for (const Scheme scheme : {"symplectic_euler", "velocity_verlet"})
+TEST_CASE("just below the stable step a run stays, just above it does not", "[stepper]") {
+  for (const StepperMethod method : {"symplectic_euler", "velocity_verlet"})
     for (const double damping : {0., 0.5, 10., 100.})
       for (const double part : {0.98, 1.05, 1.5}) {
         Oscillator oscillator;
         if (damping > 0) oscillator.model->add(make_damping(damping));
         const double step = part * find_stable_step(*oscillator.model, oscillator.state).step;
         oscillator.state.positions(0, 1) = 1 + 1e-9;
-        const auto integrator = make_integrator({.scheme = scheme});
+        const auto stepper = make_stepper({.method = method});
         bool stays = true;
         for (int i = 0; i < 4000 && stays; ++i)
-          stays = integrator->advance(*oscillator.model, oscillator.state, step).outcome == Outcome::converged &&
+          stays = stepper->advance(*oscillator.model, oscillator.state, step).outcome == Outcome::converged &&
                   std::abs(oscillator.state.positions(0, 1) - 1) < 1e-6;
-        INFO(scheme->name << ", b = " << damping << ", " << part << " of the stable step");
+        INFO(method->name << ", b = " << damping << ", " << part << " of the stable step");
         if (part < 1) CHECK(stays);
         if (part > 1 && damping == 0) CHECK(!stays);
       }
 }
 
-TEST_CASE("a step that cannot be taken leaves the state as it was, and says why", "[integrator]") {
-  for (const Scheme& scheme : kSchemes) {
+TEST_CASE("a step that cannot be taken leaves the state as it was, and says why", "[stepper]") {
+  for (const StepperMethod& method : kSteppers) {
     Block block;
     block.state.velocities.col(3) = 1e160 * Vector3(1, 2, 3);
     const State before = block.state;
-    const StepResult result = make_integrator({.scheme = scheme})->advance(block.model, block.state, 0.1);
-    INFO(scheme->name);
+    const StepResult result = make_stepper({.method = method})->advance(block.model, block.state, 0.1);
+    INFO(method->name);
     CHECK(result.outcome != Outcome::converged);
     CHECK(!result.cause.empty());
     CHECK((block.state.positions.array() == before.positions.array()).all());
@@ -343,12 +341,12 @@ TEST_CASE("a step that cannot be taken leaves the state as it was, and says why"
   }
 }
 
-TEST_CASE("steps give bitwise identical results on any number of threads", "[integrator][slow]") {
+TEST_CASE("steps give bitwise identical results on any number of threads", "[stepper][slow]") {
   // 61 000 connections: enough for several threads.
   Body body = cubic_lattice({20, 20, 20}, 0.01, {true, true, false});
   add_jitter(body, 0.001, 3);
   set_matter(body, 0.005, 1000, 0, std::pow(0.19, 3));
-  for (const Scheme& scheme : kSchemes) {
+  for (const StepperMethod& method : kSteppers) {
     State first;
     for (const int count : {1, 2, 3, 5}) {
       set_threads(count);
@@ -360,8 +358,8 @@ TEST_CASE("steps give bitwise identical results on any number of threads", "[int
       State state = state_at_rest(body);
       state.positions = deformed(body, 1e-3);
       ParameterValues few;
-      if (!scheme->effort.empty()) few[scheme->effort] = scheme->effort == "newton_iterations" ? 1 : 2;
-      run(model, state, {.scheme = scheme, .parameters = few}, 1e-4, scheme->is_explicit ? 4 : 1);
+      if (!method->effort.empty()) few[method->effort] = method->effort == "newton_iterations" ? 1 : 2;
+      run(model, state, {.method = method, .parameters = few}, 1e-4, method->is_explicit ? 4 : 1);
       set_threads(0);
       if (count == 1) first = state;
       CHECK((state.positions.array() == first.positions.array()).all());
@@ -370,10 +368,10 @@ TEST_CASE("steps give bitwise identical results on any number of threads", "[int
   }
 }
 
-TEST_CASE("integrators refuse parameters that make no scheme", "[integrator]") {
-  const auto refusal = [](const Scheme& scheme, const ParameterValues& parameters) -> std::string {
+TEST_CASE("steppers refuse parameters that make no stepper", "[stepper]") {
+  const auto refusal = [](const StepperMethod& method, const ParameterValues& parameters) -> std::string {
     try {
-      make_integrator({scheme, parameters});
+      make_stepper({method, parameters});
     } catch (const InputError& error) {
       return error.what();
     }
@@ -385,5 +383,5 @@ TEST_CASE("integrators refuse parameters that make no scheme", "[integrator]") {
   CHECK_THAT(refusal("backward_euler", {{"newton_iterations", 1.5}}), Contains("whole"));
   CHECK_THAT(refusal("newmark", {{"gama", 0.5}}), Contains("did you mean 'gamma'?"));
   CHECK_THAT(refusal("velocity_verlet", {{"beta", 0.25}}), Contains("takes no parameters"));
-  CHECK_THROWS_AS(Scheme("newmrk"), InputError);
+  CHECK_THROWS_AS(StepperMethod("newmrk"), InputError);
 }

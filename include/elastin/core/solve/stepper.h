@@ -9,15 +9,14 @@
 
 namespace elastin {
 
-class Integrator;
+class Stepper;
 
-/// A row of the table of steppers: a scheme that brings a body forward in time, by the name that scenes, C and Python
-/// give.
-struct Stepper : Descriptor {
+/// A row of the table of steppers: makes one, by the name that scenes, C and Python give.
+struct StepperKind : Descriptor {
   bool is_explicit = false;  ///< whether steps must stay below the longest stable one; see find_stable_step
   int order = 1;             ///< of the error at a fixed time, in the length of a step
-  /// `values` has all parameters, in range. `newton`: tolerance and linear solver of an implicit scheme.
-  std::function<std::unique_ptr<Integrator>(const ParameterValues& values, const StaticOptions& newton)> make = {};
+  /// `values` has all parameters, in range. `newton`: tolerance and linear solver of an implicit stepper.
+  std::function<std::unique_ptr<Stepper>(const ParameterValues& values, const StaticOptions& newton)> make = {};
   /// Why it cannot step this model, in words, or "". Empty: it steps any.
   std::function<std::string(const Model& model)> unsuited = {};
   /// The parameter that says how many iterations a step takes; empty: none does.
@@ -26,24 +25,24 @@ struct Stepper : Descriptor {
   bool of_shares = false;  ///< whether it steps a body of which several processes have shares (Model::complete_rows)
 };
 
-/// Why a scheme cannot step this model, in words, or "".
-std::string unsuited_for(const Stepper& scheme, const Model& model);
+/// Why a stepper cannot step this model, in words, or "".
+std::string unsuited_for(const StepperKind& method, const Model& model);
 
 /// The steppers that Elastin has, a row each.
-const Table<Stepper>& built_in_steppers();
-using Scheme = Choice<Stepper, built_in_steppers>;
+const Table<StepperKind>& built_in_steppers();
+using StepperMethod = Choice<StepperKind, built_in_steppers>;
 
-struct IntegratorOptions {
-  Scheme scheme = "newmark";
-  ParameterValues parameters = {};  ///< of the scheme
-  StaticOptions newton = {};        ///< tolerance and linear solver of the implicit schemes
+struct StepperOptions {
+  StepperMethod method = "newmark";
+  ParameterValues parameters = {};  ///< of the method
+  StaticOptions newton = {};        ///< tolerance and linear solver of the implicit steppers
 };
 
 /// How a step ended.
 struct StepResult {
   Outcome outcome = Outcome::converged;
   std::string cause;  ///< why it did not get there; empty if it did
-  /// Of Newton's method, or sweeps and iterations of the schemes that go without it.
+  /// Of Newton's method, or sweeps and iterations of the steppers that go without it.
   int newton_iterations = 0, linear_iterations = 0;
   int substeps = 1;  ///< in how many parts an implicit step had to go
   /// Estimate of the step's own error in position, largest over the molecules [m]; of the last part.
@@ -58,9 +57,9 @@ struct SeenFrequency {
 };
 
 /// Brings a state forward in time.
-class Integrator {
+class Stepper {
  public:
-  virtual ~Integrator() = default;
+  virtual ~Stepper() = default;
   /// Steps by dt > 0 [s]. The supports are driven to the end of the step first (Model::drive). If the step fails the
   /// state stays where it was and the outcome says why: nothing in it is ever NaN. Steps of one model allocate nothing
   /// after the first, but where they fail or are bisected, where something would be passed through, where contact
@@ -70,8 +69,8 @@ class Integrator {
   virtual StepResult advance(Model& model, State& state, double dt) = 0;
 };
 
-/// Throws InputError on parameters that the scheme has not, or out of range.
-std::unique_ptr<Integrator> make_integrator(const IntegratorOptions& options);
+/// Throws InputError on parameters that the stepper has not, or out of range.
+std::unique_ptr<Stepper> make_stepper(const StepperOptions& options);
 
 /// a = M⁻¹ F of the state, zero in fixed directions [m/s²].
 void set_accelerations(const Model& model, State& state);
