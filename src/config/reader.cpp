@@ -138,11 +138,20 @@ void Reader::finish() const {
   std::vector<std::string> known;
   for (const std::string& key : requested_->keys)
     if (std::find(known.begin(), known.end(), key) == known.end()) known.push_back(key);
-  for (const auto& entry : node_) {
-    const std::string key = entry.first.Scalar();
-    if (std::find(known.begin(), known.end(), key) != known.end()) continue;
-    throw InputError(location_of(entry.first), (path_.empty() ? "" : path_ + ": ") + "unknown key '" + key + "'" +
-                                                   instead_of(key, entry.second, known));
+  std::vector<std::pair<YAML::Node, YAML::Node>> unknown;
+  for (const auto& entry : node_)
+    if (std::find(known.begin(), known.end(), entry.first.Scalar()) == known.end())
+      unknown.emplace_back(entry.first, entry.second);
+  if (!unknown.empty()) {
+    const auto& [first, value] = unknown.front();
+    std::string message = (path_.empty() ? "" : path_ + ": ") + "unknown key '" + first.Scalar() + "'" +
+                          instead_of(first.Scalar(), value, known);
+    for (std::size_t i = 1; i < unknown.size(); ++i) {
+      const SourceLocation place = location_of(unknown[i].first);
+      message += (i == 1 ? "; unknown, too: '" : ", '") + unknown[i].first.Scalar() + "'" +
+                 (place.line > 0 ? " in line " + std::to_string(place.line) : "");
+    }
+    throw InputError(location_of(first), message);
   }
   for (const auto& [misspelt, key] : requested_->misspelt) fail("key '" + key + "' is missing");
 }

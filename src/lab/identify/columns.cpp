@@ -18,6 +18,9 @@ struct MachineNames {
   bool pressing = false, position = false;
   bool shear = false;  ///< of tests in shear alone, where a stress is nominal and true alike
 };
+/// Of frequencies that are 2 π periods a time.
+constexpr const char* kAngularFrequency =
+    "angular frequency|ang frequency|angular freq|ang freq|kreisfrequenz|pulsation|角频率|omega|ω";
 constexpr std::array kMachineNames{
     MachineNames{"time",
                  "elapsed time|test time|running time|total time|time elapsed|zeit|prüfzeit|testzeit|temps|时间"},
@@ -40,8 +43,8 @@ constexpr std::array kMachineNames{
     MachineNames{"nominal_stress", "tensile stress|engineering stress|eng stress|工程应力"},
     MachineNames{"nominal_stress", "compressive stress|druckspannung", true},
     MachineNames{"true_strain", "logarithmic strain|hencky strain|真应变"},
-    MachineNames{"true_stress", "cauchy stress|真应力"},
-    MachineNames{"frequency", "freq|f|angular frequency|ang frequency|frequenz|kreisfrequenz|fréquence|频率|角频率"},
+    MachineNames{"true_stress", "cauchy stress|真应力"}, MachineNames{"frequency", "freq|f|frequenz|fréquence|频率"},
+    MachineNames{"frequency", kAngularFrequency},
     MachineNames{"storage_modulus", "e'|g'|e′|g′|speichermodul|module de conservation|储能模量"},
     MachineNames{"loss_modulus", "e''|g''|e\"|g\"|e″|g″|verlustmodul|module de perte|损耗模量"},
     MachineNames{"loss_tangent", "tan delta|tan|tan δ|loss factor|verlustfaktor|损耗因子"},
@@ -69,6 +72,11 @@ std::string simplified(const std::string& name) {
   return single;
 }
 
+/// Whether a name is one of "this|that".
+bool is_among(const std::string& name, const char* names) {
+  return !name.empty() && ("|" + std::string(names) + "|").find("|" + name + "|") != std::string::npos;
+}
+
 struct Meaning {
   std::string quantity;
   Source source;
@@ -83,7 +91,7 @@ std::optional<Meaning> meaning_of(const std::string& name) {
       return Meaning{quantity.name, name == quantity.name ? Source::own_name : Source::machine_name};
   if (is_own("stress") || is_own("strain")) return Meaning{simple, Source::own_name};
   for (const MachineNames& row : kMachineNames)
-    if (("|" + std::string(row.names) + "|").find("|" + simple + "|") != std::string::npos && !simple.empty())
+    if (is_among(simple, row.names))
       return Meaning{row.quantity, row.position ? Source::position : Source::machine_name, row.pressing, row.shear};
   return std::nullopt;
 }
@@ -108,9 +116,7 @@ Head split(const std::string& head) {
 }
 
 /// Whether a frequency of this name is 2 π periods a time.
-bool is_angular(const std::string& name) {
-  return simplified(name).find("ang") != std::string::npos || split(name).name == "Kreisfrequenz";
-}
+bool is_angular(const std::string& name) { return is_among(simplified(split(name).name), kAngularFrequency); }
 
 std::string shown(const DataQuantity& quantity) {
   const std::string examples = unit_examples(quantity.unit), unit = examples.substr(examples.find(' ') + 1);

@@ -216,6 +216,9 @@ TEST_CASE("storage and loss moduli over the frequency give the law and its Prony
   for (const Case& c :
        {Case{"frequency [Hz]", "uniaxial", 1, 6}, Case{"Angular frequency (rad/s)", "shear", 6.28318530717959, 2},
         Case{"Angular frequency (1/s)", "uniaxial", 6.28318530717959, 6},
+        Case{"kreisfrequenz [1/s]", "uniaxial", 6.28318530717959, 6},
+        Case{"Pulsation (1/s)", "uniaxial", 6.28318530717959, 6}, Case{"角频率 (1/s)", "uniaxial", 6.28318530717959, 6},
+        Case{"ω [1/s]", "uniaxial", 6.28318530717959, 6}, Case{"Frequenz [1/s]", "uniaxial", 1, 6},
         Case{"Frequency (rad/s)", "uniaxial", 6.28318530717959, 6}}) {
     INFO(c.head);
     folder.write("data.csv", data_over(c.head, c.per_hertz));

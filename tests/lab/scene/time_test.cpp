@@ -69,6 +69,9 @@ TEST_CASE("mistakes in the key time", "[scene][time]") {
   check_refusal(kMotion, "time: {duration: 1 s, step: {per_frame: 2, error: 1e-3}}", 6, "unknown key 'error'");
   check_refusal(kMotion, "time: {duration: -1 s}", 6, "time.duration: '-1 s' is out of range: must be above 0 s");
   check_refusal(kMotion, "time: {duration: 1 s, stepper: newmarc}", 6, "did you mean 'newmark'?");
+  check_refusal(kMotion, "time:\n  duration: 1 s\n  steper: newmark\n  frame: 3\n  chekpoint: 2", 8,
+                "unknown key 'steper'; did you mean 'stepper'? (allowed: duration, stepper, step, frames, first_frame, "
+                "frame_rate, checkpoint, budget); unknown, too: 'frame' in line 9, 'chekpoint' in line 10");
   check_refusal(kMotion, "time: {duration: 1 s, stepper: {method: backward_euler, beta: 0.3}}", 6,
                 "time.stepper.beta: only newmark has this");
   check_refusal(kMotion, "time: {duration: 1 s, stepper: {method: newmark, gamma: 0.4}}", 6, "at least 0.5");
