@@ -160,14 +160,10 @@ void GridRows::add_rows(int begin, int end, const Positions& vectors, Positions&
       const int at = own.numbers_at[row];
       if (at < 0 || row + own.rows < begin) continue;
       const int skip = std::max(0, -own.x), count = length_ - std::abs(own.x);
-      // Adding to one end must not wait for the other.
       const bool apart = own.rows > 0;
-      if (!apart) std::fill_n(window.spare().x, 3 * window.pitch, 0.);
-      const RowOf3 on_to = (apart ? window.forces(own.rows) : window.spare()).from(skip + own.x);
-      add(Row{direction, numbers_.data() + at + skip, count, window.vectors(0).from(skip),
-              window.vectors(own.rows).from(skip + own.x), sum.from(skip), on_to});
-      for (int i = skip + own.x; !apart && i < skip + own.x + count; ++i)
-        sum.x[i] += window.spare().x[i], sum.y()[i] += window.spare().y()[i], sum.z()[i] += window.spare().z()[i];
+      add(Row{direction, numbers_.data() + at + skip, count, apart ? 0 : own.x, window.vectors(0).from(skip),
+              window.vectors(own.rows).from(skip + own.x), sum.from(skip),
+              apart ? window.forces(own.rows).from(skip + own.x) : window.spare()});
     }
     if (row < begin) continue;
     double* to = forces.data() + 3 * static_cast<std::ptrdiff_t>(row) * length_;
@@ -200,7 +196,7 @@ std::optional<GridSprings> GridSprings::make(const Body& body, const VectorX& co
 void GridSprings::add_forces(const Positions& positions, Positions& forces, Workspace& workspace) const {
   const auto add = spring_kernel().add_row_flows;
   rows_.add_flows(positions, forces, workspace, [&](const GridRows::Row& row) {
-    add(row.from, row.to, row.numbers, row.numbers + rows_.length(), row.count, row.on_from, row.on_to);
+    add(row.from, row.to, row.numbers, row.numbers + rows_.length(), row.count, row.shift, row.on_from, row.on_to);
   });
 }
 
@@ -227,7 +223,7 @@ bool GridLinks::set(const Body& body, const Positions& positions, const VectorX&
 void GridLinks::add_changes(const Positions& motion, Positions& forces, Workspace& workspace) const {
   const auto add = spring_kernel().add_row_changes;
   rows_.add_flows(motion, forces, workspace, [&](const GridRows::Row& row) {
-    add(row.from, row.to, d_[row.direction].data(), row.numbers, row.count, row.on_from, row.on_to);
+    add(row.from, row.to, d_[row.direction].data(), row.numbers, row.count, row.shift, row.on_from, row.on_to);
   });
 }
 

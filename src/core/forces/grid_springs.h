@@ -24,7 +24,7 @@ class GridRows {
   struct Row {
     int direction;
     const double* numbers;
-    int count;
+    int count, shift;
     RowOf3 from, to, on_from, on_to;
   };
 

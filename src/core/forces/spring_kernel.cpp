@@ -20,30 +20,55 @@ namespace {
   return l > 0 ? tension / l : 0;
 }
 
-[[gnu::always_inline]] inline void add_flows(RowOf3 from, RowOf3 to, const double* constants,
-                                             const double* rest_lengths, int count, RowOf3 on_from, RowOf3 on_to) {
-  const double *ax = from.x, *ay = from.y(), *az = from.z(), *bx = to.x, *by = to.y(), *bz = to.z();
+struct Vector {
+  double x, y, z;
+  [[gnu::always_inline]] Vector times(double factor) const { return {x * factor, y * factor, z * factor}; }
+};
+
+/// Adding to one end must not wait for the other: flows in one row lie in `on_to` between the two.
+template <class Flow>
+[[gnu::always_inline]] inline void add_row(int count, int shift, RowOf3 on_from, RowOf3 on_to, const Flow& flow) {
   double *fx = on_from.x, *fy = on_from.y(), *fz = on_from.z(), *gx = on_to.x, *gy = on_to.y(), *gz = on_to.z();
+  if (shift == 0) {
+    ELASTIN_ROWS_APART
+    for (int i = 0; i < count; ++i) {
+      const Vector own = flow(i);
+      fx[i] += own.x, fy[i] += own.y, fz[i] += own.z;
+      gx[i] -= own.x, gy[i] -= own.y, gz[i] -= own.z;
+    }
+    return;
+  }
   ELASTIN_ROWS_APART
   for (int i = 0; i < count; ++i) {
-    const double dx = bx[i] - ax[i], dy = by[i] - ay[i], dz = bz[i] - az[i];
-    const double q = density(dx, dy, dz, constants[i], rest_lengths[i]);
-    fx[i] += q * dx, fy[i] += q * dy, fz[i] += q * dz;
-    gx[i] -= q * dx, gy[i] -= q * dy, gz[i] -= q * dz;
+    const Vector own = flow(i);
+    fx[i] += own.x, fy[i] += own.y, fz[i] += own.z;
+    gx[i] = own.x, gy[i] = own.y, gz[i] = own.z;
   }
+  fx += shift, fy += shift, fz += shift;
+  ELASTIN_ROWS_APART
+  for (int i = 0; i < count; ++i) fx[i] -= gx[i], fy[i] -= gy[i], fz[i] -= gz[i];
+}
+
+[[gnu::always_inline]] inline void add_flows(RowOf3 from, RowOf3 to, const double* constants,
+                                             const double* rest_lengths, int count, int shift, RowOf3 on_from,
+                                             RowOf3 on_to) {
+  const double *ax = from.x, *ay = from.y(), *az = from.z(), *bx = to.x, *by = to.y(), *bz = to.z();
+  add_row(
+      count, shift, on_from, on_to, [&](int i) __attribute__((always_inline)) {
+        const Vector d{bx[i] - ax[i], by[i] - ay[i], bz[i] - az[i]};
+        return d.times(density(d.x, d.y, d.z, constants[i], rest_lengths[i]));
+      });
 }
 
 [[gnu::always_inline]] inline void add_changes(RowOf3 from, RowOf3 to, const double* d, const double* slopes, int count,
-                                               RowOf3 on_from, RowOf3 on_to) {
+                                               int shift, RowOf3 on_from, RowOf3 on_to) {
   const double *ax = from.x, *ay = from.y(), *az = from.z(), *bx = to.x, *by = to.y(), *bz = to.z();
-  double *fx = on_from.x, *fy = on_from.y(), *fz = on_from.z(), *gx = on_to.x, *gy = on_to.y(), *gz = on_to.z();
-  const double x = d[0], y = d[1], z = d[2];
-  ELASTIN_ROWS_APART
-  for (int i = 0; i < count; ++i) {
-    const double q = slopes[i] * (x * (ax[i] - bx[i]) + y * (ay[i] - by[i]) + z * (az[i] - bz[i]));
-    fx[i] += q * x, fy[i] += q * y, fz[i] += q * z;
-    gx[i] -= q * x, gy[i] -= q * y, gz[i] -= q * z;
-  }
+  const Vector along{d[0], d[1], d[2]};
+  add_row(
+      count, shift, on_from, on_to, [&](int i) __attribute__((always_inline)) {
+        return along.times(slopes[i] *
+                           (along.x * (ax[i] - bx[i]) + along.y * (ay[i] - by[i]) + along.z * (az[i] - bz[i])));
+      });
 }
 
 [[gnu::always_inline]] inline void set_force_densities(RowOf3 d, const double* constants, const double* rest_lengths,
@@ -104,10 +129,6 @@ struct FourVectors {
           Four{b[0][2], b[1][2], b[2][2], b[3][2]} - Four{a[0][2], a[1][2], a[2][2], a[3][2]}};
 }
 
-struct Vector {
-  double x, y, z;
-  [[gnu::always_inline]] Vector times(double factor) const { return {x * factor, y * factor, z * factor}; }
-};
 [[gnu::always_inline]] inline Vector vector(const std::array<int, 2>& ends, int from, const double* positions) {
   const double *a = positions + offset_of(ends[from]), *b = positions + offset_of(ends[1 - from]);
   return {b[0] - a[0], b[1] - a[1], b[2] - a[2]};
@@ -216,28 +237,28 @@ template <class Flows>
 }
 
 /// The functions under a target attribute, which must come first.
-#define ELASTIN_VERSION(name, ...)                                                                                 \
-  struct name {                                                                                                    \
-    __VA_ARGS__ static void flows(RowOf3 from, RowOf3 to, const double* k, const double* L, int count, RowOf3 f,   \
-                                  RowOf3 g) {                                                                      \
-      add_flows(from, to, k, L, count, f, g);                                                                      \
-    }                                                                                                              \
-    __VA_ARGS__ static void changes(RowOf3 from, RowOf3 to, const double* d, const double* k, int count, RowOf3 f, \
-                                    RowOf3 g) {                                                                    \
-      add_changes(from, to, d, k, count, f, g);                                                                    \
-    }                                                                                                              \
-    __VA_ARGS__ static void force_densities(RowOf3 d, const double* k, const double* L, int count, double* q) {    \
-      set_force_densities(d, k, L, count, q);                                                                      \
-    }                                                                                                              \
-    __VA_ARGS__ static void listed_flows(const ListedSprings& springs, int first, int last, int begin, int end,    \
-                                         const double* positions, double* forces) {                                \
-      add_listed(SpringFlows{springs, positions}, springs.ends, first, last, begin, end, forces);                  \
-    }                                                                                                              \
-    __VA_ARGS__ static void listed_changes(const ListedLinks& links, int first, int last, int begin, int end,      \
-                                           const double* positions, const double* motion, double* forces) {        \
-      add_listed(LinkFlows{links, positions, motion}, links.ends, first, last, begin, end, forces);                \
-    }                                                                                                              \
-    static constexpr SpringKernel kernel{flows, changes, force_densities, listed_flows, listed_changes};           \
+#define ELASTIN_VERSION(name, ...)                                                                                  \
+  struct name {                                                                                                     \
+    __VA_ARGS__ static void flows(RowOf3 from, RowOf3 to, const double* k, const double* L, int count, int shift,   \
+                                  RowOf3 f, RowOf3 g) {                                                             \
+      add_flows(from, to, k, L, count, shift, f, g);                                                                \
+    }                                                                                                               \
+    __VA_ARGS__ static void changes(RowOf3 from, RowOf3 to, const double* d, const double* k, int count, int shift, \
+                                    RowOf3 f, RowOf3 g) {                                                           \
+      add_changes(from, to, d, k, count, shift, f, g);                                                              \
+    }                                                                                                               \
+    __VA_ARGS__ static void force_densities(RowOf3 d, const double* k, const double* L, int count, double* q) {     \
+      set_force_densities(d, k, L, count, q);                                                                       \
+    }                                                                                                               \
+    __VA_ARGS__ static void listed_flows(const ListedSprings& springs, int first, int last, int begin, int end,     \
+                                         const double* positions, double* forces) {                                 \
+      add_listed(SpringFlows{springs, positions}, springs.ends, first, last, begin, end, forces);                   \
+    }                                                                                                               \
+    __VA_ARGS__ static void listed_changes(const ListedLinks& links, int first, int last, int begin, int end,       \
+                                           const double* positions, const double* motion, double* forces) {         \
+      add_listed(LinkFlows{links, positions, motion}, links.ends, first, last, begin, end, forces);                 \
+    }                                                                                                               \
+    static constexpr SpringKernel kernel{flows, changes, force_densities, listed_flows, listed_changes};            \
   };
 
 ELASTIN_VERSION(Plain, )

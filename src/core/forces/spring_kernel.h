@@ -16,14 +16,16 @@ struct RowOf3 {
 
 /// Springs from each of `count` molecules to its partner in another row: adds q d to on_from and −q d to on_to, with
 /// d = to − from, q = k (|d| − L)/|d|, 0 where |d| = 0. The four rows must not overlap.
+/// @param shift ≠ 0: both ends are in one row, that far apart; then `on_to` is a workspace, and −q d is added to
+/// on_from.from(shift) behind all q d.
 using AddRowFlows = void (*)(RowOf3 from, RowOf3 to, const double* constants, const double* rest_lengths, int count,
-                             RowOf3 on_from, RowOf3 on_to);
+                             int shift, RowOf3 on_from, RowOf3 on_to);
 
 /// As AddRowFlows of 2 ∂q/∂s (d·δ) d, δ being a molecule's motion [m] less its partner's: of unstressed springs that
 /// all have the vector d from end to end.
 /// @param slopes 2 ∂q/∂s [N/m³]
-using AddRowChanges = void (*)(RowOf3 from, RowOf3 to, const double* d, const double* slopes, int count, RowOf3 on_from,
-                               RowOf3 on_to);
+using AddRowChanges = void (*)(RowOf3 from, RowOf3 to, const double* d, const double* slopes, int count, int shift,
+                               RowOf3 on_from, RowOf3 on_to);
 
 /// Force densities q of `count` springs of vectors d from end to end.
 using SetSpringForceDensities = void (*)(RowOf3 d, const double* constants, const double* rest_lengths, int count,

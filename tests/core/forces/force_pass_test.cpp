@@ -178,9 +178,11 @@ TEST_CASE("springs: every vector width gives bitwise identical results", "[force
     for (double& number : numbers) number = 1e-3 * static_cast<double>(generator() % 2000) - 1;
     double* k = numbers.data() + 12 * pitch;
     const auto row = [&](int i) { return RowOf3{numbers.data() + 3 * i * pitch, pitch}; };
-    kernel.add_row_flows(row(0), row(1), k, k + pitch, count, row(2), row(3));
+    kernel.add_row_flows(row(0), row(1), k, k + pitch, count, 0, row(2), row(3));
+    kernel.add_row_flows(row(0), row(0).from(2), k, k + pitch, count, 2, row(2), row(1));
     const double d[] = {0.3, -0.2, 0.7};
-    kernel.add_row_changes(row(0), row(1), d, k, count, row(2), row(3));
+    kernel.add_row_changes(row(0), row(1), d, k, count, 0, row(2), row(3));
+    kernel.add_row_changes(row(0), row(0).from(1), d, k, count, 1, row(2), row(1));
     kernel.set_force_densities(row(0), k, k + pitch, count, k + 2 * pitch);
     return numbers;
   };
