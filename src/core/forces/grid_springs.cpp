@@ -124,7 +124,8 @@ void GridRows::finish_row(int row, const Alike& alike) {
 }
 
 template <class Add>
-void GridRows::add_flows(const Positions& vectors, Positions& forces, Workspace& workspace, const Add& add) const {
+void GridRows::add_flows(const Positions& vectors, Positions& forces, bool anew, Workspace& workspace,
+                         const Add& add) const {
   const int connections = length_ * rows_ * kDirections;
   const int ranges = connections < kParallelThreshold ? 1 : std::clamp(rows_ / (reach_ + 1), 1, threads());
   const Eigen::Index buffer = (2 * (reach_ + 1) + 1) * 3 * Window::pitch_of(length_);
@@ -134,14 +135,14 @@ void GridRows::add_flows(const Positions& vectors, Positions& forces, Workspace&
       ranges,
       [&](int range) {
         const auto start = [&](int p) { return static_cast<int>(static_cast<long long>(rows_) * p / ranges); };
-        add_rows(start(range), start(range + 1), vectors, forces, workspace.range_buffer(range, buffer), add);
+        add_rows(start(range), start(range + 1), vectors, forces, anew, workspace.range_buffer(range, buffer), add);
       },
       2);
 }
 
 template <class Add>
-void GridRows::add_rows(int begin, int end, const Positions& vectors, Positions& forces, Eigen::Map<VectorX> buffer,
-                        const Add& add) const {
+void GridRows::add_rows(int begin, int end, const Positions& vectors, Positions& forces, bool anew,
+                        Eigen::Map<VectorX> buffer, const Add& add) const {
   const int first = std::max(0, begin - reach_);
   Window window{buffer.data(), Window::pitch_of(length_), reach_ + 1, 0};
   const auto load = [&](int row, int rows_on) {
@@ -167,7 +168,10 @@ void GridRows::add_rows(int begin, int end, const Positions& vectors, Positions&
     }
     if (row < begin) continue;
     double* to = forces.data() + 3 * static_cast<std::ptrdiff_t>(row) * length_;
-    for (int i = 0; i < length_; ++i) to[3 * i] += sum.x[i], to[3 * i + 1] += sum.y()[i], to[3 * i + 2] += sum.z()[i];
+    if (anew)
+      for (int i = 0; i < length_; ++i) to[3 * i] = sum.x[i], to[3 * i + 1] = sum.y()[i], to[3 * i + 2] = sum.z()[i];
+    else
+      for (int i = 0; i < length_; ++i) to[3 * i] += sum.x[i], to[3 * i + 1] += sum.y()[i], to[3 * i + 2] += sum.z()[i];
   }
 }
 
@@ -195,7 +199,7 @@ std::optional<GridSprings> GridSprings::make(const Body& body, const VectorX& co
 
 void GridSprings::add_forces(const Positions& positions, Positions& forces, Workspace& workspace) const {
   const auto add = spring_kernel().add_row_flows;
-  rows_.add_flows(positions, forces, workspace, [&](const GridRows::Row& row) {
+  rows_.add_flows(positions, forces, false, workspace, [&](const GridRows::Row& row) {
     add(row.from, row.to, row.numbers, row.numbers + rows_.length(), row.count, row.shift, row.on_from, row.on_to);
   });
 }
@@ -220,9 +224,9 @@ bool GridLinks::set(const Body& body, const Positions& positions, const VectorX&
       body, 1, [&](int c) { return slopes[c] != 0; }, set, alike);
 }
 
-void GridLinks::add_changes(const Positions& motion, Positions& forces, Workspace& workspace) const {
+void GridLinks::set_changes(const Positions& motion, Positions& forces, Workspace& workspace) const {
   const auto add = spring_kernel().add_row_changes;
-  rows_.add_flows(motion, forces, workspace, [&](const GridRows::Row& row) {
+  rows_.add_flows(motion, forces, true, workspace, [&](const GridRows::Row& row) {
     add(row.from, row.to, d_[row.direction].data(), row.numbers, row.count, row.shift, row.on_from, row.on_to);
   });
 }

@@ -37,9 +37,10 @@ class GridRows {
   bool fill(const Body& body, int numbers, const Acts& acts, const Set& set, const Alike& alike);
   int length() const { return length_; }
 
-  /// Calls add(row) for all rows, which adds flows that follow from the molecules' vectors to both ends' forces.
+  /// Calls add(row) for all rows, which adds flows that follow from the molecules' vectors to both ends' forces;
+  /// `anew`: overwrites what these were before.
   template <class Add>
-  void add_flows(const Positions& vectors, Positions& forces, Workspace& workspace, const Add& add) const;
+  void add_flows(const Positions& vectors, Positions& forces, bool anew, Workspace& workspace, const Add& add) const;
 
  private:
   struct Direction {
@@ -55,7 +56,7 @@ class GridRows {
   template <class Alike>
   void finish_row(int row, const Alike& alike);
   template <class Add>
-  void add_rows(int begin, int end, const Positions& vectors, Positions& forces, Eigen::Map<VectorX> buffer,
+  void add_rows(int begin, int end, const Positions& vectors, Positions& forces, bool anew, Eigen::Map<VectorX> buffer,
                 const Add& add) const;
 
   int length_ = 0, rows_ = 0;  ///< molecules in a row; rows
@@ -83,8 +84,8 @@ class GridLinks {
  public:
   /// Whether these are such springs; @param slopes ∂q/∂s [N/m³] of each
   bool set(const Body& body, const Positions& positions, const VectorX& slopes);
-  /// Adds its product with `motion` to the forces.
-  void add_changes(const Positions& motion, Positions& forces, Workspace& workspace) const;
+  /// Overwrites the forces by its product with `motion`.
+  void set_changes(const Positions& motion, Positions& forces, Workspace& workspace) const;
 
  private:
   GridRows rows_;

@@ -25,50 +25,72 @@ struct Vector {
   [[gnu::always_inline]] Vector times(double factor) const { return {x * factor, y * factor, z * factor}; }
 };
 
-/// Adding to one end must not wait for the other: flows in one row lie in `on_to` between the two.
-template <class Flow>
-[[gnu::always_inline]] inline void add_row(int count, int shift, RowOf3 on_from, RowOf3 on_to, const Flow& flow) {
-  double *fx = on_from.x, *fy = on_from.y(), *fz = on_from.z(), *gx = on_to.x, *gy = on_to.y(), *gz = on_to.z();
+/// Flows that have components along n axes alone. Adding to one end must not wait for the other: flows in one row lie
+/// in `on_to` between the two.
+template <int n, class Flow>
+[[gnu::always_inline]] inline void add_row(const int* axes, int count, int shift, RowOf3 on_from, RowOf3 on_to,
+                                           const Flow& flow) {
+  double *f[n], *g[n];
+  for (int k = 0; k < n; ++k) f[k] = on_from.along(axes[k]), g[k] = on_to.along(axes[k]);
   if (shift == 0) {
     ELASTIN_ROWS_APART
     for (int i = 0; i < count; ++i) {
-      const Vector own = flow(i);
-      fx[i] += own.x, fy[i] += own.y, fz[i] += own.z;
-      gx[i] -= own.x, gy[i] -= own.y, gz[i] -= own.z;
+      double own[n];
+      flow(i, own);
+      for (int k = 0; k < n; ++k) f[k][i] += own[k], g[k][i] -= own[k];
     }
     return;
   }
   ELASTIN_ROWS_APART
   for (int i = 0; i < count; ++i) {
-    const Vector own = flow(i);
-    fx[i] += own.x, fy[i] += own.y, fz[i] += own.z;
-    gx[i] = own.x, gy[i] = own.y, gz[i] = own.z;
+    double own[n];
+    flow(i, own);
+    for (int k = 0; k < n; ++k) f[k][i] += own[k], g[k][i] = own[k];
   }
-  fx += shift, fy += shift, fz += shift;
+  for (int k = 0; k < n; ++k) f[k] += shift;
   ELASTIN_ROWS_APART
-  for (int i = 0; i < count; ++i) fx[i] -= gx[i], fy[i] -= gy[i], fz[i] -= gz[i];
+  for (int i = 0; i < count; ++i)
+    for (int k = 0; k < n; ++k) f[k][i] -= g[k][i];
 }
 
 [[gnu::always_inline]] inline void add_flows(RowOf3 from, RowOf3 to, const double* constants,
                                              const double* rest_lengths, int count, int shift, RowOf3 on_from,
                                              RowOf3 on_to) {
+  constexpr int axes[] = {0, 1, 2};
   const double *ax = from.x, *ay = from.y(), *az = from.z(), *bx = to.x, *by = to.y(), *bz = to.z();
-  add_row(
-      count, shift, on_from, on_to, [&](int i) __attribute__((always_inline)) {
-        const Vector d{bx[i] - ax[i], by[i] - ay[i], bz[i] - az[i]};
-        return d.times(density(d.x, d.y, d.z, constants[i], rest_lengths[i]));
+  add_row<3>(
+      axes, count, shift, on_from, on_to, [&](int i, double* flow) __attribute__((always_inline)) {
+        const double dx = bx[i] - ax[i], dy = by[i] - ay[i], dz = bz[i] - az[i];
+        const double q = density(dx, dy, dz, constants[i], rest_lengths[i]);
+        flow[0] = q * dx, flow[1] = q * dy, flow[2] = q * dz;
       });
 }
 
+template <int n>
+[[gnu::always_inline]] inline void add_changes_along(const int* axes, RowOf3 from, RowOf3 to, const double* d,
+                                                     const double* slopes, int count, int shift, RowOf3 on_from,
+                                                     RowOf3 on_to) {
+  const double *a[n], *b[n];
+  double along[n];
+  for (int k = 0; k < n; ++k) a[k] = from.along(axes[k]), b[k] = to.along(axes[k]), along[k] = d[axes[k]];
+  add_row<n>(
+      axes, count, shift, on_from, on_to, [&](int i, double* flow) __attribute__((always_inline)) {
+        double change = along[0] * (a[0][i] - b[0][i]);
+        for (int k = 1; k < n; ++k) change += along[k] * (a[k][i] - b[k][i]);
+        const double q = slopes[i] * change;
+        for (int k = 0; k < n; ++k) flow[k] = q * along[k];
+      });
+}
+
+/// Connections along an axis or in a plane of two, as those of lattices, move nothing along the others.
 [[gnu::always_inline]] inline void add_changes(RowOf3 from, RowOf3 to, const double* d, const double* slopes, int count,
                                                int shift, RowOf3 on_from, RowOf3 on_to) {
-  const double *ax = from.x, *ay = from.y(), *az = from.z(), *bx = to.x, *by = to.y(), *bz = to.z();
-  const Vector along{d[0], d[1], d[2]};
-  add_row(
-      count, shift, on_from, on_to, [&](int i) __attribute__((always_inline)) {
-        return along.times(slopes[i] *
-                           (along.x * (ax[i] - bx[i]) + along.y * (ay[i] - by[i]) + along.z * (az[i] - bz[i])));
-      });
+  int axes[3], n = 0;
+  for (int axis = 0; axis < 3; ++axis)
+    if (d[axis] != 0) axes[n++] = axis;
+  if (n == 3) add_changes_along<3>(axes, from, to, d, slopes, count, shift, on_from, on_to);
+  if (n == 2) add_changes_along<2>(axes, from, to, d, slopes, count, shift, on_from, on_to);
+  if (n == 1) add_changes_along<1>(axes, from, to, d, slopes, count, shift, on_from, on_to);
 }
 
 [[gnu::always_inline]] inline void set_force_densities(RowOf3 d, const double* constants, const double* rest_lengths,

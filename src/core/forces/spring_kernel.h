@@ -9,8 +9,9 @@ namespace elastin {
 struct RowOf3 {
   double* x;
   std::ptrdiff_t pitch;
-  double* y() const { return x + pitch; }
-  double* z() const { return x + 2 * pitch; }
+  double* along(int axis) const { return x + axis * pitch; }
+  double* y() const { return along(1); }
+  double* z() const { return along(2); }
   RowOf3 from(int molecule) const { return {x + molecule, pitch}; }
 };
 

@@ -101,14 +101,16 @@ void Tangent::set_links(const State& state, const Weights& weights) {
 }
 
 void Tangent::apply(const Positions& motion, Positions& result, ApplyWorkspace& workspace) const {
-  if (weights_.acceleration != 0)
+  if (on_grid_)
+    grid_->set_changes(motion, result, workspace.force_pass);
+  else if (weights_.acceleration != 0)
     parallel_for(
         static_cast<int>(motion.cols()),
         [&](int a) { result.col(a) = weights_.acceleration * model_.body().mass[a] * motion.col(a); },
         kParallelThreshold / 10);
   else
     result.setZero();
-  if (linked_) apply_links(motion, result, workspace);
+  if (linked_ && !on_grid_) apply_links(motion, result, workspace);
   for (const auto* nodes : nodes_) nodes->add_stiffness(motion, result, workspace.force_pass);
   if (!loads_change_) return;
   workspace.rates = weights_.velocity * motion;
@@ -121,7 +123,6 @@ void Tangent::apply(const Positions& motion, Positions& result, ApplyWorkspace& 
 void Tangent::apply_links(const Positions& motion, Positions& result, ApplyWorkspace& workspace) const {
   const Connections& connections = model_.body().connections;
   const Graph& graph = *model_.graph_;
-  if (on_grid_) return grid_->add_changes(motion, result, workspace.force_pass);
   if (!coupled_) {
     if (graph.gathers())
       return graph.gather(result, [&](int c, int a, int b) -> Vector3 {

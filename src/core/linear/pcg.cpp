@@ -50,6 +50,9 @@ constexpr int kStepsOfShape = 3;
 constexpr double kServes = 1.5;
 constexpr int kServesAnyway = 10;  ///< iterations that are worth no new one
 
+/// Molecules whose part of five vectors is in a processor's nearest cache.
+constexpr int kInCache = 128;
+
 /// Part of a load on the motions that nothing resists, below which it is rounding.
 constexpr double kApart = 1e-8;
 
@@ -105,18 +108,21 @@ class Pcg final : public LinearSolver, public KeepsCoarsePicture {
       const auto products = ordered_sum_of_blocks<Eigen::Vector2d>(
           n,
           [&](int begin, int end) {
-            if (step != 0) {
-              const int size = end - begin;
-              x.middleCols(begin, size) += step * p.middleCols(begin, size);
-              if (coarse) change_.middleCols(begin, size) = step * kp.middleCols(begin, size);
-              r.middleCols(begin, size) -= step * kp.middleCols(begin, size);
+            double with_z = 0, squares = 0;
+            for (int first = begin; first < end; first += kInCache) {
+              const int size = std::min(kInCache, end - first);
+              if (step != 0) {
+                x.middleCols(first, size) += step * p.middleCols(first, size);
+                if (coarse) change_.middleCols(first, size) = step * kp.middleCols(first, size);
+                r.middleCols(first, size) -= step * kp.middleCols(first, size);
+              }
+              for (int i = first; i < first + size; ++i) {
+                const Vector3 own = r.col(i), motion = inverse_.times(i, own);
+                z.col(i) = motion;
+                with_z += own.dot(motion), squares += own.squaredNorm();
+              }
             }
-            Eigen::Vector2d sums(0, 0);
-            for (int i = begin; i < end; ++i) {
-              z.col(i) = inverse_.times(i, r.col(i));
-              sums += Eigen::Vector2d(r.col(i).dot(z.col(i)), r.col(i).squaredNorm());
-            }
-            return sums;
+            return Eigen::Vector2d(with_z, squares);
           },
           Eigen::Vector2d(0, 0), kMoleculeThreshold);
       keep_free(supports, z);  // single precision leads a little out of slanted supports

@@ -193,6 +193,41 @@ TEST_CASE("springs: every vector width gives bitwise identical results", "[force
   }
 }
 
+TEST_CASE("rows of a lattice: changes of force are those of each connection by itself, in one row and between two",
+          "[force_pass]") {
+  constexpr int count = 21, pitch = 24;
+  for (const SpringKernel& kernel : spring_kernels())
+    for (const Vector3& d : {Vector3(0.3, -0.2, 0.7), Vector3(0.3, 0, 0.7), Vector3(0, 0.5, 0)})
+      for (const int shift : {0, 2}) {
+        std::mt19937_64 generator(5);
+        std::vector<double> numbers(13 * pitch);
+        for (double& number : numbers) number = 1e-3 * static_cast<double>(generator() % 2000) - 1;
+        std::vector<double> expected = numbers;
+        const auto row = [&](std::vector<double>& in, int i) { return RowOf3{in.data() + 3 * i * pitch, pitch}; };
+        const auto motion = [&](int of, int i) {
+          const RowOf3 own = row(numbers, of);
+          return Vector3(own.x[i], own.y()[i], own.z()[i]);
+        };
+        const double* slopes = numbers.data() + 12 * pitch;
+        std::array<Vector3, count> flows;
+        for (int i = 0; i < count; ++i) {
+          const Vector3 delta = motion(0, i) - (shift == 0 ? motion(1, i) : motion(0, i + shift));
+          flows[i] = slopes[i] * (d.x() * delta.x() + d.y() * delta.y() + d.z() * delta.z()) * d;
+        }
+        for (const int end : {0, 1})
+          for (int i = 0; i < count; ++i)
+            for (int axis = 0; axis < 3; ++axis) {
+              double* on = row(expected, shift == 0 ? 2 + end : 2).along(axis);
+              on[i + end * shift] += end == 0 ? flows[i][axis] : -flows[i][axis];
+            }
+        const RowOf3 from = row(numbers, 0), to = shift == 0 ? row(numbers, 1) : from.from(shift);
+        kernel.add_row_changes(from, to, d.data(), slopes, count, shift, row(numbers, 2), row(numbers, 3));
+        const int compared = (shift == 0 ? 4 : 3) * 3 * pitch;  // behind it is the workspace of a row
+        CAPTURE(d.transpose(), shift);
+        CHECK(std::equal(numbers.begin(), numbers.begin() + compared, expected.begin()));
+      }
+}
+
 TEST_CASE("springs of a list: every vector width adds them one after the other, to the molecules of its range alone",
           "[force_pass]") {
   constexpr int molecules = 40;
