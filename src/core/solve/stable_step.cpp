@@ -220,7 +220,9 @@ StableStep bounded_stable_step(Model& model, const State& given) {
   return found;
 }
 
-StableStep find_stable_step(Model& model, const State& given) {
+namespace {
+
+StableStep stable_step(Model& model, const State& given, bool explained) {
   StableStep found;
   const State state = begun(model, given);
   const Body& body = model.body();
@@ -260,6 +262,7 @@ StableStep find_stable_step(Model& model, const State& given) {
         body, [&](const Positions& motion, Positions& result) { scaled(tangent, motion, result); }, mode);
   });
   found.step = longest(found);
+  if (!explained) return found;
   const auto [bound, molecule] = bound_of(stiffness);
   found.bound = std::sqrt(bound);
   found.molecule = molecule;
@@ -270,6 +273,12 @@ StableStep find_stable_step(Model& model, const State& given) {
     name_culprit(stiffness, fastest, found);
   return found;
 }
+
+}  // namespace
+
+StableStep find_stable_step(Model& model, const State& given) { return stable_step(model, given, false); }
+
+StableStep explained_stable_step(Model& model, const State& given) { return stable_step(model, given, true); }
 
 double frequency_bound(Model& model, const State& state) { return std::sqrt(bound_of(Tangent(model, state)).first); }
 

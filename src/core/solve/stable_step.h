@@ -18,9 +18,12 @@ struct StableStep {
 /// rate in the same way; dt_crit = 2 / (√(ω² + c²) + c), c the damping rate: exact for velocity Verlet on one
 /// oscillator without damping, and on one without stiffness. Laws with a history have it begun at the state, and are
 /// left there: a caller in the middle of steps calls Model::begin_step with its own state afterwards. Supports are
-/// taken into account. Of a model of a share (Model::complete_rows), whose processes call this together, neither
-/// connection nor cell is named.
+/// taken into account. `bound`, `molecule`, `connection` and `cell` are left out.
 StableStep find_stable_step(Model& model, const State& given);
+
+/// The same with all of them, for half as long again. Of a model of a share (Model::complete_rows), whose processes
+/// call this together, neither connection nor cell is named.
+StableStep explained_stable_step(Model& model, const State& given);
 
 /// The same from bounds alone, without the connection and the cell: a step that is never too long, and on meshes some
 /// 0.5 to 0.9 of the longest. Two passes instead of some hundreds: for a body that changes while somebody waits.

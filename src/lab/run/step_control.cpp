@@ -122,7 +122,7 @@ StepControl::StepControl(Model& model, const State& start, const TimeOptions& op
   memory.wanted = options.choice == StepChoice::fixed ? options.step : options.time_of(1);
   memory.stable = std::numeric_limits<double>::infinity();
   if (method->is_explicit) {
-    const StableStep found = find_stable_step(model, start);
+    const StableStep found = explained_stable_step(model, start);
     memory.critical = found.step;
     memory.frequency = found.frequency;
     if (watched_) {

@@ -176,7 +176,7 @@ void add_steps_in_time(std::string& out, Scene& scene) {
         chosen_stepper(*scene.time, *scene.experiment->in_time(), needs_cells(choice.strategy, scene.specimen.body));
     std::string text = method->name;
     if (!reason.empty()) text += " by default (" + reason + ")";
-    const StableStep found = find_stable_step(*held->model, state_at_rest(scene.specimen.body));
+    const StableStep found = explained_stable_step(*held->model, state_at_rest(scene.specimen.body));
     text +=
         std::isfinite(found.step)
             ? fmt::format("; dt_crit {} of an explicit step, ω_max {:.5g} rad/s{}, set by {}",

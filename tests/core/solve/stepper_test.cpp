@@ -284,7 +284,7 @@ TEST_CASE("the stable step is that of the textbooks", "[stepper]") {
   Model model(body);
   model.add(make_springs(body, VectorX::Constant(n - 1, 200)));
   const State state = state_at_rest(body);
-  StableStep stable = find_stable_step(model, state);
+  StableStep stable = explained_stable_step(model, state);
   const double frequency = 2 * std::sqrt(200 / 0.5) * std::cos(std::numbers::pi / (2 * n));
   CHECK(stable.frequency == Approx(frequency).epsilon(1e-4));
   CHECK(stable.step == Approx(2 / frequency).epsilon(1e-4));
@@ -296,7 +296,7 @@ TEST_CASE("the stable step is that of the textbooks", "[stepper]") {
   constants[7] *= 100;
   Model uneven(body);
   uneven.add(make_springs(body, constants));
-  stable = find_stable_step(uneven, state);
+  stable = explained_stable_step(uneven, state);
   CHECK(stable.connection == 7);
   CHECK((stable.molecule == 7 || stable.molecule == 8));
   CHECK(stable.frequency >= std::sqrt(2 * 100 * 200 / 0.5));
