@@ -2,6 +2,7 @@
 #include <functional>
 #include <utility>
 
+#include "core/parallel/large_memory.h"
 #include "elastin/core/forces/elasticity.h"
 
 namespace elastin {
@@ -15,7 +16,7 @@ class OwnSlopes final : public EdgeSlopes {
   OwnSlopes(int connections, Add add) : connections_(connections), add_(std::move(add)) {}
 
   void linearise_at(const Positions& positions) override {
-    slopes_.setZero(connections_);
+    set_zero(slopes_, connections_);
     add_(positions, slopes_);
   }
   void add_own_slopes(VectorX& slopes) const override {

@@ -6,6 +6,7 @@
 #include "core/forces/graph.h"
 #include "core/forces/grid_springs.h"
 #include "core/forces/spring_kernel.h"
+#include "core/parallel/large_memory.h"
 #include "elastin/core/shapes/cell_shape.h"
 
 namespace elastin {
@@ -48,7 +49,7 @@ void Tangent::set_laws() {
 
 void Tangent::linearise_at(const State& state, const Weights& weights) {
   if (known_laws_ != model_.elasticity().size()) set_laws();
-  force_densities_.setZero(model_.body().connections.size());
+  set_zero(force_densities_, model_.body().connections.size());
   for (const auto* law : model_.edge_laws()) law->add_force_densities(state.positions, force_densities_, workspace_);
   for (const auto& law : laws_) law->linearise_at(state.positions);
   set_links(state, weights);
@@ -76,7 +77,7 @@ void Tangent::linearise_onward(const State& next, Positions& forces) {
 void Tangent::set_links(const State& state, const Weights& weights) {
   state_ = &state;
   weights_ = weights;
-  slopes_.setZero(model_.body().connections.size());
+  set_zero(slopes_, model_.body().connections.size());
   coupled_ = false;
   for (const auto* law : model_.edge_laws()) coupled_ |= law->coupled();
   for (const auto* edges : edges_) edges->add_own_slopes(slopes_);

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/base/dense.h"
+#include "core/parallel/large_memory.h"
 #include "core/parallel/parallel.h"
 #include "elastin/core/model/share.h"
 
@@ -115,16 +116,18 @@ Vector3 middle_of(const Body& body, const CellSlopes& cells, int cell) {
 
 /// Items sorted by a number of each, ascending in each.
 struct Sorted {
-  std::vector<int> start, items;
+  std::vector<int> start;
+  std::unique_ptr<int[]> items;
   Sorted(const std::vector<int>& numbers, int count)
-      : start(static_cast<std::size_t>(count) + 1, 0), items(numbers.size()) {
+      : start(static_cast<std::size_t>(count) + 1, 0), items(new int[numbers.size()]) {
+    prefer_large_pages(items.get(), sizeof(int) * numbers.size());
     for (const int number : numbers) ++start[number + 1];
     for (int number = 0; number < count; ++number) start[number + 1] += start[number];
     std::vector<int> next(start.begin(), start.end() - 1);
     for (std::size_t item = 0; item < numbers.size(); ++item) items[next[numbers[item]]++] = static_cast<int>(item);
   }
   std::span<const int> of(int number) const {
-    return {items.data() + start[number], static_cast<std::size_t>(start[number + 1] - start[number])};
+    return {items.get() + start[number], static_cast<std::size_t>(start[number + 1] - start[number])};
   }
 };
 

@@ -7,6 +7,7 @@
 
 #include "core/linear/block_inverse.h"
 #include "core/linear/smoothing.h"
+#include "core/parallel/large_memory.h"
 
 namespace elastin {
 namespace {
@@ -80,6 +81,7 @@ class LargerBox {
 
 // Large memory is first written by the threads that use it.
 BoxElements::BoxElements(int boxes) : elements(new Element[boxes]), sums_of(boxes, -1) {
+  prefer_large_pages(elements.get(), boxes * sizeof(Element));
   parallel_for(
       boxes, [&](int box) { elements[box].fill(Pairs::Zero()); }, kPointThreshold);
 }
@@ -143,6 +145,7 @@ void BoxLevel::set_rows() {
   for (int point = 0; point < points(); ++point) start_[point + 1] += start_[point];
   neighbours_.resize(start_.back());
   rows_.reset(new Blocks[start_.back() / kWidth]);
+  prefer_large_pages(rows_.get(), start_.back() / kWidth * sizeof(Blocks));
   sums_.assign(points(), Matrix3::Zero());
   for_points([&](int point, std::vector<int>& slots) {
     int* neighbours = &neighbours_[start_[point]];

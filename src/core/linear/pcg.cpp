@@ -14,6 +14,7 @@
 #include "core/linear/smoothing.h"
 #include "core/linear/sparse_stiffness.h"
 #include "core/linear/volume_smoother.h"
+#include "core/parallel/large_memory.h"
 #include "core/parallel/parallel.h"
 #include "elastin/core/base/stop.h"
 #include "elastin/core/linear/linear_solver.h"
@@ -95,14 +96,14 @@ class Pcg final : public LinearSolver, public KeepsCoarsePicture {
     std::optional<RigidMotions> whole;
     // What a preconditioner makes of r stands where K p stood: each molecule's is read before it is written.
     Positions &r = r_, &p = p_, &kp = kp_, &z = kp_, &unresolved = left_;
+    for (Positions* vectors : {&r, &p, &kp, &x}) resize(*vectors, n);
     if (coarse) whole.emplace(tangent, supports, p, kp);
     // Where no force works on these motions they stay out of every direction: the grid hierarchy, for which next to
     // nothing resists them, would drown the others in them.
     const bool apart =
         whole && !whole->empty() && whole->part_of(tangent.positions(), rhs) <= kApart * ordered_norm(rhs);
     r = rhs;
-    p.resize(3, n), kp.resize(3, n);
-    x.setZero(3, n);
+    x.setZero();
     // r·z and r·r in one pass; moved = 0 leaves x and r as they are.
     const auto advance = [&](double step) {
       const auto products = ordered_sum_of_blocks<Eigen::Vector2d>(
@@ -203,7 +204,7 @@ class Pcg final : public LinearSolver, public KeepsCoarsePicture {
     assembled = AssembledStiffness::pays(tangent, expected);
     if (assembled) rows_.assemble(tangent);
     if (coarse) {
-      unresolved.resize(3, n), step_.resize(3, n), change_.resize(3, n);
+      for (Positions* vectors : {&unresolved, &step_, &change_}) resize(*vectors, n);
       if (!kept) {
         volume_ = VolumeSmoother::of(tangent, supports);
         if (!volume_) coarse->limit_steps(kStepsOfShape);

@@ -3,6 +3,7 @@
 #include <catch2/catch.hpp>
 #include <vector>
 
+#include "core/parallel/large_memory.h"
 #include "core/parallel/parallel.h"
 #include "elastin/openmp/openmp.h"
 
@@ -61,4 +62,25 @@ TEST_CASE("OpenMP runs the loops where it is asked to, with the bits of one thre
   CHECK(harmonic() == alone);
   set_threads(0);
   set_runner(before);
+}
+
+TEST_CASE("large memory: all of it is zero, or as large as it is to be, whatever it was before", "[threads]") {
+  const int before = threads();
+  for (const int count : {1, 3}) {
+    set_threads(count);
+    VectorX numbers;
+    Positions vectors;
+    for (const int size : {7, 900001, 900001, 0, 60000}) {  // of 7 MB: in large pages, but for both ends
+      set_zero(numbers, size);
+      CHECK((numbers.size() == size && numbers.isZero(0)));
+      numbers.setOnes();
+      resize(vectors, size);
+      CHECK((vectors.rows() == 3 && vectors.cols() == size));
+    }
+  }
+  set_threads(before);
+  VectorX numbers = VectorX::LinSpaced(900001, 0, 900000);
+  const VectorX same = numbers;
+  prefer_large_pages(numbers.data(), sizeof(double) * 900001);
+  CHECK(numbers == same);
 }
