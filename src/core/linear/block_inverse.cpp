@@ -33,7 +33,8 @@ void BlockInverses::set(double scale, int count, BlockOf&& block_of, const std::
     const Eigen::Matrix3f inverse = (positive_inverse(block) / flexibility_).cast<float>();
     blocks_[molecule] = {inverse(0, 0), inverse(0, 1), inverse(0, 2), inverse(1, 1), inverse(1, 2), inverse(2, 2)};
   };
-  parallel_for(count, [&](int molecule) { set(molecule, block_of(molecule)); });
+  parallel_for(
+      count, [&](int molecule) { set(molecule, block_of(molecule)); }, kMoleculeThreshold);
   for (const Support& support : supports)
     set(support.molecule, support.free * block_of(support.molecule) * support.free);
 }

@@ -245,7 +245,7 @@ void split_boxes(const Body& body, BoxGrid& grid, Homes& homes) {
           for (const int molecule : nodes) number[molecule] = -1;
         }
       },
-      kParallelThreshold / 8);
+      kParallelThreshold / 50);
   grid.number_boxes(pieces);
   parallel_for(body.size(),
                [&](int a) { homes.molecules[a] = grid.number_of(homes.molecules[a]) + piece_of_molecule[a]; });
@@ -291,7 +291,8 @@ Homes find_homes(const Tangent& tangent, const ReachedByLaw& reached, BoxGrid& g
   const Body& body = tangent.model().body();
   Homes homes;
   homes.molecules.resize(body.size()), homes.links.resize(body.connections.size());
-  parallel_for(body.size(), [&](int a) { homes.molecules[a] = grid.outline_box(body.rest.col(a)); });
+  parallel_for(
+      body.size(), [&](int a) { homes.molecules[a] = grid.outline_box(body.rest.col(a)); }, kMoleculeThreshold);
   parallel_for(body.connections.size(), [&](int c) {
     const auto& [a, b] = body.connections.ends[c];
     homes.links[c] = grid.outline_box((body.rest.col(a) + body.rest.col(b)) / 2);

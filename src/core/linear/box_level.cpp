@@ -15,7 +15,7 @@ namespace {
 constexpr int kBoxCorners = BoxGrid::kCorners;
 
 /// Cost of a point's share of a pass, in connections.
-constexpr int kPointThreshold = kParallelThreshold / 25;
+constexpr int kPointThreshold = kParallelThreshold / 50;
 
 /// The number of a pair of corners, either way.
 constexpr auto kPairOf = [] {
