@@ -242,6 +242,12 @@ bool is_displaced(const Model& model, const State& state) {
   return !model.body().unstressed && any_over(model.body(), moved);
 }
 
+/// Whether loads, moved supports or a rest of its own give the body forces to balance.
+bool has_forces(const Model& model, const State& state) {
+  return model.body().unstressed || is_displaced(model, state) ||
+         any_over(model.body(), !model.load_forces(state).isZero(0));
+}
+
 /// Whether the body would buckle under the load: whether its stiffness is negative in some direction where the load
 /// strains it as its small displacements say, by a tenth at most. Of a body that does, the way there is another one.
 bool buckles(Model& model, StaticRig& rig, const StaticOptions& options, double factor, const State& reached) {
@@ -435,14 +441,17 @@ void solve_load_curve(Model& model, const StaticExperiment& experiment, StaticRi
     // Without a load there is nothing to balance, and rounding decides about motions that nothing resists.
     bool loaded = load_factor != 0;
     if (!loaded) solved.unstable = false;
+    const bool acts = has_forces(model, path.state());
+    if (!acts) solved.residual = 0;  // else rounding over rounding
     Measures measures;
     if (solved.outcome == Outcome::converged) {
       measures = measure_step(model, experiment, rig, start, path.state(), options, solved, run.contact);
+      if (!acts && std::isfinite(measures.get("reaction_balance"))) measures.set("reaction_balance", 0);
       if (run.contact && run.contact->pairs == 0 && solved.residual > kBalanced) loaded = false;  // nothing is touched
     }
     run.bisected_load_steps = path.halvings();
     if (!note_solve(solved, where, run)) return;
-    if (loaded)
+    if (loaded && acts)
       check_balance(solved, measures, taken(measures, MeasureRole::force), options.statics.tolerance, step == steps,
                     is_displaced(model, path.state()), where, run);
     if (run.outcome != Outcome::converged) return;

@@ -87,3 +87,27 @@ TEST_CASE("a displacement that nothing resists is a mechanism", "[statics][load_
     CHECK_THAT(free.cause, Contains("does not resist this displacement"));
   }
 }
+
+TEST_CASE("without any force cells rest where they are, and rounding is no load", "[statics][load_path]") {
+  const TemporaryFolder folder;
+  for (const std::string loads :
+       {"[]", "[{gravity: {acceleration: [0, 0, 0]}}]", "[{point: {molecules: {side: x}, force: [0, 0, 0]}}]"})
+    for (const std::string steps : {"1", "3"}) {
+      const auto scene = load_scene(
+          folder.write("scene.yaml",
+                       "body: {tetrahedra: {kind: body_centred, cubes: [4, 2, 2], size: [10 mm, 4 mm, 4 mm]}}\n"
+                       "material: {youngs_modulus: 10 kPa, poissons_ratio: 0.3, density: 1000 kg/m3}\n"
+                       "stiffness: neo_hookean\nsupports: [{molecules: {side: -x}, fix: [x, y, z]}]\nloads: " +
+                           loads +
+                           "\nexperiment: {kind: loads, read: [{name: end, molecules: {side: x}}], load_steps: " +
+                           steps + "}\n"),
+          built_in_catalog());
+      const Run run = run_strategy(scene->specimen, *scene->experiment, scene->stiffness, {.statics = scene->statics});
+      INFO(loads << ", " << steps << ": " << run.cause);
+      CHECK(run.outcome == Outcome::converged);
+      CHECK(run.warnings.empty());
+      CHECK(run.residual == 0);
+      CHECK(run.measures.get("reaction_balance") == 0);
+      CHECK(std::abs(run.measures.get("end_displacement")) < 1e-15);  // of 1 cm, rounding
+    }
+}
