@@ -246,7 +246,15 @@ void turn_signs(const DataTest& test, const DataFile& file, MeasuredData& data) 
                      "the file speaks of compression and its values are positive: write kind: compression, which "
                      "takes them as compression, or signs: pulling if they pull");
   if (test.kind->layer) return turn_into_layer(test, data);
-  if (!pressing) return;
+  if (!pressing) {
+    const bool pulls_or_presses = test.kind->homogeneous && *test.kind->homogeneous != HomogeneousTest::shear;
+    if (pulls_or_presses && !test.pressing && !positive && data.y.sum() < 0 && file.line_of_compression() == 0)
+      data.notes.push_back(
+          data.along->name + " and " + data.up->name +
+          " are negative, and count as compression; signs: pressing turns them if the file counts pulling "
+          "as negative");
+    return;
+  }
   if (positive && data.along->name == "stretch")
     throw InputError(SourceLocation{data.file, data.lines.front()},
                      "stretches above 1 are no compression: is the column nominal_strain?");

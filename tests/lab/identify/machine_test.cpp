@@ -323,6 +323,19 @@ TEST_CASE("compression is read whatever signs the machine gives it", "[identify]
             "displacement and force turned to negative"));
 }
 
+TEST_CASE("a file that counts pulling as negative says how it is read, and what turns it", "[identify][machines]") {
+  const TemporaryFolder folder;
+  Layout negative{"", "", "displacement [mm],force [N]\n", ",", '.', "", "df", "", "\n"};
+  negative.displacement_factor = negative.force_factor = -1;
+  const std::string text = file_of(negative, readings({.still = 0}));
+  const auto notes_with = [&](const std::string& keys) {
+    return joined(answer_of(folder, text, kSizes + keys).tests.front().data.notes);
+  };
+  CHECK(has(notes_with(""), "displacement and force are negative, and count as compression; signs: pressing turns"));
+  CHECK(!has(notes_with(", signs: pulling"), "count as compression"));
+  CHECK(answer_of(folder, text, kSizes + ", signs: pressing").numbers.front().value == Approx(kConstant).epsilon(0.01));
+}
+
 TEST_CASE("moduli by windows are those of the law, within their intervals", "[identify][machines]") {
   const TemporaryFolder folder;
   const Answer answer =
