@@ -61,6 +61,10 @@ class Grid(unittest.TestCase):
     def test_wrong_input(self):
         with self.assertRaisesRegex(elastin.InputError, "youngs_modulus"):
             elastin.sweep(CUBE, {"material.youngs_modul": [1e3]})
+        with self.assertRaisesRegex(elastin.InputError, "'material' would replace 'material.youngs_modulus'"):
+            elastin.sweep(CUBE, {"material.youngs_modulus": [1e3], "material": [{"youngs_modulus": 2e3}]})
+        with self.assertRaisesRegex(elastin.InputError, r"write a list of them, \['1 kPa'\]"):
+            elastin.sweep(CUBE, "material.youngs_modulus", "1 kPa")
 
 
 class Workers(unittest.TestCase):

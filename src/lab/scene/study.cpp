@@ -36,6 +36,27 @@ void check_runs(const std::vector<StudyAxis>& axes) {
   if (rows > most) throw InputError(text);
 }
 
+/// Whether a value of the key replaces what the other key has set: it is that key, or the map or list around it.
+bool replaces(const std::string& key, const std::string& other) {
+  return other.starts_with(key) && (other.size() == key.size() || other[key.size()] == '.');
+}
+
+/// Throws where a row would be named by values that it does not have, since those of a later key replace them.
+void check_keys(const std::vector<StudyAxis>& axes) {
+  std::vector<std::string> before;
+  for (const StudyAxis& axis : axes)
+    for (const auto& [key, value] : axis.values.front()) {
+      for (const std::string& other : before)
+        if (replaces(key, other))
+          throw InputError(key == other
+                               ? "two of --vary and `study` change '" + key + "': write all its values in one list"
+                               : "'" + key + "' would replace '" + other +
+                                     "', which --vary or `study` changes "
+                                     "before it: let it come first");
+      before.push_back(key);
+    }
+}
+
 }  // namespace
 
 StudyAxis read_axis(const std::string& text) {
@@ -131,6 +152,7 @@ Study read_study(const Reader& reader, const std::vector<StrategyChoice>& known)
 
 std::vector<std::vector<std::pair<std::string, std::string>>> combinations(const std::vector<StudyAxis>& axes) {
   check_runs(axes);
+  check_keys(axes);
   std::vector<std::vector<std::pair<std::string, std::string>>> all{{}};
   for (const StudyAxis& axis : axes) {
     std::vector<std::vector<std::pair<std::string, std::string>>> longer;

@@ -6,6 +6,7 @@ import os
 import numpy
 
 from . import _laboratory, _progress, _tables
+from ._elastin import InputError
 
 
 def sweep(scene, key, values=None, *, strategy="", set=None, catalog=None, progress=None, client=None, **keys):
@@ -19,6 +20,7 @@ def sweep(scene, key, values=None, *, strategy="", set=None, catalog=None, progr
     a dask.distributed.Client a row whose worker dies goes to another one. `progress` is called with what a row is doing, or with
     a client how many rows are there."""
     axes = {key: values} if values is not None else dict(key)
+    _check(axes)
     axes = {name: list(wanted) for name, wanted in axes.items()}
     strategies = list(strategy) if isinstance(strategy, (list, tuple)) else [strategy]
     rows = [(dict(zip(axes, combination)), one) for combination in itertools.product(*axes.values())
@@ -34,6 +36,15 @@ def sweep(scene, key, values=None, *, strategy="", set=None, catalog=None, progr
         with _progress.shown(progress) as report:
             results = _by_workers(client, [(scene, one, fixed, changes, catalog, keys) for changes, one in rows], report)
     return Sweep([changes for changes, _ in rows], results)
+
+
+def _check(axes):
+    for number, (name, wanted) in enumerate(axes.items()):
+        if isinstance(wanted, str):
+            raise InputError(f"values of '{name}': write a list of them, ['{wanted}']")
+        for other in list(axes)[:number]:
+            if other.startswith(name + "."):
+                raise InputError(f"'{name}' would replace '{other}', which changes before it: let it come first")
 
 
 def _row(scene, strategy, fixed, changes, catalog, keys, progress=None):

@@ -163,6 +163,13 @@ TEST_CASE("axes of a study multiply, their keys go together", "[study]") {
                                                                    {"body.lattice.spacing", "2 mm"},
                                                                    {"solver.linear_solver", "direct"}});
   CHECK(combinations({}).size() == 1);
+  // A row is named by its values, so none of them may be replaced.
+  const StudyAxis modulus = read_axis("material.youngs_modulus=[1, 2]"), material = read_axis("material=[{}]");
+  CHECK_THROWS_WITH(combinations({modulus, solver, modulus}),
+                    Contains("two of --vary and `study` change 'material.youngs_modulus'"));
+  CHECK_THROWS_WITH(combinations({modulus, material}),
+                    Contains("'material' would replace 'material.youngs_modulus'") && Contains("let it come first"));
+  CHECK(combinations({material, modulus, read_axis("material.youngs=[1]")}).size() == 2);
   CHECK_THROWS_WITH(read_axis("{a: [1, 2], b: [1]}"), Contains("--vary") && Contains("equally many values: 1 here, 2"));
   CHECK_THROWS_WITH(read_axis("a=1"), Contains("expected a list, found a single value"));
   CHECK_THROWS_WITH(read_axis("pcg"), Contains("write KEY.PATH=[value"));
