@@ -65,8 +65,6 @@ struct CompareCommand {
     request.resume = continue_in(resumed, request.out);
     if (!shard.empty()) read_shard();
     const bool of_steppers = lab::compares_steppers(request);
-    if (of_steppers && !shard.empty())
-      throw InputError("--shard divides the runs of strategies; a comparison of steppers is not divided");
     stop_on_interrupt();
     const bool good =
         of_steppers ? lab::compare_steppers(request, call.catalog) : lab::run_scenes(request, call.catalog);

@@ -145,12 +145,14 @@ bool Options::read(const std::vector<std::string>& words, const std::string& usa
     if (option.value.empty()) {
       if (equals != std::string::npos) throw InputError(option.name + " takes no value; write " + option.name);
       take(option, "");
-    } else if (equals != std::string::npos && equals + 1 < word.size()) {
-      take(option, word.substr(equals + 1));
-    } else if (i + 1 < words.size() && !is_option(words[i + 1])) {
-      take(option, words[++i]);
     } else {
-      throw InputError(option.name + " needs a value; write " + option.name + " " + option.value);
+      const bool next = equals == std::string::npos && i + 1 < words.size() && !is_option(words[i + 1]);
+      const std::string value = next ? words[++i] : equals == std::string::npos ? "" : word.substr(equals + 1);
+      if (value.find_first_not_of(' ') == std::string::npos)
+        throw InputError(option.name + " needs a value" +
+                         (next || equals != std::string::npos ? ", not an empty one" : "") + "; write " + option.name +
+                         " " + option.value);
+      take(option, value);
     }
   }
   check_complete(usage_name);

@@ -15,7 +15,7 @@ using NamedPlots = std::vector<std::pair<std::string, Plot>>;
 struct PlotCommand {
   std::vector<std::string> words, overrides;
   std::string x, y;
-  double stretch = 1.5;
+  double stretch = 0;  // 0: not given
 
   void add_to(Options& options) {
     options.argument("FILE", into(words),
@@ -35,7 +35,11 @@ struct PlotCommand {
 
   /// One document, with all curves on the same axes.
   int run(const Call& call) {
-    const NamedPlots plots = words.front() == "material" ? of_materials(call.catalog) : of_columns();
+    const bool material = words.front() == "material";
+    if (material && !(x + y).empty()) throw InputError("--x and --y name columns of CSV files; plot material has none");
+    if (!material && (stretch > 0 || !overrides.empty()))
+      throw InputError("--stretch and --set are for the curves of a material: elastin plot material SCENE");
+    const NamedPlots plots = material ? of_materials(call.catalog) : of_columns();
     fmt::print("{}", lab::svg_text(lab::overlaid(plots), 760, true));
     return 0;
   }
@@ -64,7 +68,7 @@ struct PlotCommand {
             fmt::format("{}: {}, E = {} and nu = {:.4g} at rest", scene->name, material.law->law,
                         lab::readable(material.youngs_modulus, dimension::pressure), material.poissons_ratio);
         const auto law = catalog.material_laws.find(material.law->law);
-        plots.emplace_back(title, lab::material_plot(title, *law, material, stretch));
+        plots.emplace_back(title, lab::material_plot(title, *law, material, stretch > 0 ? stretch : 1.5));
       }
       if (plots.size() == before)
         throw InputError(words[i] + ": no material has a `law`; its curve is its E, or what it states itself");

@@ -99,6 +99,9 @@ TEST_CASE("every option of every command states what it needs, and knows no opti
       }
       check_mistake(command + " a " + name, name + " needs a value; write " + name + " " + value + "\n");
       check_mistake(command + " a " + name + " --help-me", name + " needs a value; write " + name + " " + value);
+      // As of a variable of the shell that is not set.
+      for (const char* empty : {" ''", "= b", "=' '"})
+        check_mistake(command + " a " + name + empty, name + " needs a value, not an empty one; write " + name);
     }
     const std::string offered = say(command + " --").err + say(command + " --zzzzzz").err;
     for (const auto& others : options)
@@ -108,4 +111,20 @@ TEST_CASE("every option of every command states what it needs, and knows no opti
           CHECK_THAT(offered, !Contains(name + ",") && !Contains(name + "\n"));
         }
   }
+}
+
+TEST_CASE("an option that would change nothing is refused", "[command]") {
+  const std::string scene = ELASTIN_SOURCE_DIR "/scenes/tension/cube-27-face.yaml";
+  for (const std::string option : {"--vary 'material.youngs_modulus=[1 kPa]'", "--strategies lattice", "--repeats 2",
+                                   "--gradient material.density", "--reference none", "--live", "--resume o",
+                                   "--peers p", "--baseline b", "--summary", "--verbose", "--restart r"})
+    check_mistake("compare " + scene + " --steppers newmark " + option,
+                  option.substr(0, option.find(' ')) + ": is of a comparison of strategies");
+  check_mistake("compare " + scene + " --steppers newmark --engines jolt",
+                "--engines, --engine or --against: is of a comparison of strategies");
+  check_mistake("compare " + scene + " --engine-iterations 5",
+                "'engines.iterations=5' is for engines, and none is to run: name them by --engines or --engine");
+  check_mistake("plot material " + scene + " --x strain", "--x and --y name columns of CSV files");
+  check_mistake("plot runs.csv --stretch 2", "--stretch and --set are for the curves of a material");
+  check_mistake("plot runs.csv --set a=2", "--stretch and --set are for the curves of a material");
 }

@@ -129,6 +129,10 @@ std::vector<ScenePlan> plan_of(const Request& request, const Catalog& catalog) {
                          " have the same name, and so would their files");
   }
   if (!request.out.empty()) check_file_names(plans);
+  if (std::all_of(plans.begin(), plans.end(), [](const ScenePlan& plan) { return plan.engines.empty(); }))
+    for (const std::string& override : request.overrides)
+      if (request.compare && override.starts_with("engines."))
+        throw InputError("'" + override + "' is for engines, and none is to run: name them by --engines or --engine");
   return plans;
 }
 

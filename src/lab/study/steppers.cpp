@@ -379,7 +379,37 @@ bool compares_steppers(const Request& request) {
   return with > 0;
 }
 
+namespace {
+
+/// Throws InputError for what a comparison of steppers would leave out.
+void check_options(const Request& request) {
+  const bool engines = !request.engine_commands.empty() || !request.against.empty() ||
+                       std::any_of(request.overrides.begin(), request.overrides.end(),
+                                   [](const std::string& override) { return override.starts_with("engines."); });
+  for (const auto& [option, given] : {std::pair{"--strategies", !request.strategies.empty()},
+                                      {"--vary", !request.vary.empty()},
+                                      {"--repeats", request.repeats > 0},
+                                      {"--engines, --engine or --against", engines},
+                                      {"--gradient", !request.gradient.empty()},
+                                      {"--reference", !request.reference.empty()},
+                                      {"--restart", !request.restart.empty()},
+                                      {"--live", request.live},
+                                      {"--resume", request.resume},
+                                      {"--shard", request.shard.of > 1},
+                                      {"--baseline", !request.baseline.empty()},
+                                      {"--peers", !request.peers.empty()},
+                                      {"--summary", request.summary},
+                                      {"--verbose", request.verbose}})
+    if (given)
+      throw InputError(std::string(option) +
+                       ": is of a comparison of strategies; one of steppers takes the scene's own strategy, and --set, "
+                       "--steppers, --threads, --out, --json and --quiet");
+}
+
+}  // namespace
+
 bool compare_steppers(const Request& request, const Catalog& catalog) {
+  check_options(request);
   Progress progress(progress_of(request));
   std::vector<StepperComparison> all;
   bool good = true;

@@ -223,7 +223,7 @@ TEST_CASE("the option --shard says what it needs", "[merge][command]") {
   refused("--shard 1/2", "--shard needs a folder of its own");
   refused("--shard 3/2 --out o", "'3/2' is not N/M");
   refused("--shard 1/2 --out o --baseline b", "give --peers and --baseline to `merge`");
-  refused("--shard 1/2 --out o --steppers all", "a comparison of steppers is not divided");
+  refused("--shard 1/2 --out o --steppers all", "--shard: is of a comparison of strategies");
   // There may be more shards than rows.
   CHECK(shell(folder, "$elastin compare cube.yaml --shard 9/9 --out o") == 0);
   CHECK_THAT(text_of_file(folder.path("out")), Contains("shard 9/9: 0 of 0 runs in o/"));
