@@ -192,7 +192,9 @@ Key<BoxCorners> high_corner_key() {
 std::vector<int> read_molecules(const Reader& reader, const Body& body, const Matrix3& rotation) {
   if (!reader.is_map()) {
     std::vector<int> molecules;
-    for (const Reader& item : reader.items()) {
+    const std::vector<Reader> items = reader.items();
+    if (items.empty()) reader.fail("names no molecule; write their numbers, or a map of where they lie");
+    for (const Reader& item : items) {
       const int number = item.molecule(static_cast<int>(molecules_of_whole(body)));
       if (const int molecule = molecule_of_whole(body, number); molecule >= 0) molecules.push_back(molecule);
     }
