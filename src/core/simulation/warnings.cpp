@@ -133,6 +133,16 @@ std::string warning_of_doubles(const Body& body, bool uses_cells) {
   return pairs == 0 ? "" : said(pairs, "connection", " given twice, or both ways", true);
 }
 
+std::string warning_of_negative(const Body& body, const VectorX& constants) {
+  int negative = 0;
+  for (Eigen::Index c = 0; c < constants.size(); ++c)
+    negative += constants[c] < 0 && computes(body, static_cast<int>(c));
+  negative = static_cast<int>(sum_over(body, negative));
+  return negative == 0 ? ""
+                       : counted(negative, "spring constant is", "spring constants are") + " negative (of " +
+                             std::to_string(constants.size()) + "): the body may have no stable equilibrium";
+}
+
 std::string warning_of_modes(const ModeReport& report) {
   if (report.zero_energy_modes == 0) return "";
   return "mechanism: " + std::string(report.counted ? "" : "at least ") +
@@ -180,10 +190,12 @@ std::vector<std::string> Simulation::warnings(bool mechanisms) const {
   if (cells && in.strategy->dimensions == 2 && !(in.material->thickness > 0))
     add("the material has no thickness: a membrane without one has no stiffness");
   if (in.strategy && in.body.parts.empty()) add(warning_of_locking(in.body, {*in.material}, *in.strategy));
+  VectorX constants;
+  if (mechanisms) constants = in.constants.size() || !in.recipe.constants ? in.constants : in.recipe.constants(in);
+  add(warning_of_negative(in.body, constants));
   if (mechanisms && !(in.material && in.material->bending_rigidity > 0)) {
     std::vector<char> stiff(in.body.connections.ends.size(), 1);
     if (in.strategy && !cells) std::fill(stiff.begin() + in.body.connections.proper(), stiff.end(), 0);
-    const VectorX constants = in.recipe.constants ? in.recipe.constants(in) : in.constants;
     for (Eigen::Index c = 0; c < constants.size(); ++c) stiff[c] = constants[c] != 0;
     add(warning_of_modes(find_modes_in_parts(in.body, in.model.supports, stiff)));
   }

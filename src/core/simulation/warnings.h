@@ -22,6 +22,9 @@ std::string warning_of_seams(const Body& body, const std::string& name);
 /// share: of all of them.
 std::string warning_of_doubles(const Body& body, bool uses_cells);
 
+/// @param constants of springs [N/m], one a connection; none of a body without springs
+std::string warning_of_negative(const Body& body, const VectorX& constants);
+
 std::string warning_of_modes(const ModeReport& report);
 
 /// From this Poisson's ratio on cells need pressures of their own, or they lock: they are too stiff.

@@ -103,16 +103,6 @@ std::vector<StrategyChoice> all_strategies(const Catalog& catalog, const Body& b
 
 namespace {
 
-void note_negative_constants(const Body& body, Run& run) {
-  int negative = 0;
-  for (Eigen::Index c = 0; c < run.constants.size(); ++c)
-    negative += run.constants[c] < 0 && computes(body, static_cast<int>(c));
-  negative = static_cast<int>(sum_over(body, negative));
-  if (negative > 0)
-    run.warnings.push_back(counted(negative, "spring constant is", "spring constants are") + " negative (of " +
-                           std::to_string(run.constants.size()) + "): the body may have no stable equilibrium");
-}
-
 void note_lost_faces(const Body& body, const Strategy& strategy, Run& run) {
   if (!strategy.needs_faces) return;
   const auto note = [&](const std::string& name, double lost) {
@@ -248,7 +238,8 @@ std::optional<ElasticTerms> make_elasticity(const Specimen& specimen, const Expe
                     : choice.strategy.constants ? make_rule(specimen, experiment, choice, options, run)
                                                 : choice.strategy.make(specimen.body, specimen.material, choice.values);
   if (!elasticity) return std::nullopt;
-  note_negative_constants(specimen.body, run);
+  if (std::string negative = warning_of_negative(specimen.body, run.constants); !negative.empty())
+    run.warnings.push_back(std::move(negative));
   if (has_curve(specimen) && !specimen.material.law && !choice.strategy.follows_curve)
     run.warnings.push_back("does not follow the material's curve: it takes its slope at no strain alone");
   if (choice.strategy.kind != StrategyKind::cell_law && ratio_varies(specimen))

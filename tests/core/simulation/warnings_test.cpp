@@ -73,6 +73,10 @@ TEST_CASE("a simulation warns as the laboratory does", "[simulation]") {
   CHECK(warnings_of(triangle, "standard") ==
         std::vector<std::string>{"1 connection is given twice, or both ways: there the body is twice as stiff"});
 
+  Simulation pushed(make_body(triangle), built_in_catalog().find("uniform"), kTissue,
+                    {.parameters = {{"constant", -1}}});
+  CHECK(pushed.warnings().at(1) == "4 spring constants are negative (of 4): the body may have no stable equilibrium");
+
   BodyArrays sheet;
   sheet.positions = chain.positions;
   sheet.triangles = {{0, 1, 2}};
