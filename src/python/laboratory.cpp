@@ -179,7 +179,10 @@ void add_result(py::module_& module) {
                              "Of the last state [N], one a connection, pulling is positive.")
       .def_property_readonly("stiffness", part_of_result(&Result::stiffness),
                              "6 x 6 [Pa], xx yy zz yz xz xy, of the experiment `material`; else None.")
-      .def_property_readonly("warnings", part_of_result(&Result::warnings))
+      .def_property_readonly("warnings", part_of_result(&Result::warnings), "What makes it doubtful, a sentence each.")
+      .def_property_readonly("notes", part_of_result(&Result::notes),
+                             "What was chosen, left out or repaired, as the command prints it: another strategy than "
+                             "the one that was named, what the grips hold, sets of a mesh.")
       .def_property_readonly("solver", part_of_result(&Result::solver))
       .def_property_readonly("newton_iterations", part_of_result(&Result::newton_iterations))
       .def_property_readonly("linear_iterations", part_of_result(&Result::linear_iterations))

@@ -174,6 +174,7 @@ class TheCommandsNumbers(unittest.TestCase):
         self.assertEqual(result.measures, run["measures"])
         self.assertEqual(result.errors, run["errors"])
         self.assertEqual(result.warnings, run["warnings"])
+        self.assertEqual(result.notes, run["notes"])
         self.assertEqual(result.linear_iterations, run["linear_iterations"])
         rows = [{name: float(column[row]) for name, column in result.curve.items() if not numpy.isnan(column[row])}
                 for row in range(len(run["curve"]))]

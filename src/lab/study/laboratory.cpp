@@ -67,6 +67,7 @@ LaboratoryResult result_of(const std::shared_ptr<const Scene>& of, Run made) {
   if (!run.snapshots.empty()) set_last_state(scene.specimen.body, run.snapshots.back(), result);
   for (const Snapshot& kept : run.snapshots) result.states.push_back({kept.at, kept.positions});
   result.warnings = record.warnings;
+  result.notes = record.notes;
   result.solver = run.solver;
   result.newton_iterations = run.newton_iterations;
   result.linear_iterations = run.linear_iterations;

@@ -12,7 +12,7 @@ inline auto members(LaboratoryResult& result) {
   return std::tie(result.outcome, result.suited, result.good, result.newton_iterations, result.linear_iterations,
                   result.strategy, result.cause, result.solver, result.measures, result.main, result.gradients,
                   result.spreads, result.errors, result.curve, result.stiffness, result.positions, result.tensions,
-                  result.states, result.warnings, result.build_seconds, result.solve_seconds);
+                  result.states, result.warnings, result.notes, result.build_seconds, result.solve_seconds);
 }
 
 }  // namespace elastin::lab

@@ -512,7 +512,12 @@ class Result:
     def stiffness(self) -> Floats | None:
         """6 x 6 [Pa], xx yy zz yz xz xy, of the experiment `material`; else None."""
     @property
-    def warnings(self) -> list[str]: ...
+    def warnings(self) -> list[str]:
+        """What makes it doubtful, a sentence each."""
+    @property
+    def notes(self) -> list[str]:
+        """What was chosen, left out or repaired, as the command prints it: another strategy than the one that was
+        named, what the grips hold, sets of a mesh."""
     @property
     def solver(self) -> str: ...
     @property
@@ -793,7 +798,7 @@ def run(scene: Scene, strategy: str | Strategy = "", *, experiment: Experiment |
     progress: a function that is called with what is being done, or True for a line that says it. reference:
     "computed" first computes the values that errors refer to; keep_states: the result has the positions of every
     load step or frame; derivatives_by: the result's gradients are by these keys."""
-def compare(scene: Scene, strategies: Sequence[str | Strategy] | None = None, *,
+def compare(scene: Scene, strategies: str | Strategy | Sequence[str | Strategy] | None = None, *,
             experiment: Experiment | Mapping[str, Any] | None = None,
             material: Material | Mapping[str, Any] | None = None, reference: Literal["", "computed", "none"] = "",
             set: Changes = None, catalog: Catalog | None = None, progress: Progress = None,

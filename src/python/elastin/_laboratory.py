@@ -111,7 +111,8 @@ def compare(scene, strategies=None, *, experiment=None, material=None, reference
     own; by default those that it compares itself, of a Body all. Where the scene says so, or nothing else shows what is
     right, its reference is computed first, as the command does: reference="none" leaves that out, "computed" does it in
     any case."""
-    names, catalog = _named(strategies or [], catalog)
+    one = isinstance(strategies, (str, Strategy))
+    names, catalog = _named([strategies] if one else strategies or [], catalog)
     opened = _scenes.opened(scene, names, experiment, material, keys)
     laboratory = Laboratory(opened, set=set, catalog=catalog)
     names = names or laboratory.strategies

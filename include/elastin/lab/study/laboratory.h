@@ -60,8 +60,8 @@ struct LaboratoryResult {
     Positions positions;
   };
   std::vector<Kept> states;
-  std::vector<std::string> warnings;
-  std::string solver;  ///< "newton pcg"; of a run in time its stepper
+  std::vector<std::string> warnings, notes;  ///< what makes it doubtful; what was done for the scene, in its order
+  std::string solver;                        ///< "newton pcg"; of a run in time its stepper
   int newton_iterations = 0, linear_iterations = 0;
   double build_seconds = 0, solve_seconds = 0;
   /// What a page shows of it; null of one that was packed and unpacked.
