@@ -36,7 +36,14 @@ std::string shape_text(const py::array& array) {
   return "(" + text + (array.ndim() == 1 ? ",)" : ")");
 }
 
+/// numpy hands out the values under a mask as if they counted.
+void refuse_masked(const py::handle& given, const std::string& name) {
+  if (py::hasattr(given, "mask") && py::module_::import("numpy").attr("ma").attr("is_masked")(given).cast<bool>())
+    throw InputError(name + ": has masked values; leave these out (`compressed`), or fill them (`filled`)");
+}
+
 Numbers checked(const py::handle& given, const char* name, py::ssize_t columns) {
+  refuse_masked(given, name);
   const Numbers array = Numbers::ensure(given);
   if (!array) {
     PyErr_Clear();
@@ -53,6 +60,7 @@ Numbers checked(const py::handle& given, const char* name, py::ssize_t columns) 
 template <std::size_t columns>
 std::vector<std::array<int, columns>> rows_from(const py::handle& given, const char* name) {
   if (given.is_none()) return {};
+  refuse_masked(given, name);
   const py::array any = py::array::ensure(given);
   const bool whole = any && (any.dtype().kind() == 'i' || any.dtype().kind() == 'u');
   if (any && any.size() == 0) return {};
@@ -76,6 +84,7 @@ std::vector<std::array<int, columns>> rows_from(const py::handle& given, const c
 /// Cells of a shape out of the table, (k, nodes).
 CellBlock block_from(const std::string& name, const py::handle& given) {
   CellBlock block{&cell_kind(name), {}, {}};
+  refuse_masked(given, "cells: " + name);
   const py::array any = py::array::ensure(given);
   const bool whole = any && (any.dtype().kind() == 'i' || any.dtype().kind() == 'u');
   if (!whole || any.ndim() != 2 || any.shape(1) != block.kind->nodes)
@@ -175,6 +184,7 @@ Body body_from_arrays(const py::object& positions, const py::object& connections
   arrays.density = density;
   arrays.thickness = thickness;
   if (!growth.is_none()) {
+    refuse_masked(growth, "growth");
     const Numbers all = Numbers::ensure(growth);
     PyErr_Clear();
     if (!all || all.ndim() != 3 || all.shape(1) != 3 || all.shape(2) != 3)

@@ -45,7 +45,9 @@ contact::Obstacle obstacle_from(const Simulation& simulation, const py::dict& gi
     else if (name == "triangles")
       triangles = entry_of<Cells<3>>(value, name, "(k, 3), numbers of points");
     else
-      sizes[name] = number_of(value, name);
+      sizes[name] = entry_of<double>(value, "obstacles: " + name,
+                                     "a number, for it counts as a size of the shape: other keys are shape, name, "
+                                     "position, turn, tool, friction, points and triangles");
   }
   if (shape.empty()) throw InputError("obstacles: number " + std::to_string(number) + " has no 'shape'");
   if ((obstacle.pose.turn.transpose() * obstacle.pose.turn - Matrix3::Identity()).norm() > 1e-9)

@@ -129,8 +129,7 @@ LoadValues load_values(const LoadKind& load, const py::kwargs& given, std::size_
   LoadValues values;
   for (const auto& [key, value] : given) {
     const auto name = key.cast<std::string>();
-    const ParameterInfo* info = find_named(load.parameters, name);
-    const ValueKind kind = info ? info->kind : ValueKind::number;
+    const ValueKind kind = named(load.parameters, name, load.name + " has no '" + name + "'").kind;
     if (kind == ValueKind::molecules)
       values.molecules[name] = entry_of<ChosenNumbers>(value, name, "a list of numbers of molecules, or a mask")
                                    .of(molecules, name, "molecule");

@@ -79,6 +79,32 @@ class Values(unittest.TestCase):
             with self.assertRaisesRegex(elastin.InputError, said):
                 act()
 
+    def test_masked_values_do_not_count_in_silence(self):
+        ends, modulus = [[0, 1]], {"law": "yeoh", "terms": [1e3], "bulk_modulus": 1e9}
+        places = numpy.ma.masked_array([[0.0, 0, 0], [1, 0, 0]], mask=[[0, 0, 0], [1, 0, 0]])
+        data = {"stretch": [1.1, 1.2, 1.3], "nominal_stress": numpy.ma.masked_array([1.0, 2, 70], mask=[0, 0, 1])}
+        for act, said in (
+                (lambda: elastin.Body(places, ends), "positions: has masked values"),
+                (lambda: elastin.Body(places.data, numpy.ma.masked_array(ends, mask=[[0, 1]])), "connections: has masked"),
+                (lambda: elastin.Body(places.data, ends, masses=numpy.ma.masked_array([1.0, 2], mask=[1, 0])), "masses: has"),
+                (lambda: elastin.identify(data={"uniaxial": data}, material=modulus), "nominal_stress has masked values")):
+            with self.assertRaisesRegex(elastin.InputError, said):
+                act()
+        self.assertEqual(len(elastin.Body(numpy.ma.masked_array(places.data), ends)), 2)
+
+    def test_an_unknown_name_is_said_whatever_its_value(self):
+        tissue = elastin.Simulation(LATTICE, "lattice", SOFT)
+        with self.assertRaisesRegex(elastin.InputError, "gravity has no 'accel'"):
+            tissue.add_load("gravity", accel=(0, 0, 1))
+        with self.assertRaisesRegex(elastin.InputError, "posiition: is .*; allowed: .* other keys are shape, name, position"):
+            tissue.add_contact(1e8, [{"shape": "sphere", "radius": 1e-3, "posiition": (0, 0, 0)}])
+        with self.assertRaisesRegex(elastin.InputError, "point.molecules: names no molecule"):
+            tissue.add_load("point", molecules=LATTICE.positions[:, 2] < 0, force=(0, 0, 1))
+
+    def test_one_strategy_by_its_name(self):
+        found = elastin.compare(LATTICE, "lattice", experiment=TENSION, material=SOFT)
+        self.assertEqual([result.strategy for result in found], ["lattice"])
+
     def test_a_file_that_is_not_there(self):
         for read in (lambda: elastin.run("no/such.yaml"), lambda: elastin.read_mesh("no_such.msh", "mm"),
                      lambda: elastin.body({"mesh": {"file": "no_such.vtk", "length_unit": "mm"}}),
@@ -106,6 +132,7 @@ class Warnings(unittest.TestCase):
             tissue = elastin.Simulation(pieces, "neo_hookean", SOFT)
         self.assertRegex(tissue.warnings[0], "not connected: 2 pieces")
         self.assertEqual(elastin.Simulation(LATTICE, "lattice", SOFT).warnings, [])
+        self.assertRegex(elastin.Simulation(LATTICE, rule("pushed", -1.0), SOFT).warnings[0], "constants are negative")
 
     def test_how_a_mesh_was_read_is_no_warning(self):
         text = """$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n1\n3 1 "all"\n$EndPhysicalNames

@@ -18,11 +18,13 @@ void check_value(const std::string& key, const ParameterInfo& info, const Body& 
       if (std::abs(vector->second.norm() - 1) > 1e-15) vector->second.normalize();
     }
   }
-  if (const auto molecules = values.molecules.find(info.name); molecules != values.molecules.end())
+  if (const auto molecules = values.molecules.find(info.name); molecules != values.molecules.end()) {
+    if (molecules->second.empty() && !body.share) throw InputError(key + ": names no molecule");
     for (const int molecule : molecules->second)
       if (molecule < 0 || molecule >= body.size())
         throw InputError(key + ": no molecule " + std::to_string(molecule) + ": the body has molecules 0 to " +
                          std::to_string(body.size() - 1));
+  }
 }
 
 bool fits(ValueKind kind, const LoadValues& values, const std::string& name) {

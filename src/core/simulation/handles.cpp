@@ -155,9 +155,13 @@ namespace {
 
 /// The state with other values in one of its arrays.
 SimulationState changed(SimulationState state, Positions State::*array, const Positions& values, const char* name) {
-  if (values.cols() != state.state.positions.cols() || !values.allFinite())
+  const auto molecules = state.state.positions.cols();
+  if (values.cols() != molecules)
     throw InputError(std::string(name) + ": " + std::to_string(values.cols()) + " molecules for " +
-                     std::to_string(state.state.positions.cols()) + ", or numbers that are not finite");
+                     std::to_string(molecules));
+  for (Eigen::Index molecule = 0; molecule < molecules; ++molecule)
+    if (!values.col(molecule).allFinite())
+      throw InputError(std::string(name) + ": those of molecule " + std::to_string(molecule) + " are not finite");
   state.state.*array = values;
   state.state.accelerations = {};  // of the state before
   state.seen = {};

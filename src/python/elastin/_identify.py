@@ -74,6 +74,9 @@ def _with_file(test, name, folder):
     columns = {key: numpy.asarray(value, float) for key, value in test.items() if _is_column(value)}
     if not columns:
         return test
+    for key in columns:
+        if numpy.ma.is_masked(test[key]):
+            raise InputError(f"data of '{name}': {key} has masked values; leave their rows out of every column")
     sizes = {key: column.shape for key, column in columns.items()}
     if len(set(sizes.values())) > 1 or any(len(shape) != 1 for shape in sizes.values()):
         raise InputError(f"data of '{name}': columns must be arrays of one length; they have "
