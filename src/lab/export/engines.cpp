@@ -172,9 +172,9 @@ Files mujoco_files(const ExportedBody& body) {
   const auto held = held_axes(body);
   Text text;
   text(
-      "<mujoco model={}>\n  <!-- m, kg, s, N. Stiffness of a tendon: k [N/m]; of a flex: E [Pa], nu. -->\n"
+      "<mujoco model=\"{}\">\n  <!-- m, kg, s, N. Stiffness of a tendon: k [N/m]; of a flex: E [Pa], nu. -->\n"
       "  <option gravity=\"0 0 0\" timestep=\"0.001\" integrator=\"discrete\"/>\n  <worldbody>\n",
-      quoted(body.name));
+      escaped(body.name));
   for (const int i : numbers(body)) {
     const double inertia = 0.4 * body.masses[i] * body.radii[i] * body.radii[i];
     text("    <body name=\"m{}\" pos=\"{} {} {}\"><inertial pos=\"0 0 0\" mass=\"{}\" diaginertia=\"{} {} {}\"/>", i,
@@ -264,7 +264,7 @@ btSoftBody* make_body(btSoftBodyWorldInfo& world, double dt, int iterations) {{
 Files sofa_files(const ExportedBody& body) {
   const auto held = held_axes(body);
   Text text;
-  text("<?xml version=\"1.0\"?>\n<!-- {}: m, kg, s, N, Pa -->\n", body.name);
+  text("<?xml version=\"1.0\"?>\n<!-- m, kg, s, N, Pa -->\n");
   text("<Node name=\"root\" dt=\"0.01\" gravity=\"0 0 0\">\n");
   for (const char* plugin :
        {"LinearSolver.Iterative", "Mass", "ODESolver.Backward", "SolidMechanics.Spring", "SolidMechanics.FEM.Elastic",

@@ -371,6 +371,18 @@ TEST_CASE("What a process prints comes through pipes, and fills no file and no m
   CHECK(run_process(folder, "echo only here; exit 1", "", {}, 60).complaint == "only here");
 }
 
+TEST_CASE("A scene may have any name in XML", "[export][engines]") {
+  ExportedBody body;
+  body.name = "a \"b\" <c> & --";
+  body.positions = Positions::Identity(3, 2);
+  body.connections = {{0, 1, std::sqrt(2.), 5}};
+  body.forces = Positions::Zero(3, 2);
+  body.masses = body.radii = VectorX::Ones(2);
+  CHECK_THAT(engine_files(*export_formats().find("mujoco"), body).front().text,
+             Contains("<mujoco model=\"a &quot;b&quot; &lt;c&gt; &amp; --\">"));
+  CHECK_THAT(engine_files(*export_formats().find("sofa"), body).front().text, !Contains(body.name));
+}
+
 TEST_CASE("A folder for an engine says that it has no loads", "[export]") {
   const TemporaryFolder folder;
   const auto readme_of = [&](const char* format, const std::string& experiment) {
