@@ -23,6 +23,7 @@
 #include "elastin/core/solve/engine.h"
 #include "elastin/lab/run/experiment.h"
 #include "elastin/mesh/voronoi.h"
+#include "lab/run/contact_measures.h"
 #include "lab/run/derivatives.h"
 #include "lab/run/load_path.h"
 
@@ -117,7 +118,7 @@ void note_lost_faces(const Body& body, const Strategy& strategy, Run& run) {
     if (part.voronoi) note("body '" + part.name + "'", mesh::lost_share(part_alone(body, part).body, *part.voronoi));
 }
 
-void count_modes(const Model& model, Run& run) {
+void count_modes(const Model& model, const Experiment& experiment, Run& run) {
   std::vector<char> stiff;
   if (run.constants.size() > 0) {
     stiff.resize(static_cast<std::size_t>(run.constants.size()));
@@ -127,6 +128,12 @@ void count_modes(const Model& model, Run& run) {
   run.zero_energy_modes = report.zero_energy_modes;
   if (report.zero_energy_modes > 0)
     run.warnings.push_back(warning_of_modes(report) + "; the load is solved in the range of the stiffness");
+  // What has no modulus measures displacements in space.
+  const StaticExperiment* own_loads = experiment.at_rest();
+  if (report.rigid_motions > 0 && own_loads && !own_loads->calibration() && model.body().parts.empty() &&
+      !contact_of(model))
+    run.warnings.push_back("the supports leave " + counted(report.rigid_motions, "rigid motion") +
+                           " of the body free, any of which may be in its displacements: hold more of it");
 }
 
 /// The choice as it works on the specimen's body.
@@ -440,7 +447,8 @@ Run run_strategy(const Specimen& specimen, const Experiment& experiment, const S
   run.build_seconds = build.seconds();
   const auto& share = specimen.body.share;
   const bool whole = !share || share->processes->count() == 1;
-  if (whole && !experiment.stiffened_by_load() && !(specimen.material.bending_rigidity > 0)) count_modes(model, run);
+  if (whole && !experiment.stiffened_by_load() && !(specimen.material.bending_rigidity > 0))
+    count_modes(model, experiment, run);
 
   std::shared_ptr<Derivatives> of_whole_runs;
   if (options.derivatives && Derivatives::by_whole_runs(experiment, *held->rig, choice, model, options))

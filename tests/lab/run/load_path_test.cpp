@@ -111,3 +111,28 @@ TEST_CASE("without any force cells rest where they are, and rounding is no load"
       CHECK(std::abs(run.measures.get("end_displacement")) < 1e-15);  // of 1 cm, rounding
     }
 }
+
+TEST_CASE("supports that leave a rigid motion free are named where displacements are read", "[statics][load_path]") {
+  const TemporaryFolder folder;
+  const std::string first = "{molecules: {nearest: [0, 0, 0]}, fix: [x, y, z]}",
+                    second = ", {molecules: {nearest: [10 mm, 0, 0]}, fix: [y, z]}",
+                    third = ", {molecules: {nearest: [0, 4 mm, 0]}, fix: [z]}";
+  for (const auto& [supports, said] : {std::pair{first, "the supports leave 3 rigid motions of the body free"},
+                                       {first + second, "the supports leave 1 rigid motion of the body free"},
+                                       {first + second + third, ""}}) {
+    const auto scene = load_scene(
+        folder.write("scene.yaml",
+                     "body: {tetrahedra: {kind: body_centred, cubes: [4, 2, 2], size: [10 mm, 4 mm, 4 mm]}}\n"
+                     "material: {youngs_modulus: 10 kPa, poissons_ratio: 0.3}\nstiffness: neo_hookean\n"
+                     "rest: {swelling: 1.1}\nsupports: [" +
+                         supports + "]\nexperiment: {kind: loads, read: [{name: end, molecules: {side: x}}]}\n"),
+        built_in_catalog());
+    const Run run = run_strategy(scene->specimen, *scene->experiment, scene->stiffness, {.statics = scene->statics});
+    REQUIRE(run.outcome == Outcome::converged);
+    INFO(supports);
+    CHECK(run.warnings.size() == (*said ? 1 : 0));
+    if (*said) CHECK_THAT(run.warnings.front(), Contains(said));
+    // Where nothing is left free the end goes out by a tenth of the length.
+    if (!*said) CHECK(run.measures.get("end_x") == Approx(1e-3).epsilon(1e-6));
+  }
+}
