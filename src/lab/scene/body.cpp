@@ -393,21 +393,25 @@ Keys<Region> region_keys() {
           key::quantity("mass", &S::mass, dimension::none, "factor of the material's mass", factor)};
 }
 
-void apply_picked_region(const Region& region, Body& body) {
+void apply_picked_region(const Region& region, Body& body, std::vector<std::string>& notes) {
   std::vector<char> picked(static_cast<std::size_t>(body.size()));
   for (const int molecule : *region.molecules) picked[molecule] = 1, body.mass[molecule] *= region.mass;
-  bool found = false;
+  int connections = 0, cells = 0;
   change_stiffness(body, [&](const auto& molecules, double& factor) {
     if (!std::all_of(molecules.begin(), molecules.end(), [&](int molecule) { return picked[molecule]; })) return;
     factor = region.stiffness;
-    found = true;
+    ++(molecules.size() > 2 ? cells : connections);
   });
-  if (!found && region.stiffness != 1)
+  if (cells > 0 || region.stiffness == 1) return;
+  if (connections == 0)
     region.place->fail("no cell and no connection has all its molecules among these, so that none gets this stiffness");
+  if (!body.tetrahedra.empty() || !body.triangles.empty() || !body.blocks.empty())
+    notes.push_back(region.place->path() + ": no cell has all its molecules among these, but " +
+                    counted(connections, "connection") + ": springs get this stiffness, laws of cells do not");
 }
 
 void apply_region(const Region& region, Body& body, std::vector<std::string>& notes) {
-  if (region.molecules) return apply_picked_region(region, body);
+  if (region.molecules) return apply_picked_region(region, body, notes);
   const Vector3 least = body.rest.rowwise().minCoeff(), most = body.rest.rowwise().maxCoeff();
   const double slack = 1e-9 * (region.to - region.from).norm();
   const bool has_molecules = (((body.rest.colwise() - region.from).array() >= -slack).colwise().all() &&

@@ -160,6 +160,9 @@ TEST_CASE("a region is the same on cells of second order, and one that catches n
                       Contains("body.regions[0]") && Contains("no cell and no connection has its middle in this box"));
     CHECK_THROWS_WITH(scene_with("molecules: [0, 19], stiffness: 7", order),
                       Contains("no cell and no connection has all its molecules among these"));
+    if (order == 1)
+      CHECK_THAT(scene_with("molecules: [0, 1], stiffness: 7", order)->notes.back(),
+                 Contains("no cell has all its molecules among these, but 1 connection: springs get this stiffness"));
     CHECK_NOTHROW(scene_with("molecules: [0], mass: 7", order));
     CHECK_NOTHROW(scene_with("from: [0, 0, 4 mm], to: [0, 0, 4 mm], mass: 7", order));
   }
