@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <filesystem>
@@ -28,7 +29,8 @@ class DataFile {
     for (std::size_t row = 0; row < table_->rows.size(); ++row)
       if (chosen(row)) rows_.push_back(row);
     if (rows_.empty() && !test.rows.empty()) fail_at_rows();
-    while (!rows_.empty() && is_behind(rows_.back())) rows_.pop_back(), ++behind_;
+    while (!rows_.empty() && (is_behind(rows_.back()) || (rows_.size() > 1 && is_named(rows_.back()))))
+      rows_.pop_back(), ++behind_;
   }
 
   MeasuredData read() const {
@@ -106,6 +108,15 @@ class DataFile {
   /// Whether both columns have ended, where other columns of the file go on.
   bool is_behind(std::size_t row) const { return is_empty(row, columns_.along) && is_empty(row, columns_.up); }
 
+  /// Whether a name stands in the place of a reading, as that of a mean or a largest value.
+  bool is_named(std::size_t row) const {
+    if (is_empty(row, columns_.along)) return false;
+    const std::string& text = table_->rows[row][columns_.along.number];
+    double number = 0;
+    return std::isalpha(static_cast<unsigned char>(text.front())) &&
+           std::from_chars(text.data(), text.data() + text.size(), number).ec == std::errc::invalid_argument;
+  }
+
   bool chosen(std::size_t row) const {
     const std::size_t fields = table_->rows[row].size();
     if (fields != table_->head.size() && !is_behind(row))
@@ -175,7 +186,7 @@ class DataFile {
   const MachineTable* table_ = nullptr;
   ChosenColumns columns_;
   std::vector<std::size_t> rows_;
-  int behind_ = 0;  ///< rows that are left out behind the end of both columns
+  int behind_ = 0;  ///< rows that are left out behind the end of both columns, or of the readings
 };
 
 double rest_of(const MeasuredData& data) { return data.along->name == "stretch" ? 1 : 0; }

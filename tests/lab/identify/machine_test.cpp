@@ -323,6 +323,17 @@ TEST_CASE("compression is read whatever signs the machine gives it", "[identify]
             "displacement and force turned to negative"));
 }
 
+TEST_CASE("statistics below the readings are left out with a note", "[identify][machines]") {
+  const TemporaryFolder folder;
+  Layout footed{"", "", "displacement [mm],force [N]\n", ",", '.', "", "df", "Max,0.42\nMean,0.2\n", "\n"};
+  const Answer answer = answer_of(folder, file_of(footed, readings({})), kSizes);
+  CHECK(answer.numbers.front().value == Approx(kConstant).epsilon(0.01));
+  CHECK(has(joined(answer.tests.front().data.notes), "2 rows behind the end of these columns left out"));
+  // Between readings a word is a fault.
+  footed.end += "7.6,0.5\n";
+  CHECK(has(message_of([&] { answer_of(folder, file_of(footed, readings({})), kSizes); }), "'Max' is no number"));
+}
+
 TEST_CASE("a file that counts pulling as negative says how it is read, and what turns it", "[identify][machines]") {
   const TemporaryFolder folder;
   Layout negative{"", "", "displacement [mm],force [N]\n", ",", '.', "", "df", "", "\n"};
