@@ -568,8 +568,9 @@ void add_simulation(py::module_& module) {
           "it goes there [m]. NaN where one of the two fails.")
       .def_property_readonly(
           "warnings", [](Moving& self) { return self.in_turn([](Simulation& s) { return s.warnings(); }); },
-          "What makes its results doubtful, a sentence each: pieces, cells given twice, mechanisms, cells that lock, a "
-          "missing thickness, a budget that is not kept. Looks at the whole body: not for every step.")
+          "What makes its results doubtful, a sentence each: pieces, cells given twice, negative spring constants, "
+          "mechanisms, cells that lock, a missing thickness, a budget that is not kept. Looks at the whole body: not "
+          "for every step.")
       .def("observe", &observe, py::arg("see"), py::arg("every") = 1,
            "Calls see(simulation) after every `every` steps that succeeded. It must not step; what it raises ends the "
            "step() that it came from.")

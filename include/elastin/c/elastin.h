@@ -388,8 +388,9 @@ ELASTIN_API elastin_status elastin_origin(const elastin_simulation*, const int**
 /* A copy of the body as it is now, to be freed: what a renderer draws after a cut. */
 ELASTIN_API elastin_status elastin_current_body(const elastin_simulation*, elastin_body** body);
 
-/* What makes its results doubtful, a line each, "" for nothing: pieces, cells given twice, mechanisms, cells that lock,
- * a missing thickness, a budget that is not kept. Looks at the whole body: not for every step. */
+/* What makes its results doubtful, a line each, "" for nothing: pieces, cells given twice, negative spring constants,
+ * mechanisms, cells that lock, a missing thickness, a budget that is not kept. Looks at the whole body: not for every
+ * step. */
 ELASTIN_API elastin_status elastin_warnings(elastin_simulation* simulation, const char** text);
 
 /* Calls `see` after every `every` steps that succeeded, with the simulation and the context; it must not step. */

@@ -335,8 +335,9 @@ class Simulation:
         `unstable` says where that did not succeed. Raises StepError where none is found, unless check=False."""
     @property
     def warnings(self) -> list[str]:
-        """What makes its results doubtful, a sentence each: pieces, cells given twice, mechanisms, cells that lock, a
-        missing thickness, a budget that is not kept. Looks at the whole body: not for every step."""
+        """What makes its results doubtful, a sentence each: pieces, cells given twice, negative spring constants,
+        mechanisms, cells that lock, a missing thickness, a budget that is not kept. Looks at the whole body: not for
+        every step."""
     def observe(self, see: Callable[[Simulation], object], every: int = 1) -> None:
         """Calls see(simulation) after every `every` steps that succeeded. It must not step; what it raises ends the
         step() that it came from."""

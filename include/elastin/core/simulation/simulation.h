@@ -241,9 +241,10 @@ class Simulation {
   /// them.
   std::pair<double, double> iteration_error(double dt);
 
-  /// What makes its results doubtful, a sentence each: pieces, cells given twice, mechanisms, cells that lock, a
-  /// missing thickness, a budget that is not kept. Looks at the whole body: not for every step.
-  /// @param mechanisms whether zero-energy modes are counted, which takes longest
+  /// What makes its results doubtful, a sentence each: pieces, cells given twice, negative spring constants,
+  /// mechanisms, cells that lock, a missing thickness, a budget that is not kept. Looks at the whole body: not for
+  /// every step.
+  /// @param mechanisms whether spring constants are looked at and zero-energy modes counted, which takes longest
   std::vector<std::string> warnings(bool mechanisms = true) const;
 
   /// Calls `see` after every `every` (≥ 1) steps that converged. A step that it takes ends as limit_reached, with the
