@@ -59,7 +59,7 @@ class OwnLoad final : public Load {
   bool changes() const override { return own_.of_positions || own_.of_velocities; }
   bool has_energy() const override { return static_cast<bool>(own_.energy); }
   bool symmetric() const override { return has_energy(); }
-  bool steady() const override { return !own_.of_time; }
+  bool steady() const override { return has_energy() && !own_.of_time; }
   bool feels_velocity() const override { return own_.of_velocities; }
   void add_change(const State& state, const Positions& by_position, const Positions& by_velocity,
                   Positions& change) const override {

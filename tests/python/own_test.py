@@ -142,6 +142,17 @@ class Loads(unittest.TestCase):
 
 
 class Steppers(unittest.TestCase):
+    def test_a_load_without_an_energy_does_work_in_the_lab(self):
+        """The weight of a free body as a function of nothing: it falls as under gravity, and its work is what it has then."""
+        scene = dict(body={"lattice": {"kind": "cubic", "molecules": [3, 3, 3], "spacing": "1 cm", "connections": ["axis", "face"]}},
+                     material={"youngs_modulus": "5 kPa", "density": "1000 kg/m3"}, stiffness="lattice", experiment={"kind": "motion"},
+                     loads=[elastin.load("mine", weight)])
+        for stepper in ("velocity_verlet", "newmark"):
+            run = elastin.run(scene, time={"duration": "0.1 s", "stepper": stepper, "step": "1 ms"})
+            self.assertEqual(str(run.outcome), "converged", run.cause)
+            self.assertAlmostEqual(run.measures["centre_displacement"], 9.81 * 0.1 ** 2 / 2, delta=1e-9)
+            self.assertAlmostEqual(run.measures["work"] / run.measures["kinetic_energy"], 1, delta=1e-9)
+
     def test_the_stepper_by_its_former_names(self):
         """scheme and scheme_parameters choose what stepper and stepper_parameters do."""
         ends = []

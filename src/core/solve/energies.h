@@ -6,12 +6,12 @@ namespace elastin {
 /// What a body has, and what it has taken in and given away since a run began. Energies in [J].
 struct Energies {
   double kinetic = 0;
-  double elastic = 0;                  ///< stored; 0 of laws that have no energy
-  double in_laws = 0;                  ///< work done on those: stored or dissipated, which cannot be distinguished
-  double potential = 0;                ///< of the loads that have one and stay as they are: weight, dead forces
-  double dissipated = 0;               ///< by damping, drag and laws that dissipate
-  double work = 0;                     ///< put in by loads that change in time, and by supports that move
-  Vector3 momentum = Vector3::Zero();  ///< [kg m/s]
+  double elastic = 0;     ///< stored; 0 of laws that have no energy
+  double in_laws = 0;     ///< work done on those: stored or dissipated, which cannot be distinguished
+  double potential = 0;   ///< of the loads that have one and stay as they are: weight, dead forces
+  double dissipated = 0;  ///< by damping, drag and laws that dissipate
+  double work = 0;        ///< put in by loads that change in time or have no energy, and by supports that move
+  Vector3 momentum = Vector3::Zero();          ///< [kg m/s]
   Vector3 angular_momentum = Vector3::Zero();  ///< about the origin [kg m²/s]
 
   /// What the exact motion keeps: its change is the stepper's error.

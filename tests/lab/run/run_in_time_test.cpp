@@ -306,6 +306,28 @@ TEST_CASE("both drag laws reach their speeds, at the order of the stepper", "[ti
   }
 }
 
+TEST_CASE("a load without an energy does work: what it pushes from rest goes on", "[time][energy]") {
+  // A follower pressure on one face: x = p A t² / 2 m of the centre, and work of at least p A x, for the face is ahead.
+  const double push = 10 * 4e-4, mass = 1000 * 16e-6, way = push / mass * 0.1 * 0.1 / 2;
+  for (const char* stepper : {"newmark", "velocity_verlet", "backward_euler"}) {
+    INFO(stepper);
+    const Run run =
+        run_of(std::string("body: {tetrahedra: {kind: kuhn, size: [2 cm, 2 cm, 4 cm], cubes: [2, 2, 4]}}\n"
+                           "material: {youngs_modulus: 50 kPa, poissons_ratio: 0.3, density: 1000 kg/m3}\n"
+                           "experiment: {kind: motion}\nstiffness: neo_hookean\n"
+                           "loads: [{pressure: {pressure: 10 Pa, on: {plane: {point: [0 m, 0 m, 0 m], normal: z}}}}]\n"
+                           "time: {duration: 0.1 s, step: 0.5 ms, stepper: ") +
+               stepper + "}\n");
+    INFO(run.cause);
+    REQUIRE(run.outcome == Outcome::converged);
+    CHECK(measured(run, "centre_displacement") == Approx(way).epsilon(6e-3));  // backward Euler is a step ahead
+    CHECK(measured(run, "work") == Approx(push * way).epsilon(0.02));
+    CHECK(std::abs(measured(run, "energy_balance")) <
+          (std::string(stepper) == "backward_euler" ? 0.02 : 2e-4) * push * way);
+    CHECK(measured(run, "kinetic_energy") == Approx(push * way).epsilon(0.02));
+  }
+}
+
 TEST_CASE("a drop without damping gives back its speed; with damping less", "[time][drop]") {
   const std::string cube =
       "body: {molecules: [[0 m, 0 m, 5 cm]], radius: 1 cm}\nmaterial: {youngs_modulus: 10 kPa, density: 1000 kg/m3}\n"

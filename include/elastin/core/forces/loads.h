@@ -36,8 +36,9 @@ class Load {
   virtual std::vector<WideTerm> wide_terms(const State&) const { return {}; }
   /// Whether what it does to a body that does not move comes from energy().
   virtual bool has_energy() const { return true; }
-  /// Whether energy() at one position stays the same over time; if not, the load does external work.
-  virtual bool steady() const { return true; }
+  /// Whether all that it gives is in energy(), which at one position stays the same over time. If not, what it does is
+  /// external work, added up step by step.
+  virtual bool steady() const { return has_energy(); }
   /// Whether the load acts on a body that does not move. Drag does not.
   virtual bool acts_at_rest() const { return true; }
   /// Whether part of it takes energy from a body that moves; add_resistance adds that part [N].
