@@ -31,7 +31,6 @@ const char* elastin_message(void) { return last_message; }
 
 elastin_status elastin_set_threads(int threads) {
   return elastin::c::guarded([&]() -> elastin_status {
-    if (threads < 0) throw elastin::InputError("threads is " + std::to_string(threads) + "; it must be at least 0");
     const bool several = elastin::openmp::use_openmp();
     elastin::set_threads(threads);
     return several || threads == 1

@@ -1,6 +1,7 @@
 #include <algorithm>
 
 #include "c/handles.h"
+#include "elastin/core/parallel/threads.h"
 #include "elastin/core/simulation/prepare.h"
 #ifdef ELASTIN_C_LAB
 #include "elastin/lab/study/laboratory.h"
@@ -128,9 +129,9 @@ SimulationOptions options_of(const elastin_options* given, std::unique_ptr<Callb
     options.max_substeps = static_cast<int>(within(values.max_substeps, 1, 1e9, "max_substeps"));
   options.parameters = values_of(values.parameters, values.parameter_count, "parameters");
   options.budget = within(values.budget, 0, 1e9, "budget");
-  options.threads = static_cast<int>(within(values.threads, 0, 4096, "threads"));
+  options.threads = static_cast<int>(within(values.threads, 0, kMostThreads, "threads"));
   if (values.run) {
-    const int width = static_cast<int>(within(values.run_width, 1, 4096, "run_width"));
+    const int width = static_cast<int>(within(values.run_width, 1, kMostThreads, "run_width"));
     runner = std::make_unique<CallbackRunner>(width, values.run, values.run_context);
     options.runner = runner.get();
   }

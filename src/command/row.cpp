@@ -23,7 +23,7 @@ void SceneOptions::add_to(Options& options, bool several) {
       .add("--set", "KEY=VALUE", into(overrides),
            "Set a key of the scene: KEY.PATH=VALUE; a plain number is SI. May be repeated")
       .repeated = true;
-  options.add("--threads", "NUMBER", into(threads, 0, 4096),
+  options.add("--threads", "NUMBER", into(threads, 0, kMostThreads),
               "Threads for large bodies, at most 4096; 0: one for each core. Results are bitwise identical for any "
               "number");
   options.flag("--quiet", quiet, "Print nothing but errors");

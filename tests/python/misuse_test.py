@@ -32,6 +32,13 @@ class Names(unittest.TestCase):
             elastin.run(LATTICE, elastin.law("neo_hookean", lambda I1, J, mu: mu / 2 * (I1 - 3) - mu * numpy.log(J)),
                         experiment=TENSION, material=SOFT)
 
+    def test_numbers_of_threads_have_the_range_of_the_command(self):
+        before = elastin.threads()
+        for number in (-5, 10**9):
+            with self.assertRaisesRegex(elastin.InputError, f"threads is {number}; it must be at least 0 and at most 4096"):
+                elastin.set_threads(number)
+        self.assertEqual(elastin.threads(), before)
+
     def test_the_same_strategy_may_be_named_again(self):
         own = rule("mine", 1.0)
         both = elastin.compare(LATTICE, [own, own, elastin.Catalog()["lattice"]], experiment=TENSION, material=SOFT)

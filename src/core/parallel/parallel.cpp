@@ -1,5 +1,7 @@
 #include "core/parallel/parallel.h"
 
+#include "elastin/core/base/error.h"
+
 namespace elastin {
 namespace {
 
@@ -30,7 +32,12 @@ void set_runner(TaskRunner* runner) { common_runner.store(runner, std::memory_or
 
 TaskRunner* runner() { return own_runner ? own_runner : common_runner.load(std::memory_order_acquire); }
 
-void set_threads(int threads) { chosen_threads.store(std::max(0, threads), std::memory_order_relaxed); }
+void set_threads(int threads) {
+  if (threads < 0 || threads > kMostThreads)
+    throw InputError("threads is " + std::to_string(threads) + "; it must be at least 0 and at most " +
+                     std::to_string(kMostThreads));
+  chosen_threads.store(threads, std::memory_order_relaxed);
+}
 
 int threads() {
   const TaskRunner* used = runner();

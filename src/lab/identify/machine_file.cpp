@@ -145,7 +145,7 @@ std::optional<std::string> plain_number(const std::string& text, char decimal) {
     if (plain.back() == '.' && decimal == ',') return std::nullopt;
   }
   if (digits == 0) return std::nullopt;
-  if (at < text.size() && (text[at] == 'e' || text[at] == 'E')) {
+  if (at < text.size() && std::string_view("eEdD").find(text[at]) != std::string_view::npos) {  // D: Fortran's
     const std::string power = text.substr(at + 1);
     const std::size_t first = power.starts_with('-') || power.starts_with('+') ? 1 : 0;
     if (first == power.size() ||

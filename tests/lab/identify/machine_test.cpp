@@ -323,6 +323,19 @@ TEST_CASE("compression is read whatever signs the machine gives it", "[identify]
             "displacement and force turned to negative"));
 }
 
+TEST_CASE("powers of ten are read as Fortran writes them, too", "[identify][machines]") {
+  const TemporaryFolder folder;
+  const std::string head = "nominal_strain [-],nominal_stress [Pa]\n";
+  std::string small, large;
+  for (int i = 1; i < 9; ++i) {
+    small += "0." + std::to_string(i) + "E-02," + std::to_string(30 * i) + "\n";
+    large += "0." + std::to_string(i) + "D-02," + std::to_string(3 * i) + ".0D+01\n";
+  }
+  const Answer plain = answer_of(folder, head + small, ""), fortran = answer_of(folder, head + large, "");
+  REQUIRE(plain.tests.front().data.x.size() == 8);
+  CHECK(fortran.numbers.front().value == plain.numbers.front().value);
+}
+
 TEST_CASE("statistics below the readings are left out with a note", "[identify][machines]") {
   const TemporaryFolder folder;
   Layout footed{"", "", "displacement [mm],force [N]\n", ",", '.', "", "df", "Max,0.42\nMean,0.2\n", "\n"};

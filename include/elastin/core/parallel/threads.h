@@ -21,7 +21,8 @@ void set_runner(TaskRunner* runner);
 /// The runner of a loop begun by the calling thread, or null.
 TaskRunner* runner();
 
-/// Into how many tasks that runner parts a loop; 0 = its width.
+constexpr int kMostThreads = 4096;
+/// Into how many tasks that runner parts a loop, 0 to kMostThreads; 0 = its width. Throws InputError out of that range.
 void set_threads(int threads);
 /// What a loop begun by the calling thread would use, its ThreadScope's where one lives; 1 without a runner.
 int threads();
