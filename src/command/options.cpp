@@ -171,10 +171,10 @@ std::string Options::usage(const std::string& usage_name) const {
 }
 
 std::string help_line(const std::string& name, const std::string& text) {
-  constexpr std::size_t kColumn = 28;
+  constexpr std::size_t column = 28;
   const std::string head = "  " + name;
-  if (head.size() < kColumn) return fmt::format("{:{}}{}\n", head, kColumn, text);
-  return fmt::format("{}\n{:{}}{}\n", head, "", kColumn, text);
+  if (head.size() < column) return fmt::format("{:{}}{}\n", head, column, text);
+  return fmt::format("{}\n{:{}}{}\n", head, "", column, text);
 }
 
 std::string Options::help(const std::string& usage_name) const {

@@ -442,9 +442,8 @@ void add_loads(Class& simulation) {
         const LoadKind kind = name ? *built_in_loads().find(*name) : *std::get<std::shared_ptr<LoadKind>>(load);
         const LoadValues given = load_values(kind, values, static_cast<std::size_t>(self.simulation.body().size()));
         const LoadId id = self.in_turn([&](Simulation& s) { return s.add_load(kind, given); });
-        py::dict keywords(values);
-        keywords["load"] = load;
-        self.record("add_load", keywords);
+        values["load"] = load;
+        self.record("add_load", values);
         return id;
       },
       py::arg("load"),
@@ -456,9 +455,8 @@ void add_loads(Class& simulation) {
         const LoadValues given = load_values(self.simulation.load_kind(load), values,
                                              static_cast<std::size_t>(self.simulation.body().size()));
         self.in_turn([&](Simulation& s) { s.set_load(load, given); });
-        py::dict keywords(values);
-        keywords["load"] = load;
-        self.record("set_load", keywords);
+        values["load"] = load;
+        self.record("set_load", values);
       },
       py::arg("load"), "Gives a load other values from the next step on, by its number: all of them, as add_load.");
   simulation.def(

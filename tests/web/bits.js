@@ -89,12 +89,12 @@ elastin_module({wasmBinary: fs.readFileSync(path.join(folder, 'elastin.wasm'))})
     return module.UTF8ToString(word(room));
   };
   call('strategy_count', room);
-  const strategies = word(room), steppers = f.text('steppers');
-  call('row_count', steppers, room);
+  const strategies = word(room), table = f.text('steppers');
+  call('row_count', table, room);
   const steppers = word(room);
   for (const [name, body] of [['lattice', lattice(f)], ['tetrahedra', tetrahedra(f)]])
     for (let s = 0; s < strategies; ++s)
-      for (let k = 0; k < steppers; ++k) run(f, name, body, name_of('strategy', s), name_of('row', steppers, k));
+      for (let k = 0; k < steppers; ++k) run(f, name, body, name_of('strategy', s), name_of('row', table, k));
 }).catch(problem => {
   console.error(problem);
   process.exit(1);
