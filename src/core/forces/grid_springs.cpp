@@ -124,7 +124,7 @@ void GridRows::finish_row(int row, const Alike& alike) {
 }
 
 template <class Add>
-void GridRows::add_flows(const Positions& vectors, Positions& forces, bool anew, Workspace& workspace,
+void GridRows::add_flows(const Positions& vectors, Positions& forces, bool overwrite, Workspace& workspace,
                          const Add& add) const {
   const int connections = length_ * rows_ * kDirections;
   const int ranges = connections < kParallelThreshold ? 1 : std::clamp(rows_ / (reach_ + 1), 1, threads());
@@ -135,13 +135,14 @@ void GridRows::add_flows(const Positions& vectors, Positions& forces, bool anew,
       ranges,
       [&](int range) {
         const auto start = [&](int p) { return static_cast<int>(static_cast<long long>(rows_) * p / ranges); };
-        add_rows(start(range), start(range + 1), vectors, forces, anew, workspace.range_buffer(range, buffer), add);
+        add_rows(start(range), start(range + 1), vectors, forces, overwrite, workspace.range_buffer(range, buffer),
+                 add);
       },
       2);
 }
 
 template <class Add>
-void GridRows::add_rows(int begin, int end, const Positions& vectors, Positions& forces, bool anew,
+void GridRows::add_rows(int begin, int end, const Positions& vectors, Positions& forces, bool overwrite,
                         Eigen::Map<VectorX> buffer, const Add& add) const {
   const int first = std::max(0, begin - reach_);
   Window window{buffer.data(), Window::pitch_of(length_), reach_ + 1, 0};
@@ -168,7 +169,7 @@ void GridRows::add_rows(int begin, int end, const Positions& vectors, Positions&
     }
     if (row < begin) continue;
     double* to = forces.data() + 3 * static_cast<std::ptrdiff_t>(row) * length_;
-    if (anew)
+    if (overwrite)
       for (int i = 0; i < length_; ++i) to[3 * i] = sum.x[i], to[3 * i + 1] = sum.y()[i], to[3 * i + 2] = sum.z()[i];
     else
       for (int i = 0; i < length_; ++i) to[3 * i] += sum.x[i], to[3 * i + 1] += sum.y()[i], to[3 * i + 2] += sum.z()[i];

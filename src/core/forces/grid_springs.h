@@ -38,9 +38,10 @@ class GridRows {
   int length() const { return length_; }
 
   /// Calls add(row) for all rows, which adds flows that follow from the molecules' vectors to both ends' forces;
-  /// `anew`: overwrites what these were before.
+  /// `overwrite`: what these were before does not count.
   template <class Add>
-  void add_flows(const Positions& vectors, Positions& forces, bool anew, Workspace& workspace, const Add& add) const;
+  void add_flows(const Positions& vectors, Positions& forces, bool overwrite, Workspace& workspace,
+                 const Add& add) const;
 
  private:
   struct Direction {
@@ -56,8 +57,8 @@ class GridRows {
   template <class Alike>
   void finish_row(int row, const Alike& alike);
   template <class Add>
-  void add_rows(int begin, int end, const Positions& vectors, Positions& forces, bool anew, Eigen::Map<VectorX> buffer,
-                const Add& add) const;
+  void add_rows(int begin, int end, const Positions& vectors, Positions& forces, bool overwrite,
+                Eigen::Map<VectorX> buffer, const Add& add) const;
 
   int length_ = 0, rows_ = 0;  ///< molecules in a row; rows
   int reach_ = 0;              ///< most rows between the ends of a connection
