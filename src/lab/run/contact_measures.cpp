@@ -38,7 +38,9 @@ std::string gap_text(const contact::Contact& contact, const Body& body, const St
     gap = least_over(body, gap);
     if (gap < least) least = gap, nearest = obstacles[i].name;
   }
-  return nearest.empty() ? "" : "the obstacle '" + nearest + "' is " + number(1e3 * least, 3) + " mm away";
+  if (nearest.empty()) return "";
+  return "the obstacle '" + nearest + "' " +
+         (least < 0 ? "lies between the points at which touch is felt" : "is " + number(1e3 * least, 3) + " mm away");
 }
 
 int find_obstacle(const std::vector<contact::Obstacle>& obstacles, const std::string& name) {

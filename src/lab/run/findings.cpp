@@ -23,6 +23,8 @@ namespace shape = contact::shape;
 constexpr double kOverlap = 1e-3;
 /// Of a rebound's speed to that of the impact: what explicit steps near the longest stable one may do.
 constexpr double kRebound = 1.02;
+/// Of the kinetic to the elastic energy: driven motion errs by as much, an oscillation by its root.
+constexpr double kMoving = 2e-3;
 
 /// The second of an obstacle's extents [m], by size: what must fit between samples for it to pass.
 double width_of(const Obstacle& obstacle) {
@@ -97,15 +99,44 @@ void measure_law(const Specimen& specimen, const Experiment& experiment, const S
     run.law = *found, run.law_strain = test->strain;
 }
 
-std::vector<std::string> findings_at_end(const Specimen& specimen, const Run& run) {
+namespace {
+
+/// Kinetic energy over that stored by the load, the largest in the last quarter of a run in time; NaN where a law has
+/// no energy.
+double liveliness(const Run& run) {
+  double kinetic = 0, stored = 0;
+  for (std::size_t i = run.curve.size() - (run.curve.size() + 3) / 4; i < run.curve.size(); ++i) {
+    const Measures& row = run.curve[i].measures;
+    kinetic = std::max(kinetic, row.get("kinetic_energy"));
+    stored = std::max(stored, row.get(std::isfinite(row.get("energy_increase")) ? "energy_increase" : "energy"));
+  }
+  return kinetic / stored;
+}
+
+}  // namespace
+
+std::vector<std::string> findings_at_end(const Specimen& specimen, const MeasureList& list, const Run& run) {
   std::vector<std::string> found;
+  const bool reads_stiffness = std::any_of(list.begin(), list.end(), [&](const MeasureInfo& one) {
+    return is_property(one.role) && std::isfinite(run.measures.get(one.name));
+  });
+  const std::vector<Material> materials = materials_of(specimen);
   if (const double restitution = run.measures.get("restitution"); restitution > kRebound)
     found.push_back("it rebounds " + number(restitution, 3) +
                     " times as fast as it came: the steps are too long for the contact");
   if (const auto& rest = specimen.body.unstressed;
-      rest && !std::isnan(run.measures.get("effective_modulus")) && (!rest->part || rest->part(0) != rest->part(1)))
+      reads_stiffness && rest && (!rest->part || rest->part(0) != rest->part(1)))
     found.emplace_back(
         "the modulus is of all forces, those of `rest` too, which comes with the load: `factor: 1` has it before");
+  if (const double lively = reads_stiffness && run.time ? liveliness(run) : 0; lively > kMoving && !run.curve.empty())
+    found.push_back(
+        "the body moves at the end, with a kinetic energy of " + number(100 * lively, 2) +
+        " % of the elastic one: the modulus has forces of inertia in it; a slower load, damping or a longer "
+        "duration leaves less of them");
+  if (reads_stiffness && run.time &&
+      std::any_of(materials.begin(), materials.end(), [](const Material& one) { return one.active.has_value(); }))
+    found.emplace_back(
+        "the modulus is of all forces, those of the active fibres too; an experiment at rest has them before the load");
   if (!specimen.contact) return found;
   double deepest = 0, speed = 0;
   for (const CurvePoint& row : run.curve) {

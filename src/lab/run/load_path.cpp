@@ -342,13 +342,15 @@ bool find_start(Model& model, StaticRig& rig, const RunOptions& options, bool at
                 Run& run) {
   start = {state.positions, Positions::Zero(3, static_cast<Eigen::Index>(model.supports.size()))};
   set_load(model, rig, 0);
+  model.measure_rest_force();
   if (at_rest && model.rest_force() == 0 && !any_over(model.body(), !model.load_forces(state).isZero(0))) return true;
   if (options.progress) options.progress(at_rest ? "the scene's own loads" : "the scene's start");
   const double before = total_energy(model, state);
   StaticResult solved = solve_static(model, state, options.statics);
   if (!at_rest) solved = restart_from_rest(model, options, before, std::move(solved), state, run);
   start = {state.positions, solved.reactions};
-  return note_solve(solved, at_rest ? " (under the scene's own loads)" : " (from the scene's start)", run);
+  return note_solve(solved, at_rest ? " (under what acts without the experiment's load)" : " (from the scene's start)",
+                    run);
 }
 
 /// Where the material says what stress belongs to a strain: that, and the largest difference to it, over the largest

@@ -146,6 +146,6 @@ std::vector<std::string> findings_at_start(const Specimen& specimen, const Model
 
 /// What a user should know of a run that ended: a rebound faster than the impact, obstacles that something has passed
 /// or may have passed through.
-std::vector<std::string> findings_at_end(const Specimen& specimen, const Run& run);
+std::vector<std::string> findings_at_end(const Specimen& specimen, const MeasureList& list, const Run& run);
 
 }  // namespace elastin::lab

@@ -136,3 +136,50 @@ TEST_CASE("supports that leave a rigid motion free are named where displacements
     if (!*said) CHECK(run.measures.get("end_x") == Approx(1e-3).epsilon(1e-6));
   }
 }
+
+// With nu = 0 nothing moves across: the nominal stress is mu (l - 1/l), and that of the fibres T f(l)/l, f = 1 - 4 (1 -
+// l)^2.
+TEST_CASE("a muscle at work bears stress before the load, and the modulus is of what the load adds",
+          "[statics][load_path][muscle]") {
+  const TemporaryFolder folder;
+  const std::string scene =
+      "body: {tetrahedra: {kind: body_centred, cubes: [2, 2, 4], size: [5 mm, 5 mm, 10 mm]}}\n"
+      "material: {youngs_modulus: 20 kPa, poissons_ratio: 0, density: 1 kg/m3, active: {direction: z, stress: 8 kPa";
+  const auto run = [&](const std::string& rest) {
+    const auto loaded = load_scene(folder.write("scene.yaml", scene + rest), built_in_catalog());
+    return run_strategy(loaded->specimen, *loaded->experiment, loaded->stiffness,
+                        {.statics = loaded->statics, .time = loaded->time});
+  };
+  const auto stress = [](double l) { return 10e3 * (l - 1 / l) + 8e3 * (1 - 4 * (1 - l) * (1 - l)) / l; };
+  const double area = 25e-6;
+  SECTION("held: from its isometric force") {
+    const Run pulled = run("}}\nstiffness: neo_hookean_log\nexperiment: {kind: tension, axis: z, strain: 2 %}\n");
+    REQUIRE(pulled.outcome == Outcome::converged);
+    CHECK(pulled.measures.get("effective_modulus") == Approx((stress(1.02) - stress(1)) / 0.02).epsilon(1e-8));
+    CHECK(pulled.measures.get("total_force") == Approx(area * stress(1.02)).epsilon(1e-8));
+  }
+  SECTION("loaded: from the length to which it has contracted") {
+    const Run pulled = run("}}\nstiffness: neo_hookean_log\nexperiment: {kind: tension, axis: z, force: 10 mN}\n");
+    REQUIRE(pulled.outcome == Outcome::converged);
+    const auto length_at = [&](double force) {
+      double low = 0.5, high = 1.5;
+      while (high - low > 1e-14) ((stress((low + high) / 2) < force / area ? low : high) = (low + high) / 2);
+      return low;
+    };
+    CHECK(pulled.measures.get("elongation") == Approx(0.01 * (length_at(0.01) - length_at(0))).epsilon(1e-7));
+  }
+  SECTION("in time the activation comes with the load, which is said") {
+    for (const std::string fixture :
+         {"tension, axis: z, displacement: 0.1 mm", "shear, axis: z, direction: x, displacement: 0.1 mm"}) {
+      const Run moved =
+          run(", activation: {ramp: {duration: 10 ms}}}}\nstiffness: neo_hookean_log\n"
+              "experiment: {kind: motion, fixture: {kind: " +
+              fixture +
+              "}}\n"
+              "time: {duration: 20 ms, stepper: backward_euler, step: 5 ms}\n");
+      REQUIRE(moved.outcome == Outcome::converged);
+      REQUIRE(moved.warnings.size() == 1);
+      CHECK_THAT(moved.warnings[0], Contains("those of the active fibres too"));
+    }
+  }
+}

@@ -800,3 +800,24 @@ TEST_CASE("creep over decades of time is of order 2 in the steps of a frame", "[
   CHECK(errors[0] / errors[1] == Approx(4).epsilon(0.1));
   CHECK(errors[1] / errors[2] == Approx(4).epsilon(0.1));
 }
+
+// Three molecules in a row, both springs of k = 100 N/m: the far one is displaced by u at once, which takes k u^2/2,
+// and the middle one of m = 1 kg swings about u/2.
+TEST_CASE("a displacement that is there at once does work, and a modulus read in motion is said", "[time]") {
+  const std::string row =
+      "body: {molecules: [[0 m, 0 m, 0 m], [10 cm, 0 m, 0 m], [20 cm, 0 m, 0 m]], connections: [[0, 1], [1, 2]]}\n"
+      "material: {youngs_modulus: 10 kPa, density: 1000 kg/m3}\n"
+      "stiffness: {strategy: uniform, constant: 100 N/m}\n"
+      "experiment: {kind: motion, fixture: {kind: tension, axis: x, displacement: 1 mm, cross_section: 1 cm2}}\n";
+  const double energy = 100 * 1e-6 / 2;
+  for (const std::string stepper : {"velocity_verlet", "backward_euler", "newmark", "energy_momentum"}) {
+    INFO(stepper);
+    const Run run = run_of(row + "time: {duration: 20 ms, step: 0.1 ms, frames: 10, stepper: " + stepper + "}\n");
+    INFO(run.cause);
+    REQUIRE(run.outcome == Outcome::converged);
+    CHECK(run.measures.get("work") == Approx(energy).epsilon(1e-3));
+    CHECK(std::abs(run.measures.get("energy_balance")) < (stepper == "backward_euler" ? 0.01 : 1e-3) * energy);
+    REQUIRE(!run.warnings.empty());  // another of the row's mechanisms before it
+    CHECK_THAT(run.warnings.back(), Contains("the modulus has forces of inertia in it"));
+  }
+}

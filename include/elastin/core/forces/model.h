@@ -72,7 +72,9 @@ class Model {
   /// Of a body with Body::unstressed: makes a part of it count, 0 … 1, see Rest::part.
   void set_rest(double part) const;
   double rest_part() const { return rest_part_; }
-  /// Size of the forces [N] that it makes in the body at rest, a Euclidean norm; 0 without it.
+  /// Makes what laws bear at rest without Body::unstressed count in rest_force, too: a muscle, or a law of one's own.
+  void measure_rest_force() const;
+  /// Size of the forces [N] that these make in the body at rest, a Euclidean norm; 0 without them.
   double rest_force() const { return rest_force_; }
   /// The part at a time [s]; empty: it does not change in time.
   std::function<double(double time)> rest_in_time;

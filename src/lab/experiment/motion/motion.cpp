@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <complex>
 #include <limits>
@@ -185,7 +186,7 @@ class Motion final : public TimedExperiment {
   /// Balances mean nothing in motion, and moduli nothing once the load is gone.
   bool is_reported(const std::string& name) const {
     const MeasureInfo* info = all_measures_.find(name);
-    return info && !(released() && is_property(info->role));
+    return info && !(setup_.kind == MotionKind::release && is_property(info->role));
   }
 
   /// Behind the first hundredth, for what a body shows at once is elastic and takes some short steps; where it still
@@ -332,7 +333,10 @@ class MotionRig final : public TimedRig {
     }
     if (experiment_.released()) return load_and_release(state, options);
     fixture_->set_load(setup_.load.value(0));
-    if (setup_.load.constant()) return result;
+    // What is displaced at once does so in the first step: that is work, too.
+    const bool displaced = std::any_of(model_.supports.begin(), model_.supports.end(),
+                                       [](const Support& one) { return !one.displacement.isZero(0); });
+    if (setup_.load.constant() && !any_over(model_.body(), displaced)) return result;
     model_.drive = [this](double time, std::vector<Support>&) {
       fixture_->set_load(setup_.load.value(time));
       fixture_->set_load_rate(setup_.load.rate(time));
