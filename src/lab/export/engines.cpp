@@ -196,9 +196,10 @@ Files mujoco_files(const ExportedBody& body) {
     std::map<std::pair<double, double>, std::vector<const ExportedBody::Cell*>> by_moduli;
     for (const auto& cell : body.tetrahedra) by_moduli[{cell.youngs_modulus, cell.poissons_ratio}].push_back(&cell);
     text("  <deformable>\n");
+    int number = 0;
     for (const auto& [moduli, cells] : by_moduli) {
       const double poisson = moduli.second / (2 * (1 - moduli.second));
-      text("    <flex name=\"E{}\" dim=\"3\" radius=\"0.001\" body=\"", moduli.first);
+      text("    <flex name=\"cells{}\" dim=\"3\" radius=\"0.001\" body=\"", ++number);
       text.list(numbers(body), " ", [&](int i) { text("m{}", i); });
       text("\" element=\"");
       text.list(cells, " ", [&](const auto* cell) { text("{}", fmt::join(cell->nodes, " ")); });
@@ -448,6 +449,21 @@ std::string json_of_body(const ExportedBody& body) {
   return text;
 }
 
+/// Some engines have one E or nu for all cells.
+void check_moduli(const std::string& scene, const ExportFormat& format, const std::vector<ExportedBody::Cell>& cells) {
+  const auto several = [&](double ExportedBody::Cell::*modulus) {
+    return std::any_of(cells.begin(), cells.end(),
+                       [&](const auto& cell) { return cell.*modulus != cells.front().*modulus; });
+  };
+  const std::string own = (format.one_youngs_modulus && several(&ExportedBody::Cell::youngs_modulus))   ? "E"
+                          : (format.one_poissons_ratio && several(&ExportedBody::Cell::poissons_ratio)) ? "nu"
+                                                                                                        : "";
+  if (!own.empty())
+    throw InputError(scene + format.name + " has one " + own +
+                     " for all cells of a body, and these have several: choose a spring rule, --strategy standard …; "
+                     "json, mujoco, newton and usd take several");
+}
+
 std::vector<ExportedFile> engine_files(const ExportFormat& format, const ExportedBody& body) {
   const std::string scene = body.name + ", '" + body.strategy + "': ";
   if (format.takes == Takes::connections && body.connections.empty())
@@ -461,6 +477,7 @@ std::vector<ExportedFile> engine_files(const ExportFormat& format, const Exporte
   if (negative > 0 && !format.takes_negative)
     throw InputError(scene + counted(negative, "spring constant is", "spring constants are") + " negative, and " +
                      format.name + " has no springs like that; json, csv, lammps, sofa and mujoco have");
+  if (body.connections.empty()) check_moduli(scene, format, body.tetrahedra);
   std::vector<ExportedFile> files = format.files(body);
   files.push_back({"README.md", readme(format, body)});
   return files;
@@ -469,7 +486,18 @@ std::vector<ExportedFile> engine_files(const ExportFormat& format, const Exporte
 void add_engine_formats(elastin::Table<ExportFormat>& rows) {
   const auto add = [&](const char* name, const char* summary, const char* source, Files (*files)(const ExportedBody&),
                        Takes takes, bool negative, bool loads, const char* constants, const char* advice) {
-    rows.add({{name, summary, source}, "", nullptr, files, takes, negative, loads, constants, advice});
+    const bool rapier = std::string(name) == "rapier", sofa = std::string(name) == "sofa";
+    rows.add({{name, summary, source},
+              "",
+              nullptr,
+              files,
+              takes,
+              negative,
+              loads,
+              rapier,
+              rapier || sofa,
+              constants,
+              advice});
   };
   add("json", "constants and cells of the body, as JSON for any program", "scenes/README.md", json_files, Takes::either,
       true, true, "`stiffness` of each connection [N/m]; `youngs_modulus` [Pa] and `poissons_ratio` of each cell.",

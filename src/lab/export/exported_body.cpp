@@ -2,11 +2,15 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
+
 #include "core/forces/unstressed_lengths.h"
 #include "core/shapes/orders.h"
 #include "elastin/core/base/text.h"
 #include "elastin/core/forces/tangent.h"
 #include "lab/export/problem.h"
+#include "lab/run/cell_stress.h"
 
 namespace elastin::lab {
 namespace {
@@ -35,6 +39,34 @@ std::vector<Cell> simplices(const Specimen& specimen, const Body& body) {
   return cells;
 }
 
+/// How many times as stiff as its material each of the body's tetrahedra is: its own, then those of the blocks' cells.
+std::vector<double> stiffness_of_tetrahedra(const Body& body) {
+  std::vector<double> all(OwnSimplices(body).tetrahedra, 1);
+  if (body.cell_stiffness.size())
+    for (std::size_t i = 0; i < all.size(); ++i) all[i] = body.cell_stiffness[static_cast<Eigen::Index>(i)];
+  for (const CellBlock& block : body.blocks)
+    for (int cell = 0; block.kind->dimensions == 3 && cell < block.size(); ++cell)
+      all.insert(all.end(), simplices_of(*block.kind, block.cell(cell)).size(),
+                 block.stiffness.size() ? block.stiffness[cell] : 1);
+  return all;
+}
+
+/// Gives cells the density of their molecules, which regions, images and masses of the body's own make another than the
+/// material's: mass over volume, in the mean of their nodes.
+void weigh(const Specimen& specimen, std::vector<Cell>& cells) {
+  constexpr double rounding = 1e-9;
+  const Body& body = specimen.body;
+  const double thickness = specimen.material.thickness;
+  const VectorX volumes = body.blocks.empty() ? lumped_mass(body.rest, body.triangles, body.tetrahedra, 1, thickness)
+                                              : lumped_volumes(body, thickness);
+  for (Cell& cell : cells) {
+    double density = 0;
+    for (const int node : cell.nodes)
+      density += body.mass[node] / volumes[node] / static_cast<double>(cell.nodes.size());
+    if (std::isfinite(density) && std::abs(density - cell.density) > rounding * density) cell.density = density;
+  }
+}
+
 void set_cells(const Specimen& specimen, ExportedBody& result) {
   const Body& body = specimen.body;
   for (std::size_t block = 0; block < body.blocks.size(); ++block)
@@ -52,14 +84,24 @@ void set_cells(const Specimen& specimen, ExportedBody& result) {
     result.cells.push_back(cell_of(specimen, cell_kind("hexahedron8"),
                                    {box[0], box[1], box[3], box[2], box[4], box[5], box[7], box[6]}, i, &Part::cubes));
   }
-  if (of_boxes || !body.blocks.empty()) return;
-  for (Eigen::Index i = 0; i < body.cell_stiffness.size(); ++i)
-    result.tetrahedra[i].youngs_modulus *= body.cell_stiffness[i];
-  result.cells = result.tetrahedra;
+  if (of_boxes) {
+    if (has_other_stiffness(body))
+      result.notes.emplace_back("regions of other stiffness are in the connections; E of the cells is the material's");
+    return;
+  }
+  const std::vector<double> stiffness = stiffness_of_tetrahedra(body);
+  for (std::size_t i = 0; i < stiffness.size(); ++i) result.tetrahedra[i].youngs_modulus *= stiffness[i];
+  if (body.blocks.empty()) result.cells = result.tetrahedra;
   if (result.cells.empty())
-    for (std::size_t i = 0; i < body.triangles.size(); ++i)
+    for (std::size_t i = 0; i < body.triangles.size(); ++i) {
       result.cells.push_back(cell_of(specimen, cell_kind("triangle3"),
                                      {body.triangles[i].begin(), body.triangles[i].end()}, i, &Part::triangles));
+      if (body.cell_stiffness.size())
+        result.cells.back().youngs_modulus *= body.cell_stiffness[static_cast<Eigen::Index>(i)];
+    }
+  if (!body.parts.empty()) return;
+  weigh(specimen, result.cells);
+  weigh(specimen, result.tetrahedra);
 }
 
 /// The lengths that connections want under all of the body's rest.
@@ -172,9 +214,13 @@ void set_test(const Scene& scene, ExportedBody& result) {
   if (!specimen.contact) result.forces = model.load_forces(state_at_rest(specimen.body));
   for (const auto& load : model.loads())
     if (load->changes() && load->acts_at_rest()) {
-      result.notes.emplace_back("loads that follow the body are written as the forces that they have at rest");
+      result.notes.emplace_back(
+          "loads that follow the body, as pressure and a floor do, are written as the forces that they have at rest");
       break;
     }
+  if (!model.viscosity().empty() ||
+      std::any_of(model.loads().begin(), model.loads().end(), [](const auto& load) { return load->resists(); }))
+    result.notes.emplace_back("damping and drag are not written");
   result.supports = model.supports;
 }
 

@@ -28,6 +28,7 @@ struct ExportFormat : Descriptor {
   enum class Takes { connections, either } takes = Takes::either;  ///< either: cells where there are no springs
   bool takes_negative = true;                                      ///< spring constants
   bool writes_loads = true;  ///< of an engine: forces and prescribed displacements of the experiment
+  bool one_youngs_modulus = false, one_poissons_ratio = false;  ///< of an engine: for all cells of a body
   /// Sentences of the folder's README.md: what the constants are there, and what to know of its solver.
   std::string constants = {}, advice = {};
 };

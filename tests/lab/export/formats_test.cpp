@@ -349,6 +349,90 @@ TEST_CASE("Springs with a history are exported with what they are after all time
   }
 }
 
+TEST_CASE("Regions are in what engines get of cells of every shape, their stiffness and their mass", "[export]") {
+  const TemporaryFolder folder;
+  const std::string region = "}, regions: [{from: [-1 m, -1 m, 5 mm], to: [1 m, 1 m, 1 m], stiffness: 3, mass: 2}",
+                    sheet =
+                        "sheet: {size: [15 mm, 10 mm], squares: [3, 2]}, regions: [{from: [5 mm, -1 m, -1 m], to: "
+                        "[1 m, 1 m, 1 m], stiffness: 3, mass: 2}]";
+  struct Case {
+    std::string body, experiment, stiffness;
+    double volume, stiff;  ///< [m³], of the whole body and of its region
+  };
+  for (const Case& c :
+       {Case{kLattice + "1" + region + "]", kPull, "neo_hookean_log", 1.5e-6, 1e-6},
+        Case{kLattice + "2" + region + "]", kPull, "neo_hookean_log", 1.5e-6, 1e-6},
+        Case{"tetrahedra: {kind: kuhn, cubes: [2, 2, 3], size: [10 mm, 10 mm, 15 mm], order: 2" + region + "]", kPull,
+             "neo_hookean_log", 1.5e-6, 1e-6},
+        Case{"tetrahedra: {kind: kuhn, cubes: [2, 2, 3], size: [10 mm, 10 mm, 15 mm]" + region + "]", kPull,
+             "neo_hookean_log", 1.5e-6, 1e-6},
+        Case{sheet, "{kind: tension, axis: x, strain: 1 %}", "standard", 1.5e-7, 1e-7}}) {
+    INFO(c.body);
+    const auto scene =
+        Problem{c.body, "{youngs_modulus: 5 kPa, poissons_ratio: 0.3, density: 1000 kg/m3, thickness: 1 mm}",
+                c.stiffness, c.experiment}
+            .load(folder);
+    const ExportedBody body = exported_body(*scene, scene->stiffness);
+    const bool solid = !body.tetrahedra.empty();
+    CHECK(solid == (c.experiment == kPull));
+    double volume = 0, stiff = 0, mass = 0;
+    for (const ExportedBody::Cell& cell : solid ? body.tetrahedra : body.cells) {
+      const auto at = [&](int corner) { return Vector3(body.positions.col(cell.nodes[corner])); };
+      const Vector3 across = (at(1) - at(0)).cross(at(2) - at(0));
+      const double own = solid ? std::abs(across.dot(at(3) - at(0))) / 6 : across.norm() / 2 * body.thickness;
+      volume += own, mass += own * cell.density;
+      if (cell.youngs_modulus != 5000) stiff += own;
+      CHECK((cell.youngs_modulus == Approx(5000) || cell.youngs_modulus == Approx(15000)));
+    }
+    CHECK(volume == Approx(c.volume));
+    CHECK(stiff == Approx(c.stiff));
+    CHECK(mass > 1200 * c.volume);
+    // Nodes that share a cell's mass otherwise than its tetrahedra do leave a few per cent.
+    CHECK(mass == Approx(body.masses.sum()).epsilon(body.cells.size() == body.tetrahedra.size() ? 1e-9 : 0.05));
+  }
+  // A body of one density keeps it in every cell, to the last bit.
+  for (const char* order : {"1}", "2}"}) {
+    const auto scene =
+        Problem{kLattice + order, "{youngs_modulus: 5 kPa, poissons_ratio: 0.3, density: 1100 kg/m3}"}.load(folder);
+    for (const auto& cell : exported_body(*scene, scene->stiffness).tetrahedra) CHECK(cell.density == 1100);
+  }
+}
+
+TEST_CASE("An engine that has one modulus for all cells refuses several; others get each", "[export]") {
+  const TemporaryFolder folder;
+  const auto scene =
+      Problem{kLattice + "1}, regions: [{from: [-1 m, -1 m, 5 mm], to: [1 m, 1 m, 1 m], stiffness: 3}]"}.load(folder);
+  ExportedBody body = exported_body(*scene, scene->stiffness);
+  const auto files = [&](const char* format) { return engine_files(*export_formats().find(format), body); };
+  CHECK_THROWS_WITH(files("rapier"), Contains("rapier has one E for all cells of a body, and these have several"));
+  CHECK_NOTHROW(files("sofa"));
+  // Of two flexes of one E and two nu each has a name of its own.
+  for (auto& cell : body.tetrahedra) cell.youngs_modulus = 5000;
+  body.tetrahedra.front().poissons_ratio = 0.1;
+  for (const char* format : {"rapier", "sofa"})
+    CHECK_THROWS_WITH(files(format), Contains("has one nu for all cells of a body, and these have several"));
+  CHECK_THAT(files("mujoco").front().text, Contains("<flex name=\"cells1\"") && Contains("<flex name=\"cells2\""));
+}
+
+TEST_CASE("Damping that is not written is named", "[export]") {
+  const TemporaryFolder folder;
+  const std::string damping = "damping and drag are not written";
+  const auto notes_of = [&](const std::string& load) {
+    const auto scene = Problem{.body = "tetrahedra: {kind: kuhn, cubes: [2, 2, 3], size: [10 mm, 10 mm, 15 mm]}",
+                               .stiffness = "neo_hookean_log\nloads: [" + load + "]"}
+                           .load(folder);
+    const ExportedBody body = exported_body(*scene, scene->stiffness);
+    return std::count(body.notes.begin(), body.notes.end(), damping);
+  };
+  for (const char* load :
+       {"{damping: 0.1 N s/m}", "{rayleigh: {mass: 1 1/s}}", "{cell_damping: {bulk: 1 Pa s, shear: 1 Pa s}}",
+        "{stokes_drag: 1 Pa s}", "{quadratic_drag: {density: 1 kg/m3, drag_coefficient: 0.5}}"}) {
+    INFO(load);
+    CHECK(notes_of(load) == 1);
+  }
+  CHECK(notes_of("{gravity: [0, 0, -1 m/s2]}") == 0);
+}
+
 TEST_CASE("What a process prints comes through pipes, and fills no file and no memory", "[export][engines]") {
   const JobFolder folder("test");
   std::vector<std::string> objects;
