@@ -117,8 +117,8 @@ MeasureList measures_of(const Experiment& experiment) {
 }
 
 bool is_smooth(const std::string& measure) {
-  static const std::set<std::string> rough{"reaction_balance", "contacts", "sticking", "energy_balance",
-                                           "energy_drift"};
+  static const std::set<std::string> rough{"reaction_balance", "contacts",     "sticking",
+                                           "energy_balance",   "energy_drift", "stiffness_asymmetry"};
   return rough.count(measure) == 0;
 }
 

@@ -171,6 +171,7 @@ struct Derivatives::Number {
     const Positions displaced = state.positions - model.body().rest;
     const Positions now =
         middle ? forces_of(*middle, displaced, state, load_factor, linear) : all_forces(model, state, linear);
+    const double given = of.step;
     for (int larger = kLargerSteps, smaller = 1;;) {
       std::array<Positions, 2> forces, moved;
       for (int side = 0; side < 2; ++side) {
@@ -202,7 +203,13 @@ struct Derivatives::Number {
       if (bend > kKink * difference.norm() && difference.norm() > 0)
         throw InputError("no derivative by " + of.key + ": the forces have a kink or a jump at this value of it");
       leave_out_rounding(model, rounding, difference);
-      return {difference / (2 * of.step), (moved[1] - moved[0]) / (2 * of.step)};
+      const Change found{difference / (2 * of.step), (moved[1] - moved[0]) / (2 * of.step)};
+      // What is rounding after all says nothing of a step: what is measured may change more than forces here do.
+      if (of.step > given && difference.norm() < kClear * rounding) {
+        of.step = given;
+        make_sides(model, options);
+      }
+      return found;
     }
   }
 

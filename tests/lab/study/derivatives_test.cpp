@@ -97,6 +97,10 @@ TEST_CASE(
       {"a calibrated rule",
        kLattice + kSoft + "stiffness: calibrated:angles\nexperiment: {kind: tension, axis: z, strain: 5 %}\n",
        {{"material.youngs_modulus", 9000}, {"experiment.strain", 0.05}}},
+      {"a calibrated rule that is pressed under its weight",
+       "body: {packing: {size: [40 mm, 30 mm, 30 mm], distance: 10 mm}}\n" + kSoft + gravity +
+           "stiffness: calibrated:standard\nexperiment: {kind: hydrostatic, strain: -3 %}\n",
+       {{"experiment.strain", -0.03}}},
       {"a calibrated rule that is twisted",
        kLattice + kSoft + "stiffness: calibrated:standard\nexperiment: {kind: torsion, axis: z, angle: 0.2 rad}\n",
        {{"experiment.angle", 0.2, " rad"}}},
