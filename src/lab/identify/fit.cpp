@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <exception>
+#include <map>
 #include <numbers>
 
 #include "core/base/named.h"
@@ -295,6 +296,46 @@ void judge(const UnknownMaterial& unknown, Fit& fit) {
   }
 }
 
+/// Of the terms of a relaxation, or of a law whose terms have several numbers each: where the numbers of each unknown
+/// term are, the one by which terms are ordered last. None where the terms' bounds differ.
+std::vector<std::vector<Eigen::Index>> like_terms(const std::vector<MaterialNumber>& unknowns, bool of_law) {
+  using Kind = MaterialNumber::Kind;
+  std::map<std::size_t, std::vector<Eigen::Index>> places;
+  for (std::size_t i = 0; i < unknowns.size(); ++i)
+    if (of_law ? unknowns[i].kind == Kind::law_term
+               : unknowns[i].kind == Kind::share || unknowns[i].kind == Kind::relaxation_time)
+      places[unknowns[i].term].push_back(static_cast<Eigen::Index>(i));
+  std::vector<std::vector<Eigen::Index>> terms;
+  for (const auto& [term, own] : places) {
+    if (own.size() < 2) continue;
+    if (!terms.empty())
+      for (std::size_t i = 0; i < own.size(); ++i) {
+        const MaterialNumber &number = unknowns[own[i]], &first = unknowns[terms.front()[i]];
+        if (own.size() != terms.front().size() || number.low != first.low || number.high != first.high) return {};
+      }
+    terms.push_back(own);
+  }
+  return terms;
+}
+
+/// Terms whose exchange changes nothing come out in the order in which the material states them, by relaxation time or
+/// exponent: which of them a search takes for which is chance.
+void order_terms(const std::vector<MaterialNumber>& unknowns, VectorX& values) {
+  for (const bool of_law : {false, true}) {
+    const std::vector<std::vector<Eigen::Index>> terms = like_terms(unknowns, of_law);
+    const auto ordered = [&](const VectorX& by) {
+      std::vector<std::vector<Eigen::Index>> list = terms;
+      std::stable_sort(list.begin(), list.end(),
+                       [&](const auto& a, const auto& b) { return by[a.back()] < by[b.back()]; });
+      return list;
+    };
+    const auto stated = ordered(starts_of(unknowns)), found = ordered(values);
+    const VectorX before = values;
+    for (std::size_t term = 0; term < terms.size(); ++term)
+      for (std::size_t i = 0; i < stated[term].size(); ++i) values[stated[term][i]] = before[found[term][i]];
+  }
+}
+
 /// The best end of several searches, gone on with to the last digit.
 SearchEnd searched(const UnknownMaterial& unknown, Residuals& residuals, const FitOptions& options) {
   const Stopwatch watch;
@@ -343,6 +384,7 @@ SearchEnd searched(const UnknownMaterial& unknown, Residuals& residuals, const F
   for (const double squares : ends)
     if (squares <= best.squares * (1 + kSameLeast) + 1e-30) ++end.agreeing;
   end.values = residuals.scaling.values(best.unknowns);
+  order_terms(unknown.unknowns, end.values);
   end.converged = best.converged, end.message = best.message;
   return end;
 }

@@ -13,6 +13,7 @@
 #include "core/base/named.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/base/text.h"
+#include "lab/report/table.h"
 #include "lab/run/config_names.h"
 #include "lab/scene/scene.h"
 
@@ -178,9 +179,13 @@ UnknownMaterial stated_unknowns(const IdentifyTask& task, const Catalog& catalog
       number.above_low = number.above_low && number.low == found->low;
     if (choice.high) number.high = std::min(number.high, choice.high(number.unit));
     if (choice.start) number.value = choice.start(number.unit);
-    if (!(number.low < number.high)) choice.fail("low is not below high");
+    const auto text = [&](double value) { return readable(value, number.unit); };
+    if (!(number.low < number.high))
+      choice.fail("low, " + text(number.low) + ", is not below high, " + text(number.high));
     if (number.value < number.low || number.value > number.high)
-      choice.fail("the search would begin outside of its bounds");
+      choice.fail("the search would begin at " + text(number.value) +
+                  (choice.start ? "" : ", the material's own value") + ", outside of its bounds " + text(number.low) +
+                  " … " + text(number.high) + ": write a start between them");
     unknown.unknowns.push_back(number);
   }
   add_always_unknown(tests, unknown);

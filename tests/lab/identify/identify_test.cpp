@@ -334,6 +334,72 @@ TEST_CASE("a least at a bound is said to lie there", "[identify]") {
   CHECK(answer.cause == "c_1 lies at a bound");
 }
 
+TEST_CASE("a search that would begin outside of its bounds is answered with both", "[identify]") {
+  const TemporaryFolder folder;
+  folder.write("data.csv", "stretch,nominal_stress [Pa]\n1.1,270\n1.2,520\n1.3,710\n1.4,900\n");
+  const auto refusal = [&](const std::string& bounds) {
+    try {
+      identify(folder.write("scene.yaml", "material: {law: yeoh, terms: [300 Pa]}\nidentify:\n  unknowns: {c_1: {" +
+                                              bounds + "}}\n  tests: [{kind: uniaxial, file: data.csv}]\n"),
+               kCatalog, {});
+    } catch (const InputError& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  CHECK_THAT(refusal("low: 400 Pa, high: 2 kPa"),
+             Catch::Contains("the search would begin at 300.00 Pa, the material's own value, outside of its bounds "
+                             "400.00 Pa … 2.0000 kPa: write a start between them"));
+  CHECK_THAT(refusal("high: 400 Pa, start: 1 kPa"), Catch::Contains("begin at 1.0000 kPa, outside of its bounds"));
+  CHECK_THAT(refusal("low: 500 Pa, high: 400 Pa"), Catch::Contains("low, 500.00 Pa, is not below high, 400.00 Pa"));
+}
+
+TEST_CASE("terms that are alike come out in the order in which the material states them", "[identify]") {
+  const TemporaryFolder folder;
+  // Two draws of the scatter of which one search ends with the terms exchanged.
+  std::string curve = "time [s],nominal_stress [Pa]\n";
+  for (int i = 0; i < 40; ++i) {
+    const double t = 0.05 * std::pow(4000., i / 39.);
+    curve += std::to_string(t) + "," + std::to_string(500 + 300 * std::exp(-t) + 200 * std::exp(-t / 20)) + "\n";
+  }
+  folder.write("data.csv", curve);
+  for (const bool ascending : {true, false}) {
+    INFO(ascending);
+    // Starts on the wrong side of each other: the search that follows exchanges them.
+    const Answer answer =
+        identify(folder.write("scene.yaml",
+                              std::string("material: {law: yeoh, terms: [1.5 kPa], relaxation: {terms: [") +
+                                  (ascending ? "[0.1, 15 s], [0.2, 16 s]" : "[0.2, 16 s], [0.1, 15 s]") +
+                                  "]}}\nidentify: {tests: [{kind: relaxation, file: data.csv, strain: 0.1}]}\n"),
+                 kCatalog, {})
+            .front();
+    INFO(answer.cause);
+    REQUIRE(answer.numbers.size() == 5);
+    CHECK(answer.numbers[ascending ? 2 : 4].value == Approx(1).epsilon(1e-3));
+    CHECK(answer.numbers[ascending ? 4 : 2].value == Approx(20).epsilon(1e-3));
+  }
+  // Ogden's terms are alike too, Yeoh's powers are not.
+  std::string pull = "stretch,nominal_stress [Pa]\n";
+  for (int i = 1; i <= 40; ++i) {
+    const double l = 1 + 0.05 * i;
+    pull += std::to_string(l) + "," +
+            std::to_string(1000 * (std::pow(l, 0.5) - std::pow(l, -1.75)) + 10 * (std::pow(l, 5.) - std::pow(l, -4.))) +
+            "\n";
+  }
+  folder.write("pull.csv", pull);
+  for (const bool ascending : {true, false}) {
+    const Answer answer =
+        identify(folder.write("scene.yaml",
+                              std::string("material: {law: ogden, terms: [") +
+                                  (ascending ? "[0.3 kPa, 3], [0.3 kPa, 3.2]" : "[0.3 kPa, 3.2], [0.3 kPa, 3]") +
+                                  "]}\nidentify: {tests: [{kind: uniaxial, file: pull.csv}]}\n"),
+                 kCatalog, {})
+            .front();
+    REQUIRE(answer.numbers.size() == 4);
+    CHECK(answer.numbers[ascending ? 1 : 3].value < answer.numbers[ascending ? 3 : 1].value);
+  }
+}
+
 TEST_CASE("the JSON of an answer has what programs read", "[identify]") {
   const auto json = nlohmann::json::parse(identify_json({treloar("mooney_rivlin")}));
   CHECK(json["law"] == "mooney_rivlin");
