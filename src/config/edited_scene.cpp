@@ -208,6 +208,19 @@ std::string StatedNumber::with(double other) const {
   return unit == dimension::none ? text : text + (" " + si_unit(unit));
 }
 
+namespace {
+
+/// The unit that the scene gives a number; none where it has no such number.
+Dimension own_unit(const SceneSource& source, const std::string& path) {
+  try {
+    return stated_number(source, {}, path).unit;
+  } catch (const InputError&) {
+    return dimension::none;
+  }
+}
+
+}  // namespace
+
 StatedNumber stated_number(const SceneSource& source, const std::vector<std::string>& overrides,
                            const std::string& path) {
   const SceneTree tree = load_scene_tree(source, overrides);
@@ -232,6 +245,8 @@ StatedNumber stated_number(const SceneSource& source, const std::vector<std::str
   const auto found = number_of(node);
   if (!found && node.IsScalar() && path.starts_with("values.") && tree.values.contains(path.substr(7)))
     return {tree.values.at(path.substr(7)).number, tree.values.at(path.substr(7)).unit};
+  // A plain number of --set is in SI units, whatever unit the scene states.
+  if (found && found->unit == dimension::none && is_override(node)) return {found->number, own_unit(source, path)};
   if (found) return {found->number, found->unit};
   std::erase_if(paths, [&](const std::string& other) { return !other.starts_with(path + "."); });
   throw InputError(source.path() + ": '" + path + "' is " +

@@ -3,6 +3,7 @@
 #include <yaml-cpp/eventhandler.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cstring>
 #include <filesystem>
 #include <functional>
@@ -350,10 +351,44 @@ std::string missing_file(const std::string& path) {
   return "no such file" + (near.empty() ? "" : "; did you mean '" + near + "'?");
 }
 
+namespace {
+
+/// Whether a value or formula below a node names this, as a word of its own.
+bool names_word(const YAML::Node& node, const std::string& word) {
+  if (node.IsScalar()) {
+    const std::string& text = node.Scalar();
+    const auto is_of_word = [](char c) { return std::isalnum(static_cast<unsigned char>(c)) || c == '_'; };
+    for (std::size_t at = text.find(word); at != std::string::npos; at = text.find(word, at + 1)) {
+      const std::size_t end = at + word.size();
+      if ((at == 0 || !is_of_word(text[at - 1])) && (end == text.size() || !is_of_word(text[end]))) return true;
+    }
+    return false;
+  }
+  return std::any_of(node.begin(), node.end(), [&](const auto& entry) {
+    return names_word(node.IsSequence() ? YAML::Node(entry) : entry.second, word);
+  });
+}
+
+/// What --set or a study states under `values` has to be named by something.
+void check_used(const YAML::Node& root, const std::string& assignment) {
+  const std::string key = assignment.substr(0, assignment.find('='));
+  if (!key.starts_with("values.")) return;
+  const std::string name = key.substr(7);
+  if (names_word(root, name)) return;
+  std::vector<std::string> others;
+  for (const auto& entry : root["values"])
+    if (entry.first.Scalar() != name) others.push_back(entry.first.Scalar());
+  throw InputError("--set " + assignment + ": no formula of the scene names '" + name + "'" +
+                   (others.empty() ? "" : suggestion(name, others)));
+}
+
+}  // namespace
+
 SceneTree load_scene_tree(const SceneSource& source, const std::vector<std::string>& overrides) {
   SceneTree tree{{}, {source.path()}};
   tree.root = load_extended(source, tree.files);
   for (const std::string& assignment : overrides) put_override(tree.root, assignment);
+  for (const std::string& assignment : overrides) check_used(tree.root, assignment);
   tree.values = put_in_formulas(tree.root, [&](const YAML::Node& node) { return place_of(node, tree.files); });
   return tree;
 }

@@ -81,6 +81,10 @@ TEST_CASE("a formula gives a number with its unit", "[scene][formula]") {
 
 TEST_CASE("the option --set changes the values that formulas are made of", "[scene][formula]") {
   CHECK(of("= gap", {"values.side=60 mm"}).quantity(dimension::length) == Approx(6e-3));
+  // What no formula names changes nothing; a value may come with the formula that names it.
+  CHECK_THROWS_WITH(of("= gap", {"values.sied=60 mm"}),
+                    Contains("--set values.sied=60 mm: no formula of the scene names 'sied'; did you mean 'side'?"));
+  CHECK(of("= gap", {"values.gap=2 * step", "values.step=4 mm"}).quantity(dimension::length) == Approx(8e-3));
   CHECK(of("1", {"x== side / 3"}).quantity(dimension::length) == Approx(0.01));
 }
 

@@ -384,6 +384,10 @@ TEST_CASE("the deviation of a measure is that of runs with normally distributed 
     CHECK(parts[0].second == Approx(integrated).epsilon(0.005));
     CHECK(parts[1].second + parts[2].second == Approx(1).epsilon(1e-12));
   }
+  // A plain number of --set is in SI units, and keeps the unit of the scene's number.
+  const LaboratoryResult plain = run(scene + uncertainty, {"experiment.force=0.1", "material.youngs_modulus=9000"});
+  REQUIRE(plain.spreads.size() == result.spreads.size());
+  for (std::size_t i = 0; i < plain.spreads.size(); ++i) CHECK(plain.spreads[i].second == result.spreads[i].second);
   CHECK_THAT(refusal(scene + "uncertainty: {material.youngs_moduls: 3 %}\n", "experiment.force"),
              Contains("did you mean 'material.youngs_modulus'?"));
 }
