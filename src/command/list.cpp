@@ -2,6 +2,7 @@
 #include <unistd.h>
 
 #include "command/row.h"
+#include "elastin/core/base/error.h"
 #include "elastin/lab/experiment/experiment_catalog.h"
 #include "lab/scene/scene.h"
 #include "lab/study/request.h"
@@ -12,13 +13,23 @@ namespace {
 
 struct ListCommand {
   bool keys = false;
+  std::string word;
 
-  void add_to(Options& options) { options.flag("--keys", keys, "List every key of a scene instead, as Markdown"); }
+  void add_to(Options& options) {
+    options.argument("WORD", into(word), "Only what has this word in it: a name, or one of its description", false,
+                     false);
+    options.flag("--keys", keys, "List every key of a scene instead, as Markdown");
+  }
 
   int run(const Call& call) {
     const lab::ExperimentCatalog experiments = lab::built_in_experiments();
-    fmt::print("{}", keys ? lab::key_reference(call.catalog, experiments)
-                          : lab::catalog_text(call.catalog, experiments, lab::colours_on(STDOUT_FILENO)));
+    if (keys && !word.empty()) throw InputError("list: --keys lists all keys; leave out " + word);
+    const std::string text = keys ? lab::key_reference(call.catalog, experiments)
+                                  : lab::catalog_text(call.catalog, experiments, lab::colours_on(STDOUT_FILENO), word);
+    if (text.empty())
+      throw InputError("list: no strategy, stepper, solver, load, experiment, key or measure has '" + word +
+                       "' in it; elastin list prints all");
+    fmt::print("{}", text);
     return 0;
   }
 };
@@ -27,6 +38,7 @@ struct ListCommand {
 
 const CommandRow kList{"list", "List strategies, their parameters, and measures",
                        R"(list                                                  strategies and their parameters
+list tension                                          what has this word in its name or description
 )",
                        &declare<ListCommand>};
 

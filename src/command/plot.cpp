@@ -1,5 +1,7 @@
 #include <fmt/format.h>
 
+#include <filesystem>
+
 #include "command/row.h"
 #include "elastin/core/base/error.h"
 #include "lab/run/run.h"
@@ -48,6 +50,14 @@ struct PlotCommand {
     NamedPlots plots;
     std::string along = x, up = y;
     for (const std::string& path : words) {
+      if (path.ends_with(".yaml") || path.ends_with(".yml") || std::filesystem::is_directory(path))
+        throw InputError(path + ": plot draws CSV files, and this is " +
+                         (std::filesystem::is_directory(path)
+                              ? "a folder: name files in it"
+                              : "a scene: elastin run " + path +
+                                    " --out out writes out/*-curve.csv, and elastin plot "
+                                    "material " +
+                                    path + " draws the law of its material"));
       plots.emplace_back(path, lab::csv_plot(path, along, up));
       along = plots.front().second.x.title, up = plots.front().second.y.title;  // all others on the same axes
     }

@@ -128,6 +128,9 @@ TEST_CASE("exit code 1: an expectation or the run failed", "[command]") {
   const Said unsuited = say("run " + cube + " --strategies van_gelder");
   CHECK(unsuited.code == 1);
   CHECK_THAT(unsuited.out, Contains("van_gelder: not suited: needs tetrahedra or triangles"));
+  // A comparison fails where nothing of it can run, and not for a row that cannot; an empty share is none that fails.
+  CHECK(say("compare " + cube + " --strategies van_gelder,neo_hookean").code == 1);
+  CHECK(say("compare " + cube + " --strategies van_gelder,standard").code == 0);
   const Said stopped = say("run " + cube + " --set solver.newton_limit=1 --set experiment.force=0.1");
   CHECK(stopped.code == 1);
   CHECK_THAT(stopped.out, Contains("lattice: limit reached: no equilibrium within 1 Newton iteration"));

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 
 #include "lab/report/plot.h"
@@ -115,6 +116,18 @@ std::string painted(const std::string& text, Tone tone, bool colours) {
                      : tone == Tone::bold ? "1"
                                           : "2";
   return fmt::format("\033[{}m{}\033[0m", code, text);
+}
+
+void Table::keep_rows_with(const std::string& word) {
+  const auto same = [](unsigned char a, unsigned char b) { return std::tolower(a) == std::tolower(b); };
+  const auto has = [&](const TableCell& cell) {
+    return std::search(cell.text.begin(), cell.text.end(), word.begin(), word.end(), same) != cell.text.end();
+  };
+  for (std::size_t row = rows_.size(); row-- > 0;) {
+    if (std::any_of(rows_[row].begin(), rows_[row].end(), has)) continue;
+    rows_.erase(rows_.begin() + static_cast<std::ptrdiff_t>(row));
+    traits_.erase(traits_.begin() + static_cast<std::ptrdiff_t>(row));
+  }
 }
 
 std::string Table::text(bool colours, const std::string& indent) const {

@@ -41,6 +41,8 @@ class Table {
     traits_.push_back(std::move(traits));
   }
   bool empty() const { return rows_.empty(); }
+  /// Leaves out rows of which no cell has this word, in either case.
+  void keep_rows_with(const std::string& word);
   std::string text(bool colours, const std::string& indent = "  ") const;
   /// As HTML, sortable by its heads. `colour` of the mark before the first cell of a row, by its series; may be empty.
   std::string html(const std::function<std::string(const std::string& series)>& colour = {}) const;

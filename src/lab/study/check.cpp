@@ -277,20 +277,6 @@ void add_parameters(const Descriptor& row, Table& parameters) {
 
 Table parameter_table() { return Table({"parameter", "type", "unit", "range", "default", "meaning"}); }
 
-/// A table of rows with their parameters.
-template <class Rows>
-std::string rows_text(const std::string& title, const Rows& rows, bool colours) {
-  Table names({"name", "what it does", "source"}), parameters = parameter_table();
-  bool any = false;
-  for (const auto& row : rows) {
-    names.add({{row->name, Tone::good}, {row->summary}, {row->source, Tone::faint}});
-    add_parameters(*row, parameters);
-    any |= !row->parameters.empty();
-  }
-  return "\n" + painted(title, Tone::bold, colours) + "\n" + names.text(colours) +
-         (any ? "\n" + parameters.text(colours) : "");
-}
-
 /// Each measure with the experiments of which its text is true; "" of every run.
 std::vector<std::pair<MeasureInfo, std::string>> described_measures(const ExperimentCatalog& experiments) {
   std::vector<std::pair<MeasureInfo, std::string>> rows;
@@ -311,31 +297,48 @@ std::vector<std::pair<MeasureInfo, std::string>> described_measures(const Experi
 
 }  // namespace
 
-std::string catalog_text(const Catalog& catalog, const ExperimentCatalog& experiments, bool colours) {
-  std::string out = painted("Stiffness strategies", Tone::bold, colours) + "\n";
+std::string catalog_text(const Catalog& catalog, const ExperimentCatalog& experiments, bool colours,
+                         const std::string& word) {
+  std::string out;
+  const auto add = [&](const std::string& title, Table table) {
+    if (!word.empty()) table.keep_rows_with(word);
+    if (table.empty()) return;
+    out += (out.empty() ? "" : "\n") + (title.empty() ? "" : painted(title, Tone::bold, colours) + "\n") +
+           table.text(colours);
+  };
+  const auto add_rows = [&](const std::string& title, const auto& rows) {
+    Table names({"name", "what it does", "source"}), parameters = parameter_table();
+    for (const auto& row : rows) {
+      names.add({{row->name, Tone::good}, {row->summary}, {row->source, Tone::faint}});
+      add_parameters(*row, parameters);
+    }
+    add(title, std::move(names));
+    add("", std::move(parameters));
+  };
   Table strategies({"name", "kind", "what it does", "source"}), parameters = parameter_table();
   for (const Strategy& strategy : catalog.strategies()) {
     strategies.add(
         {{strategy.name, Tone::good}, {name_of(strategy.kind)}, {strategy.summary}, {strategy.source, Tone::faint}});
     add_parameters(strategy, parameters);
   }
-  out += strategies.text(colours) + "\n" + painted("Their parameters", Tone::bold, colours) + "\n" +
-         parameters.text(colours);
-  out += rows_text("Steppers (time.stepper)", catalog.steppers, colours);
-  out += rows_text("Linear solvers (solver.linear_solver)", catalog.linear_solvers, colours);
-  out += rows_text("Engines (solver.engine)", catalog.engines, colours);
-  out += rows_text("Loads (loads)", scene_loads(catalog), colours);
+  add("Stiffness strategies", std::move(strategies));
+  add("Their parameters", std::move(parameters));
+  add_rows("Steppers (time.stepper)", catalog.steppers);
+  add_rows("Linear solvers (solver.linear_solver)", catalog.linear_solvers);
+  add_rows("Engines (solver.engine)", catalog.engines);
+  add_rows("Loads (loads)", scene_loads(catalog));
   Table kinds({"experiment", "in time", "what it does", "source"}), keys = parameter_table();
   for (const ExperimentInfo& info : experiments.experiments()) {
     kinds.add({{info.name, Tone::good}, {info.in_time ? "yes" : ""}, {info.summary}, {info.source, Tone::faint}});
     for (const SceneKey& key : keys_of(info)) add_key(info.name, key, keys);
   }
-  out += "\n" + painted("Experiments", Tone::bold, colours) + "\n" + kinds.text(colours) + "\n" +
-         painted("Their keys", Tone::bold, colours) + "\n" + keys.text(colours);
+  add("Experiments", std::move(kinds));
+  add("Their keys", std::move(keys));
   Table measures({"measure", "unit", "meaning", "of"});
   for (const auto& [info, of] : described_measures(experiments))
     measures.add({{info.name}, {info.unit_text()}, {info.text, Tone::faint}, {of, Tone::faint}});
-  return out + "\n" + painted("Measures", Tone::bold, colours) + "\n" + measures.text(colours);
+  add("Measures", std::move(measures));
+  return out;
 }
 
 }  // namespace elastin::lab

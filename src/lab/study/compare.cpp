@@ -74,7 +74,7 @@ class Comparison {
   double seconds_ = 0;                         ///< that the runs made here took
   Stopwatch written_;
   const Machine machine_ = this_machine();
-  bool good_ = true, stopped_ = false;
+  bool good_ = true, suited_ = false, stopped_ = false;
 };
 
 /// "  3 of 18  cube, lattice: E +0.02 %, 12.0 ms": a run in one line, before its table is printed.
@@ -273,6 +273,8 @@ void Comparison::run_combination(ScenePlan& plan, const std::vector<std::pair<st
 void Comparison::finish_run(const ScenePlan& plan, const std::string& key, Record record, const Scene* scene,
                             int repeat) {
   // `run` names its one strategy: that it cannot run is a failure; in a comparison it is a row.
+  // A comparison in which nothing could run has not compared.
+  suited_ |= record.run.suited || record.stopped_as_expected();
   good_ &= record.good() && (request_.compare || record.run.suited || record.stopped_as_expected());
   // The numbers first: a disk that is full with states does not lose them.
   if (journal_ && !key.empty() && record.run.outcome != Outcome::interrupted)
@@ -331,7 +333,8 @@ bool Comparison::run() {
     }
   }
   finish();
-  return good_ && done_ == rows_;  // one that was stopped between two runs has not done what was requested
+  return good_ && (suited_ || rows_ == 0 || request_.shard.of > 1) &&
+         done_ == rows_;  // one that was stopped between two runs has not done what was requested
 }
 
 void Comparison::finish() {

@@ -237,7 +237,7 @@ std::string Merge::machines() const {
 bool Merge::run() {
   Results results(request_);
   for (std::size_t folder = 0; folder < folders_.size(); ++folder) find_runs(folder);
-  bool good = true;
+  bool good = true, suited = false;
   std::size_t wanted = 0;
   int passes = 0;
   for (const ScenePlan& plan : study().plans) passes = std::max(passes, plan.repeats);
@@ -254,6 +254,7 @@ bool Merge::run() {
       Record record = run->second.entry.record;
       unite_references(run->second.folder, row, record);
       good &= record.good();
+      suited |= record.run.suited || record.stopped_as_expected();
       results.add(std::move(record), repeat);
     }
   if (!request_.out.empty()) {
@@ -271,7 +272,7 @@ bool Merge::run() {
   for (const auto& [shard, names] : missing_)
     say(study().shard.of > 1 ? fmt::format("  of shard {}/{}: {}", shard, study().shard.of, some_of(names))
                              : "  " + some_of(names));
-  return good && agree_ && missing_runs_ == 0;
+  return good && suited && agree_ && missing_runs_ == 0;
 }
 
 }  // namespace

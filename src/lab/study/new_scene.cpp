@@ -213,6 +213,15 @@ void add_block(Words& words, const Vector3& sides, int least) {
 /// Points [m] and cells of a file.
 Body body_of(const NewScene& wanted) {
   const mesh::Mesh mesh = mesh::load_mesh(wanted.mesh);
+  const bool solid = !mesh.tetrahedra.empty();
+  if (wanted.specimen == "dogbone" && !solid)
+    throw InputError(wanted.mesh +
+                     ": a dogbone is a mesh of cells of three dimensions, and this one has none; "
+                     "elastin new organ --mesh fills a closed surface");
+  if (wanted.specimen == "organ" && solid)
+    throw InputError(wanted.mesh +
+                     ": an organ is filled from its closed surface of triangles, and this mesh is solid; "
+                     "elastin new dogbone --mesh takes solids");
   Body body;
   body.rest = parse_quantity("1 " + wanted.length_unit, dimension::length).value * mesh.points;
   body.tetrahedra = mesh.tetrahedra;

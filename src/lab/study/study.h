@@ -29,7 +29,8 @@ struct CheckReport {
 CheckReport check_scene(Scene& scene, const Catalog& catalog, const std::vector<contact::Overlap>& overlaps);
 
 /// The output of `elastin list`.
-std::string catalog_text(const Catalog& catalog, const ExperimentCatalog& experiments, bool colours);
+std::string catalog_text(const Catalog& catalog, const ExperimentCatalog& experiments, bool colours,
+                         const std::string& word = "");
 
 /// How progress is shown: not at all with --quiet, otherwise as standard error can show it.
 Progress::Show progress_of(const Output& output);

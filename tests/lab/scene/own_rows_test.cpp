@@ -117,6 +117,15 @@ TEST_CASE("an engine is refused by name and place where it cannot work", "[table
              Contains(":5:18: solver.engine: 'own' goes without contact, which stays on one process"));
 }
 
+TEST_CASE("`list WORD` prints the rows that have the word in them, in either case", "[tables]") {
+  const auto text = [](const std::string& word) {
+    return catalog_text(catalog_with_own_rows(), built_in_experiments(), false, word);
+  };
+  CHECK_THAT(text("restitution"), Contains("Measures") && Contains("restitution") && !Contains("Stiffness strategies"));
+  CHECK_THAT(text("Van_Gelder"), Contains("van_gelder_simplified") && !Contains("lattice") && !Contains("Measures"));
+  CHECK(text("no such word").empty());
+}
+
 TEST_CASE("`list` prints every row of every table", "[tables]") {
   const Catalog catalog = catalog_with_own_rows();
   const std::string text = catalog_text(catalog, built_in_experiments(), false);

@@ -114,4 +114,9 @@ TEST_CASE("a slip in what new is given names what is allowed", "[new]") {
   scene.poissons_ratio = 0.3;
   scene.modulus = "20 mm";
   CHECK_THROWS_AS(new_scene_text(scene, ""), InputError);
+  const std::string scenes = ELASTIN_SOURCE_DIR "/scenes/";
+  CHECK_THROWS_WITH(new_scene_text({"organ", "", scenes + "tension/dogbone.msh"}, ""),
+                    Contains("this mesh is solid; elastin new dogbone --mesh takes solids"));
+  CHECK_THROWS_WITH(new_scene_text({"dogbone", "", scenes + "tissue/organ.stl"}, ""),
+                    Contains("and this one has none; elastin new organ --mesh fills a closed surface"));
 }
