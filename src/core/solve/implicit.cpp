@@ -151,7 +151,8 @@ StaticResult Implicit::balance_parted(Model& model, const State& state, double d
 }
 
 /// If the step has made energy: takes the pushes at its beginning out of `withheld_` where no more than a `share` of
-/// them is left at its end. Whether there were any.
+/// them is left at its end. Whether there were any. Pushes of free bodies on each other go together: action without
+/// reaction would change their momentum.
 bool Implicit::withhold_pushes(const Model& model, const State& state, double share) {
   set_push(model, next_, pushed_);
   const Body& body = model.body();
@@ -166,10 +167,21 @@ bool Implicit::withhold_pushes(const Model& model, const State& state, double sh
   const auto [work, before_step, after_step] = energies;
   const double made = work + after_step - before_step;
   if (!(made > 1e-9 * std::max(std::abs(before_step), std::abs(after_step)))) return false;
+  const auto has_parted = [&](int i) {
+    const double before = push_.forces.col(i).norm();
+    return before > 0 && !(pushed_.forces.col(i).norm() > share * before);
+  };
+  bool any = false;
+  Eigen::Vector4d sums = Eigen::Vector4d::Zero();  // of the pushes, and of their sizes
+  for (int i = 0; i < owned_molecules(body); ++i) {
+    any |= has_parted(i);
+    sums.head<3>() += push_.forces.col(i), sums[3] += push_.forces.col(i).norm();
+  }
+  sum_over(body, {sums.data(), 4});
+  const bool together = any_over(body, any) && sums.head<3>().norm() < 1e-9 * sums[3];
   bool found = false;
   for (int i = 0; i < body.size(); ++i) {
-    const double before = push_.forces.col(i).norm();
-    if (before == 0 || pushed_.forces.col(i).norm() > share * before) continue;
+    if (push_.forces.col(i).isZero(0) || !(together || has_parted(i))) continue;
     withheld_.col(i) -= push_.forces.col(i) / body.mass[i];
     push_.forces.col(i).setZero(), push_.elastic.col(i).setZero();
     found = true;
