@@ -340,10 +340,13 @@ class TimedRun {
     // What is slow damps vibrations by its steps on purpose; contact that damps takes what a step does not resolve.
     const bool lost = open && !experiment_.slow() && !contact_damps_;
     if (open && (from_nothing || lost)) {
+      const TimeOptions& chosen = *options_.time;  // of a budget the clock says how many
+      const std::string effort = chosen.stepper && !(chosen.budget > 0) ? (*chosen.stepper)->effort : "";
       run_.warnings.push_back((from_nothing ? "the steps make energy from nothing: " + number(made, 2) + " J where"
                                             : "the steps lose energy: " + number(drift, 2) + " J are missing where") +
                               " at most " + number(largest, 2) +
-                              " J were stored, worked or dissipated; take shorter steps");
+                              " J were stored, worked or dissipated; take shorter steps" +
+                              (effort.empty() ? "" : ", or more " + effort + " in each: time.stepper." + effort));
     }
     if (largest > 0) run_.measures.set("energy_drift", drift / largest);
     run_.remark = experiment_.remark(run_.measures);

@@ -573,6 +573,10 @@ TEST_CASE("steps that lose energy are named, implicit ones too, and what contact
   };
   CHECK_THAT(warnings(run_of(swings + "time: {duration: 0.3 s, frames: 30, stepper: backward_euler, step: 2 ms}\n")),
              Contains("the steps lose energy"));
+  // Where a step takes a number of iterations, more of them may help as well.
+  for (const auto& [stepper, effort] : {std::pair{"xpbd", "iterations"}, {"block_descent", "sweeps"}})
+    CHECK_THAT(warnings(run_of(swings + "time: {duration: 0.3 s, frames: 30, step: 2 ms, stepper: " + stepper + "}\n")),
+               Contains(std::string("take shorter steps, or more ") + effort + " in each: time.stepper." + effort));
   CHECK(warnings(run_of(swings + "time: {duration: 0.3 s, frames: 30, stepper: newmark, step: 2 ms}\n")).empty());
   const Run bounced = run_of(
       "body: {lattice: {kind: cubic, molecules: [5, 5, 5], spacing: 1 cm, connections: [axis, face]}}\n"
