@@ -229,8 +229,8 @@ class Direct final : public LinearSolver {
 
 double stiffness_scale(const Tangent& tangent) {
   const int n = tangent.model().body().size();
-  double sum = 0;
-  for (int i = 0; i < n; ++i) sum += std::abs(tangent.diagonal(i).trace()) / 3;
+  const double sum = ordered_sum(
+      n, [&](int i) { return std::abs(tangent.diagonal(i).trace()) / 3; }, 0., kMoleculeThreshold);
   return sum == 0 ? 1 : sum / n;
 }
 

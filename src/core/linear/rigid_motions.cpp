@@ -13,9 +13,19 @@ namespace elastin {
 RigidMotions::RigidMotions(const Tangent& tangent, const std::vector<Support>& supports, Positions& motions,
                            Positions& forces) {
   const Positions& positions = tangent.positions();
-  middle_ = positions.rowwise().mean();
-  const double size = (positions.rowwise().maxCoeff() - positions.rowwise().minCoeff()).norm();
-  per_size_ = size > 0 ? 1 / size : 1;
+  const int molecules = static_cast<int>(positions.cols());
+  middle_ = ordered_sum<Vector3>(
+                molecules, [&](int a) -> Vector3 { return positions.col(a); }, Vector3::Zero(), kMoleculeThreshold) /
+            molecules;
+  const double size = largest_of_ranges(
+      molecules,
+      [&](int begin, int end) {
+        double most = 0;
+        for (int a = begin; a < end; ++a) most = std::max(most, (positions.col(a) - middle_).squaredNorm());
+        return most;
+      },
+      kMoleculeThreshold);
+  per_size_ = size > 0 ? 1 / (2 * std::sqrt(size)) : 1;
   // First what no support minds, then what of that no force minds either.
   Eigen::Matrix<double, 6, 6> held = Eigen::Matrix<double, 6, 6>::Zero();
   for (const Support& support : supports) {

@@ -37,9 +37,13 @@ LargestEigenvalue largest_eigenvalue(int count, Vectors& x, Vectors& y, Vectors&
   using Number = typename Vectors::Scalar;
   constexpr int powers = 8, polynomial = 6;
   constexpr double margin = 1.1;
-  for (int i = 0; i < count; ++i)
-    for (int k = 0; k < 3; ++k)
-      x(k, i) = std::sin(Number(1) + Number(12.9898) * static_cast<Number>(i % 4099) + Number(78.233) * Number(k));
+  parallel_for(
+      count,
+      [&](int i) {
+        for (int k = 0; k < 3; ++k)
+          x(k, i) = std::sin(Number(1) + Number(12.9898) * static_cast<Number>(i % 4099) + Number(78.233) * Number(k));
+      },
+      kMoleculeThreshold);
   const auto size_of = [&](const Vectors& vectors) {
     return std::sqrt(ordered_sum(count, [&](int i) { return static_cast<double>(vectors.col(i).squaredNorm()); }));
   };
