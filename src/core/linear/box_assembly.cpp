@@ -1,7 +1,9 @@
 #include "core/linear/box_assembly.h"
 
 #include <algorithm>
+#include <functional>
 #include <limits>
+#include <memory>
 #include <span>
 #include <utility>
 
@@ -57,11 +59,11 @@ Corners slopes_along(const Eigen::Vector3f& at, const Eigen::Vector3f& d) {
 /// How far apart neighbours are [m]: the median over the molecules of the mean of each one's three shortest
 /// connections. On a cubic lattice that is its constant, up to the corners.
 double spacing_of(const Body& body) {
-  constexpr float none = std::numeric_limits<float>::infinity();
-  std::vector<std::array<float, 3>> shortest(body.size(), {none, none, none});
+  constexpr double none = std::numeric_limits<double>::infinity();
+  std::vector<std::array<double, 3>> shortest(body.size(), {none, none, none});
   const Connections& connections = body.connections;
   for (int c = 0; c < connections.size(); ++c) {
-    const auto length = static_cast<float>(connections.rest_length[c]);
+    const double length = connections.rest_length[c];
     for (const int end : connections.ends[c]) {
       auto& [first, second, third] = shortest[end];
       if (length >= third) continue;
@@ -72,11 +74,11 @@ double spacing_of(const Body& body) {
   }
   std::vector<double> means;
   for (int molecule = 0; molecule < owned_molecules(body); ++molecule) {
-    float sum = 0;
+    double sum = 0;
     int count = 0;
-    for (const float length : shortest[molecule])
+    for (const double length : shortest[molecule])
       if (length < none) sum += length, ++count;
-    if (sum > 0) means.push_back(double{sum / static_cast<float>(count)});
+    if (sum > 0) means.push_back(sum / count);
   }
   if (body.share) {
     const double all = sum_over(body, static_cast<double>(means.size()));
@@ -324,27 +326,55 @@ Homes find_homes(const Tangent& tangent, const ReachedByLaw& reached, BoxGrid& g
   return homes;
 }
 
+/// What stands at a molecule itself, and nowhere else.
+struct BlockAt {
+  int molecule;
+  Matrix3 block;
+};
+
+/// factor · (Σ g·x)² / 2 of some molecules, and the box that it belongs to.
+struct GradientIn {
+  std::vector<std::pair<int, Vector3>> gradient;
+  double factor;
+  Vector3 middle;
+  int box;
+};
+
+/// The stiffness of all boxes, each of which is added up at once. What a law or others add is given before: what it
+/// refers to has to stay until result().
 class Assembly {
  public:
   Assembly(const Tangent& tangent, const BoxGrid& grid)
-      : tangent_(tangent),
-        body_(tangent.model().body()),
-        grid_(grid),
-        result_(grid.boxes()),
-        stiffness_(VectorX::Zero(grid_.boxes())) {}
+      : tangent_(tangent), body_(tangent.model().body()), grid_(grid), result_(grid.boxes()) {}
 
-  BoxElements result() { return std::move(result_); }
+  BoxElements result() {
+    constexpr int block = 128;  // fixed, so that what is shared does not hang on the number of threads
+    const int boxes = grid_.boxes();
+    parallel_for((boxes + block - 1) / block,
+                 [&](int b) {
+                   std::vector<int> kinds;
+                   BoxSum sum;
+                   for (int box = block * b; box < std::min(boxes, block * (b + 1)); ++box) {
+                     for (auto& entry : sum.element) entry.setZero();
+                     sum.stiffness = 0;
+                     for (const auto& add : added_) add(box, sum);
+                     stabilise(sum);
+                     result_.set(box, sum.element, kinds);
+                   }
+                 },
+                 kFewBlocks);
+    result_.share();
+    return std::move(result_);
+  }
 
   void add_links(const std::vector<int>& homes) {
-    const Sorted links(homes, grid_.boxes());
-    for_each_box([&](int box) { add_links(links, box); });
+    added_.emplace_back([this, links = by_box(homes)](int box, BoxSum& sum) { add_links(*links, box, sum); });
   }
 
   /// The energy Σ slopes δs δs / 4 … of a cell's sides, δs = 2 d·δd, as Tangent has it.
   void add_cells(const CellSlopes& cells, const std::vector<int>& homes) {
-    const Sorted by_box(homes, grid_.boxes());
-    for_each_box([&](int box) {
-      for (const int cell : by_box.of(box)) add_cell(cells, cell, box);
+    added_.emplace_back([this, cells, by_home = by_box(homes)](int box, BoxSum& sum) {
+      for (const int cell : by_home->of(box)) add_cell(cells, cell, box, sum);
     });
   }
 
@@ -359,64 +389,100 @@ class Assembly {
     for (float& of_one : share) of_one = part / std::max(1.F, of_one);
     for (std::size_t i = 0; i < reached.size(); ++i)
       if (const int point = reached[i].point; homes_of_reached[i] != homes[point]) stays[point] -= share[point];
-    const Sorted by_place(homes, grid_.boxes()), by_molecule(homes_of_reached, grid_.boxes());
-    for_each_box([&](int box) {
-      if (by_place.of(box).empty() && by_molecule.of(box).empty()) return;
+    added_.emplace_back([this, &points, &homes, &reached, share = std::move(share), stays = std::move(stays),
+                         by_place = by_box(homes), by_molecule = by_box(homes_of_reached)](int box, BoxSum& of_box) {
+      if (by_place->of(box).empty() && by_molecule->of(box).empty()) return;
       PointBlocks sum;
       for (auto& of_corner : sum) of_corner.fill(Corners::Zero());
-      for (const int point : by_place.of(box)) add_point(points, point, box, stays[point], sum);
-      for (const int i : by_molecule.of(box))
+      for (const int point : by_place->of(box)) add_point(points, point, box, stays[point], sum);
+      for (const int i : by_molecule->of(box))
         if (const int point = reached[i].point; homes[point] != box) add_point(points, point, box, share[point], sum);
       Eigen::Matrix<float, 3 * kCorners, 3 * kCorners> whole;
       for (int j = 0; j < kCorners; ++j)
         for (int c = 0; c < 3; ++c)
           for (int r = 0; r < 3; ++r)
             for (int i = 0; i < kCorners; ++i) whole(3 * i + r, 3 * j + c) = sum[j][3 * c + r][i];
-      add_box(box, whole);
+      add_box(whole, of_box);
     });
   }
 
-  /// factor · (Σ g·x)² / 2 in a box
-  void add_gradient(std::span<const std::pair<int, Vector3>> gradient, const Vector3& middle, double factor, int box) {
-    const Eigen::Vector3f at = grid_.at_in(box, middle);
-    Eigen::Matrix<float, 3 * kCorners, 1> change = Eigen::Matrix<float, 3 * kCorners, 1>::Zero();
-    for (const auto& [molecule, g] : gradient) {
-      const Corners along = slopes_along(at, grid_.along(body_.rest.col(molecule) - middle).cast<float>());
-      for (int corner = 0; corner < kCorners; ++corner)
-        change.segment<3>(3 * corner) += along[corner] * g.cast<float>();
-    }
-    add_box(box, static_cast<float>(factor) * change * change.transpose());
+  void add_gradients(const std::vector<GradientIn>& gradients) {
+    std::vector<int> homes;
+    for (const GradientIn& one : gradients) homes.push_back(one.box);
+    if (homes.empty()) return;
+    added_.emplace_back([this, &gradients, by_home = by_box(homes)](int box, BoxSum& sum) {
+      for (const int i : by_home->of(box)) add_gradient(gradients[i], sum);
+    });
   }
 
-  /// A stiffness of its own at a position in a box.
-  void add_at(const Vector3& where, const Matrix3& block, int box) {
-    const Corners values = BoxGrid::values_at(grid_.at_in(box, where));
-    BoxElements::Element& element = result_.elements[box];
-    for (int p = 0; p < kPairs; ++p)
-      for (int e = 0; e < 9; ++e)
-        element[e][p] += values[kPair[p].first] * values[kPair[p].second] * static_cast<float>(block.data()[e]);
-    auto& sums = result_.sums_in(box);
-    for (int corner = 0; corner < kCorners; ++corner) sums[corner] += values[corner] * block;
-  }
-
-  void stabilise() {
-    const Pairs table = stabilisation();
-    for (int box = 0; box < grid_.boxes(); ++box)
-      for (const int e : {0, 4, 8})
-        result_.elements[box][e] += static_cast<float>(std::max(0., stiffness_[box])) * table;
+  void add_at(const std::vector<BlockAt>& blocks, const std::vector<int>& home_of_molecule) {
+    std::vector<int> homes;
+    std::vector<char> resisted(grid_.boxes(), 0);
+    for (const BlockAt& one : blocks) homes.push_back(home_of_molecule[one.molecule]), resisted[homes.back()] = 1;
+    if (homes.empty()) return;
+    result_.set_sums_in(resisted);
+    added_.emplace_back([this, &blocks, by_home = by_box(homes)](int box, BoxSum& sum) {
+      for (const int i : by_home->of(box)) add_at(blocks[i], box, sum);
+    });
   }
 
  private:
   static constexpr int kMostSides = 6;
-  static constexpr int kFewBoxes = 200;  ///< one thread does them sooner than others wake
+  static constexpr int kFewBlocks = 2;  ///< one thread does them sooner than others wake
 
-  /// Calls work(box) for each box of the grid.
-  template <class Work>
-  void for_each_box(Work&& work) {
-    parallel_for(grid_.boxes(), work, kFewBoxes);
+  /// A connection as a box sees it.
+  struct LinkIn {
+    std::array<float, 3> at, extent;  ///< its middle and its extent, in units of boxes
+    std::array<float, 3> d;           ///< [m]
+    float slope, density;
+  };
+  /// What a box's connections add up to: xx, xy, xz, yy, yz, zz of each pair's block.
+  struct LinksOfBox {
+    std::vector<LinkIn> links;
+    std::array<Pairs, 6> blocks;
+    LinksOfBox() { blocks.fill(Pairs::Zero()); }
+  };
+
+  /// A box's stiffness as it is added up.
+  struct BoxSum {
+    BoxElements::Element element;
+    double stiffness;  ///< mean of its diagonal [N/m]
+    std::vector<LinkIn> links;
+    std::array<LinksOfBox, 4> known_links;  ///< of boxes before
+    int oldest = 0;                         ///< of these
+  };
+
+  /// Functions can only contain what can be copied.
+  std::shared_ptr<const Sorted> by_box(const std::vector<int>& homes) const {
+    return std::make_shared<const Sorted>(homes, grid_.boxes());
   }
 
-  void add_cell(const CellSlopes& cells, int cell, int box) {
+  static void stabilise(BoxSum& sum) {
+    static const Pairs table = stabilisation();
+    for (const int e : {0, 4, 8}) sum.element[e] += static_cast<float>(std::max(0., sum.stiffness)) * table;
+  }
+
+  void add_gradient(const GradientIn& one, BoxSum& sum) const {
+    const Eigen::Vector3f at = grid_.at_in(one.box, one.middle);
+    Eigen::Matrix<float, 3 * kCorners, 1> change = Eigen::Matrix<float, 3 * kCorners, 1>::Zero();
+    for (const auto& [molecule, g] : one.gradient) {
+      const Corners along = slopes_along(at, grid_.along(body_.rest.col(molecule) - one.middle).cast<float>());
+      for (int corner = 0; corner < kCorners; ++corner)
+        change.segment<3>(3 * corner) += along[corner] * g.cast<float>();
+    }
+    add_box(static_cast<float>(one.factor) * change * change.transpose(), sum);
+  }
+
+  void add_at(const BlockAt& one, int box, BoxSum& sum) {
+    const Corners values = BoxGrid::values_at(grid_.at_in(box, body_.rest.col(one.molecule)));
+    for (int p = 0; p < kPairs; ++p)
+      for (int e = 0; e < 9; ++e)
+        sum.element[e][p] += values[kPair[p].first] * values[kPair[p].second] * static_cast<float>(one.block.data()[e]);
+    auto& sums = result_.sums[result_.sums_of[box]];
+    for (int corner = 0; corner < kCorners; ++corner) sums[corner] += values[corner] * one.block;
+  }
+
+  void add_cell(const CellSlopes& cells, int cell, int box, BoxSum& sum) const {
     Eigen::Matrix<double, 3 * kCorners, Eigen::Dynamic, Eigen::ColMajor, 3 * kCorners, kMostSides> change(3 * kCorners,
                                                                                                           cells.sides);
     Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, kMostSides, kMostSides> slope(cells.sides,
@@ -432,7 +498,7 @@ class Assembly {
       for (int j = 0; j < cells.sides; ++j) slope(i, j) = 2 * cells.factor * slopes[i * cells.sides + j];
     }
     const decltype(change) resisted = change.lazyProduct(slope);
-    add_box(box, resisted.lazyProduct(change.transpose()).template cast<float>());
+    add_box(resisted.lazyProduct(change.transpose()).template cast<float>(), sum);
   }
 
   /// The stiffness of a box in 3 × 3 blocks: of each second corner, of each entry, of all first corners.
@@ -461,23 +527,22 @@ class Assembly {
     return body_.rest.col(b) - body_.rest.col(a);
   }
 
-  /// Connections of one stiffness in a box, and the sum of their corners' products.
+  /// A box's connections that have one stiffness, and the sum of their corners' products.
   struct AlikeLinks {
-    Eigen::Vector3f d;
-    float slope, density;
+    LinkIn link;
     Pairs products;
   };
   /// Connections of a lattice come in a few directions: the products of those that are alike are added up first.
-  void add_links(const Sorted& links, int box) {
+  static void add_up(LinksOfBox& of_box) {
     constexpr float rounding = 1e-6F;
     constexpr std::size_t most = 16;
     std::array<AlikeLinks, most> kinds;
     std::size_t known = 0;
-    // xx, xy, xz, yy, yz, zz of each pair's block
-    Pairs blocks[6];
+    auto& blocks = of_box.blocks;
     for (Pairs& block : blocks) block.setZero();
     const auto add = [&](const AlikeLinks& alike) {
-      const float x = alike.d.x(), y = alike.d.y(), z = alike.d.z(), s = alike.slope, q = alike.density;
+      const auto [x, y, z] = alike.link.d;
+      const float s = alike.link.slope, q = alike.link.density;
       blocks[0] += (s * x * x + q) * alike.products;
       blocks[1] += s * x * y * alike.products;
       blocks[2] += s * x * z * alike.products;
@@ -485,21 +550,14 @@ class Assembly {
       blocks[4] += s * y * z * alike.products;
       blocks[5] += (s * z * z + q) * alike.products;
     };
-    for (const int c : links.of(box)) {
-      const auto& [a, b] = body_.connections.ends[c];
-      const Eigen::Vector3f at = grid_.at_in(box, (body_.rest.col(a) + body_.rest.col(b)) / 2);
-      const Corners along = slopes_along(at, grid_.along(rest_vector(c)).cast<float>());
-      const auto [d, density, slope] = tangent_.link(c);
-      AlikeLinks own{d.cast<float>(), static_cast<float>(slope), static_cast<float>(density), {}};
+    for (const LinkIn& link : of_box.links) {
+      const Corners along = slopes_along(Eigen::Vector3f(link.at.data()), Eigen::Vector3f(link.extent.data()));
+      AlikeLinks own{link, {}};
       for (int i = 0, p = 0; i < kCorners; ++i)
         for (int j = i + 1; j < kCorners; ++j, ++p) own.products[p] = along[i] * along[j];
-      const float size = rounding * own.d.cwiseAbs().maxCoeff();
       const auto end = kinds.begin() + static_cast<std::ptrdiff_t>(known);
-      const auto found = std::find_if(kinds.begin(), end, [&](const AlikeLinks& kind) {
-        return (kind.d - own.d).cwiseAbs().maxCoeff() <= size &&
-               std::abs(kind.slope - own.slope) <= rounding * std::abs(own.slope) &&
-               std::abs(kind.density - own.density) <= rounding * std::abs(own.density);
-      });
+      const auto found = std::find_if(kinds.begin(), end,
+                                      [&](const AlikeLinks& kind) { return is_as_stiff(kind.link, link, rounding); });
       if (found != end)
         found->products += own.products;
       else if (known < most)
@@ -508,23 +566,70 @@ class Assembly {
         add(own);
     }
     for (std::size_t kind = 0; kind < known; ++kind) add(kinds[kind]);
-    constexpr int from[9] = {0, 1, 2, 1, 3, 4, 2, 4, 5};
-    for (int e = 0; e < 9; ++e) result_.elements[box][e] += blocks[from[e]];
-    stiffness_[box] -= double{(blocks[0] + blocks[3] + blocks[5]).sum()} / (1.5 * kCorners);
   }
 
-  void add_box(int box, const Eigen::Matrix<float, 3 * kCorners, 3 * kCorners>& stiffness) {
-    BoxElements::Element& element = result_.elements[box];
+  static bool is_as_stiff(const LinkIn& one, const LinkIn& other, float rounding) {
+    const auto size = [](const std::array<float, 3>& v) {
+      return std::max({std::abs(v[0]), std::abs(v[1]), std::abs(v[2])});
+    };
+    const std::array<float, 3> change{one.d[0] - other.d[0], one.d[1] - other.d[1], one.d[2] - other.d[2]};
+    return size(change) <= rounding * size(other.d) &&
+           std::abs(one.slope - other.slope) <= rounding * std::abs(other.slope) &&
+           std::abs(one.density - other.density) <= rounding * std::abs(other.density);
+  }
+
+  /// A box of a lattice has the connections of one before it, again.
+  void add_links(const Sorted& links, int box, BoxSum& sum) const {
+    constexpr float rounding = 1e-5F;
+    std::vector<LinkIn>& own = sum.links;
+    own.clear();
+    for (const int c : links.of(box)) {
+      const auto& [a, b] = body_.connections.ends[c];
+      const Eigen::Vector3f at = grid_.at_in(box, (body_.rest.col(a) + body_.rest.col(b)) / 2),
+                            extent = grid_.along(rest_vector(c)).cast<float>();
+      const auto [d, density, slope] = tangent_.link(c);
+      const Eigen::Vector3f own_d = d.cast<float>();
+      own.push_back({{at.x(), at.y(), at.z()},
+                     {extent.x(), extent.y(), extent.z()},
+                     {own_d.x(), own_d.y(), own_d.z()},
+                     static_cast<float>(slope),
+                     static_cast<float>(density)});
+    }
+    const auto alike = [](const LinkIn& one, const LinkIn& other) {
+      float most_apart = 0;
+      for (int k = 0; k < 3; ++k)
+        most_apart =
+            std::max({most_apart, std::abs(one.at[k] - other.at[k]), std::abs(one.extent[k] - other.extent[k])});
+      return most_apart <= rounding && is_as_stiff(one, other, rounding);
+    };
+    auto& known = sum.known_links;
+    auto found = std::find_if(known.begin(), known.end(), [&](const LinksOfBox& other) {
+      return std::equal(own.begin(), own.end(), other.links.begin(), other.links.end(), alike);
+    });
+    if (found == known.end()) {
+      found = known.begin() + sum.oldest;
+      sum.oldest = (sum.oldest + 1) % static_cast<int>(known.size());
+      std::swap(found->links, own);
+      add_up(*found);
+    }
+    const auto& blocks = found->blocks;
+    constexpr int from[9] = {0, 1, 2, 1, 3, 4, 2, 4, 5};
+    for (int e = 0; e < 9; ++e) sum.element[e] += blocks[from[e]];
+    sum.stiffness -= double{(blocks[0] + blocks[3] + blocks[5]).sum()} / (1.5 * kCorners);
+  }
+
+  static void add_box(const Eigen::Matrix<float, 3 * kCorners, 3 * kCorners>& stiffness, BoxSum& sum) {
     for (int p = 0; p < kPairs; ++p)
-      for (int e = 0; e < 9; ++e) element[e][p] += stiffness(3 * kPair[p].first + e % 3, 3 * kPair[p].second + e / 3);
-    stiffness_[box] += stiffness.trace() / (3 * kCorners);
+      for (int e = 0; e < 9; ++e)
+        sum.element[e][p] += stiffness(3 * kPair[p].first + e % 3, 3 * kPair[p].second + e / 3);
+    sum.stiffness += stiffness.trace() / (3 * kCorners);
   }
 
   const Tangent& tangent_;
   const Body& body_;
   const BoxGrid& grid_;
   BoxElements result_;
-  VectorX stiffness_;  ///< of each box: mean of its diagonal [N/m]
+  std::vector<std::function<void(int box, BoxSum& sum)>> added_;
 };
 
 /// The part of a symmetric block that is positive.
@@ -534,9 +639,9 @@ Matrix3 positive_part(const Matrix3& block) {
 }
 
 /// What stands at molecules themselves: inertia, loads, supports.
-void add_at_molecules(const Tangent& tangent, const std::vector<Support>& supports, const std::vector<int>& homes,
-                      Assembly& assembly) {
+std::vector<BlockAt> blocks_at_molecules(const Tangent& tangent, const std::vector<Support>& supports) {
   const Body& body = tangent.model().body();
+  std::vector<BlockAt> blocks;
   std::vector<Matrix3> own;
   tangent.visit_other_diagonal([&](int molecule, const Matrix3& block) {
     if (own.empty()) own.assign(body.size(), Matrix3::Zero());
@@ -546,13 +651,30 @@ void add_at_molecules(const Tangent& tangent, const std::vector<Support>& suppor
   for (int a = 0; a < body.size() && (inertia != 0 || !own.empty()); ++a) {
     Matrix3 block = own.empty() ? Matrix3::Zero() : positive_part(own[a]);
     if (inertia != 0) block.diagonal().array() += inertia * body.mass[a];
-    if (!block.isZero(0)) assembly.add_at(body.rest.col(a), block, homes[a]);
+    if (!block.isZero(0)) blocks.push_back({a, block});
   }
   for (const Support& support : supports) {
     const Matrix3 held = Matrix3::Identity() - support.free;
-    const Matrix3 block = held * tangent.diagonal(support.molecule) * held;
-    assembly.add_at(body.rest.col(support.molecule), positive_part(block), homes[support.molecule]);
+    blocks.push_back({support.molecule, positive_part(held * tangent.diagonal(support.molecule) * held)});
   }
+  return blocks;
+}
+
+std::vector<GradientIn> gradients_in(const Tangent& tangent, const Homes& homes, const BoxGrid& grid) {
+  const Body& body = tangent.model().body();
+  std::vector<GradientIn> gradients;
+  std::vector<int> molecules;
+  tangent.visit_gradients([&](std::span<const std::pair<int, Vector3>> gradient, double factor) {
+    Vector3 middle = Vector3::Zero();
+    molecules.clear();
+    for (const auto& [molecule, g] : gradient) {
+      middle += body.rest.col(molecule) / static_cast<double>(gradient.size());
+      molecules.push_back(molecule);
+    }
+    const int box = homes.molecules[node_in(molecules, homes.outline, grid.outline_box(middle))];
+    gradients.push_back({{gradient.begin(), gradient.end()}, factor, middle, box});
+  });
+  return gradients;
 }
 
 GridLevel assemble(const Tangent& tangent, const std::vector<Support>& supports, const BoxGrid::Frame& frame,
@@ -572,19 +694,10 @@ GridLevel assemble(const Tangent& tangent, const std::vector<Support>& supports,
     const auto& of_points = *next++;
     assembly.add_points(points, of_points, *molecules_of++, *next++);
   });
-  std::vector<int> molecules;
-  tangent.visit_gradients([&](std::span<const std::pair<int, Vector3>> gradient, double factor) {
-    Vector3 middle = Vector3::Zero();
-    molecules.clear();
-    for (const auto& [molecule, g] : gradient) {
-      middle += body.rest.col(molecule) / static_cast<double>(gradient.size());
-      molecules.push_back(molecule);
-    }
-    assembly.add_gradient(gradient, middle, factor,
-                          homes.molecules[node_in(molecules, homes.outline, grid.outline_box(middle))]);
-  });
-  assembly.stabilise();
-  add_at_molecules(tangent, supports, homes.molecules, assembly);
+  const std::vector<GradientIn> gradients = gradients_in(tangent, homes, grid);
+  assembly.add_gradients(gradients);
+  const std::vector<BlockAt> blocks = blocks_at_molecules(tangent, supports);
+  assembly.add_at(blocks, homes.molecules);
   BoxMembers members(grid, homes.molecules,
                      [&](int molecule) { return grid.at_in(homes.molecules[molecule], body.rest.col(molecule)); });
   BoxElements elements = assembly.result();

@@ -19,7 +19,9 @@ BoxGrid::BoxGrid(const Frame& frame) : size_(frame.size), origin_(frame.low) {
 }
 
 int BoxGrid::outline_box(const Vector3& position) const {
-  const Vector3 at = along(position - origin_);
+  // What lies on a face, as much of a lattice does, belongs to the box beyond, wherever rounding puts it.
+  constexpr double rounding = 1e-4;
+  const Vector3 at = along(position - origin_) + Vector3::Constant(rounding);
   int box = 0;
   for (int axis = 2; axis >= 0; --axis)
     box = box * counts_[axis] + std::clamp(static_cast<int>(at[axis]), 0, counts_[axis] - 1);

@@ -1,8 +1,11 @@
 #include "core/linear/box_level.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 #include <cstring>
+#include <unordered_map>
 #include <utility>
 
 #include "core/linear/block_inverse.h"
@@ -24,6 +27,31 @@ constexpr auto kPairOf = [] {
     for (int j = i + 1; j < kBoxCorners; ++j, ++pair) numbers[i][j] = numbers[j][i] = pair;
   return numbers;
 }();
+
+/// Of a list of numbers, another one with next to certainty: two lists that had the same would only make a
+/// preconditioner worse.
+class Key {
+ public:
+  void add(std::uint64_t number) {
+    value_ = (value_ ^ number) * 0x9e3779b97f4a7c15U;
+    value_ ^= value_ >> 29;
+  }
+  std::uint64_t value() const { return value_; }
+
+ private:
+  std::uint64_t value_ = 0;
+};
+
+/// Calls first(item) or same(item, the first one with that key) for all items in order; those without a key, 0, are
+/// first ones.
+template <class First, class Same>
+void by_key(const std::vector<std::uint64_t>& keys, First&& first, Same&& same) {
+  std::unordered_map<std::uint64_t, int> known;
+  for (int item = 0; item < static_cast<int>(keys.size()); ++item) {
+    const auto [found, is_new] = keys[item] == 0 ? std::pair(known.end(), true) : known.try_emplace(keys[item], item);
+    is_new ? first(item) : same(item, found->second);
+  }
+}
 
 using Square = Eigen::Matrix<float, kBoxCorners, kBoxCorners>;
 
@@ -49,7 +77,7 @@ class LargerBox {
   }
   void add(const BoxElements& elements, int child, int octant) {
     const Square& functions = functions_in_children()[octant];
-    const BoxElements::Element& element = elements.elements[child];
+    const BoxElements::Element& element = elements.of(child);
     const int sums = elements.sums_of[child];
     for (int row = 0; row < 3; ++row)
       for (int column = row; column < 3; ++column) {
@@ -79,19 +107,53 @@ class LargerBox {
 
 }  // namespace
 
-// Large memory is first written by the threads that use it.
-BoxElements::BoxElements(int boxes) : elements(new Element[boxes]), sums_of(boxes, -1) {
+BoxElements::BoxElements(int boxes) : elements(new Element[boxes]), kind_of(boxes, 0), sums_of(boxes, -1) {
   prefer_large_pages(elements.get(), boxes * sizeof(Element));
-  parallel_for(
-      boxes, [&](int box) { elements[box].fill(Pairs::Zero()); }, kPointThreshold);
 }
 
-BoxElements::Sums& BoxElements::sums_in(int box) {
-  if (sums_of[box] < 0) {
-    sums_of[box] = static_cast<int>(sums.size());
-    sums.emplace_back().fill(Matrix3::Zero());
+void BoxElements::set(int box, const Element& element, std::vector<int>& kinds) {
+  constexpr float rounding = 1e-5F;
+  constexpr std::ptrdiff_t most = 64;
+  float size = 0;
+  for (const int e : {0, 4, 8}) size = std::max(size, element[e].abs().maxCoeff());
+  const auto alike = [&](int kind) {
+    if (!(std::abs(element[0][0] - elements[kind][0][0]) <= rounding * size)) return false;  // most end here
+    for (int e = 0; e < 9; ++e)
+      if (!((element[e] - elements[kind][e]).abs().maxCoeff() <= rounding * size)) return false;
+    return true;
+  };
+  const auto last =
+      kinds.size() > most ? kinds.rend() - (static_cast<std::ptrdiff_t>(kinds.size()) - most) : kinds.rend();
+  if (const auto found = std::find_if(kinds.rbegin(), last, alike); found != last) {
+    kind_of[box] = *found;
+    return;
   }
-  return sums[sums_of[box]];
+  if (&element != &elements[box]) elements[box] = element;
+  kind_of[box] = box;
+  kinds.push_back(box);
+}
+
+void BoxElements::share() {
+  const int boxes = static_cast<int>(kind_of.size());
+  int own = 0;
+  for (int box = 0; box < boxes; ++box) own += kind_of[box] == box;
+  shared = 2 * own <= boxes;
+  if (!shared) return;  // of no lattice
+  std::vector<int> kinds;
+  for (int box = 0; box < boxes; ++box)
+    if (kind_of[box] == box)
+      set(box, elements[box], kinds);
+    else
+      kind_of[box] = kind_of[kind_of[box]];
+}
+
+void BoxElements::set_sums_in(const std::vector<char>& boxes) {
+  int count = 0;
+  for (std::size_t box = 0; box < boxes.size(); ++box)
+    if (boxes[box]) sums_of[box] = count++;
+  Sums zero;
+  zero.fill(Matrix3::Zero());
+  sums.assign(static_cast<std::size_t>(count), zero);
 }
 
 BoxLevel::BoxLevel(BoxGrid grid, BoxElements elements, bool is_part)
@@ -107,6 +169,22 @@ BoxLevel::BoxLevel(BoxGrid grid, BoxElements elements, bool is_part)
       },
       kPointThreshold);
   set_damping();
+}
+
+/// Of the blocks of a point's row, from the boxes around it and where their corners stand in the row; 0 where it has
+/// blocks of its own, as where something outside the body resists.
+std::uint64_t BoxLevel::row_key(int point, const std::vector<int>& slots) const {
+  if (!elements_.shared) return 0;
+  Key key;
+  for (const int corner : grid_.around(point)) {
+    const int box = corner / kBoxCorners;
+    if (elements_.sums_of[box] >= 0) return 0;
+    std::uint64_t places = 0;
+    for (const int other : grid_.corners(box)) places = std::rotl(places, 8) ^ static_cast<unsigned>(slots[other]);
+    key.add(static_cast<unsigned>(kBoxCorners * elements_.kind_of[box] + corner % kBoxCorners) + 1U);
+    key.add(places);
+  }
+  return key.value();
 }
 
 void BoxLevel::set_rows() {
@@ -138,25 +216,38 @@ void BoxLevel::set_rows() {
       for (const int other : grid_.corners(corner / kBoxCorners)) slots[other] = -1;
   };
   start_.assign(points() + 1, 0);
+  std::vector<std::uint64_t> keys(points());
   for_points([&](int point, std::vector<int>& slots) {
     start_[point + 1] = round_up(number_around(point, slots, [](int, int) {}));
+    keys[point] = row_key(point, slots);
     forget(point, slots);
   });
   for (int point = 0; point < points(); ++point) start_[point + 1] += start_[point];
   neighbours_.resize(start_.back());
-  rows_.reset(new Blocks[start_.back() / kWidth]);
-  prefer_large_pages(rows_.get(), start_.back() / kWidth * sizeof(Blocks));
+  row_at_.resize(points());
+  std::vector<char> is_first(points(), 0);
+  int rows = 0;
+  by_key(
+      keys,
+      [&](int point) {
+        row_at_[point] = rows, is_first[point] = 1, rows += (start_[point + 1] - start_[point]) / kWidth;
+      },
+      [&](int point, int first) { row_at_[point] = row_at_[first]; });
+  kept_rows_ = static_cast<int>(std::count(is_first.begin(), is_first.end(), 1));
+  rows_.reset(new Blocks[rows]);
+  prefer_large_pages(rows_.get(), rows * sizeof(Blocks));
   sums_.assign(points(), Matrix3::Zero());
   for_points([&](int point, std::vector<int>& slots) {
     int* neighbours = &neighbours_[start_[point]];
     std::fill(neighbours, &neighbours_[0] + start_[point + 1], point);
     number_around(point, slots, [&](int slot, int other) { neighbours[slot] = other; });
-    Blocks* row = &rows_[start_[point] / kWidth];
+    if (!is_first[point]) return forget(point, slots);
+    Blocks* row = &rows_[row_at_[point]];
     for (int n = 0; n < (start_[point + 1] - start_[point]) / kWidth; ++n)
       for (auto& entry : row[n]) entry.setZero();
     for (const int around : grid_.around(point)) {
       const int box = around / kBoxCorners, c = around % kBoxCorners;
-      const BoxElements::Element& element = elements_.elements[box];
+      const BoxElements::Element& element = elements_.of(box);
       for (int other = 0; other < kBoxCorners; ++other) {
         if (other == c) continue;
         const int slot = slots[grid_.corners(box)[other]];
@@ -174,7 +265,7 @@ void BoxLevel::set_rows() {
 Matrix3 BoxLevel::block_to(int point, int neighbour) const {
   Matrix3 block = Matrix3::Zero();
   const auto add = [&](int n, double sign) {
-    const Blocks& blocks = rows_[start_[point] / kWidth + n / kWidth];
+    const Blocks& blocks = rows_[row_at_[point] + n / kWidth];
     for (int e = 0; e < 9; ++e) block.data()[e] += sign * double{blocks[e][n % kWidth]};
   };
   if (neighbour != 0) {
@@ -191,6 +282,7 @@ inline Eigen::Vector3f BoxLevel::difference(const Vectors& x, int point) const {
   typedef float Four __attribute__((vector_size(4 * kWidth)));
   const auto read = [](const float* from, Four& four) { std::memcpy(&four, from, sizeof four); };
   const int first = start_[point], end = start_[point + 1];
+  const Blocks* row = &rows_[row_at_[point]];
   const auto of = [all = x.data()](int other) { return all + 3 * static_cast<std::ptrdiff_t>(other); };
   Four own, sums[3] = {};
   read(of(point), own);
@@ -208,7 +300,7 @@ inline Eigen::Vector3f BoxLevel::difference(const Vectors& x, int point) const {
     const Four dx = __builtin_shufflevector(xy_01, xy_23, 0, 1, 4, 5),
                dy = __builtin_shufflevector(xy_01, xy_23, 2, 3, 6, 7),
                dz = __builtin_shufflevector(z_01, z_23, 0, 1, 4, 5);
-    const float* block = rows_[n / kWidth][0].data();
+    const float* block = (*row++)[0].data();
     for (int k = 0; k < 3; ++k) {
       Four x_entries, y_entries, z_entries;
       read(block + kWidth * k, x_entries);
@@ -259,16 +351,36 @@ std::unique_ptr<BoxLevel> BoxLevel::coarser(BoxGrid::Coarser coarser, bool is_pa
   const BoxGrid& coarse = coarser.grid;
   const std::vector<int>& parents = coarser.parents;
   BoxElements elements(coarse.boxes());
+  std::vector<char> resisted(coarse.boxes(), 0);
   for (int box = 0; box < grid_.boxes(); ++box)
-    if (elements_.sums_of[box] >= 0) elements.sums_in(parents[box]);
+    if (elements_.sums_of[box] >= 0) resisted[parents[box]] = 1;
+  elements.set_sums_in(resisted);
+  elements.shared = elements_.shared;
   const BoxMembers children(coarse, parents, [](int) { return Eigen::Vector3f(); });
+  const auto octant_of = [&](int child) {
+    const auto& [x, y, z] = grid_.cell(child);
+    return x % 2 + 2 * (y % 2) + 4 * (z % 2);
+  };
+  std::vector<std::uint64_t> keys(coarse.boxes(), 0);
   parallel_for(
       coarse.boxes(),
       [&](int box) {
+        if (resisted[box] || !elements_.shared) return;
+        Key key;
+        for (const auto& [child, ignored] : children.in(box))
+          key.add(static_cast<unsigned>(kBoxCorners * elements_.kind_of[child] + octant_of(child)) + 1U);
+        keys[box] = key.value();
+      },
+      kPointThreshold);
+  by_key(
+      keys, [&](int box) { elements.kind_of[box] = box; }, [&](int box, int first) { elements.kind_of[box] = first; });
+  parallel_for(
+      coarse.boxes(),
+      [&](int box) {
+        if (elements.kind_of[box] != box) return;
         LargerBox larger;
         for (const auto& [child, ignored] : children.in(box)) {
-          const auto& [x, y, z] = grid_.cell(child);
-          const int octant = x % 2 + 2 * (y % 2) + 4 * (z % 2);
+          const int octant = octant_of(child);
           larger.add(elements_, child, octant);
           if (elements_.sums_of[child] < 0) continue;
           const BoxElements::Sums& sums = elements_.sums[elements_.sums_of[child]];

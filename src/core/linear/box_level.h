@@ -1,6 +1,7 @@
 #pragma once
 #include <algorithm>
 #include <array>
+#include <cstdint>
 #include <memory>
 #include <span>
 #include <vector>
@@ -11,7 +12,8 @@
 namespace elastin {
 
 /// The stiffness of the boxes of a grid: blocks between corners in single precision, S of corners where something
-/// outside the body resists.
+/// outside the body resists. Boxes whose blocks are alike to rounding, as nearly all of a lattice, share those of the
+/// first of them.
 struct BoxElements {
   static constexpr int kPairs = BoxGrid::kCorners * (BoxGrid::kCorners - 1) / 2;
   using Pairs = Eigen::Array<float, kPairs, 1>;
@@ -20,10 +22,17 @@ struct BoxElements {
   using Sums = std::array<Matrix3, BoxGrid::kCorners>;
 
   explicit BoxElements(int boxes);
-  /// S of the corners of a box, made where there was none.
-  Sums& sums_in(int box);
-  std::unique_ptr<Element[]> elements;
-  std::vector<int> sums_of;  ///< of each box, −1 where S is zero
+  const Element& of(int box) const { return elements[kind_of[box]]; }
+  /// Sets a box's blocks, or shares those of one of the latest `kinds`, to which the box is added otherwise.
+  void set(int box, const Element& element, std::vector<int>& kinds);
+  /// Has all boxes share, each of which has a box before it, or itself, as its kind.
+  void share();
+  /// Has S of these boxes, zero.
+  void set_sums_in(const std::vector<char>& boxes);
+  std::unique_ptr<Element[]> elements;  ///< of the boxes that are their own kind
+  std::vector<int> kind_of;             ///< of each box, the box whose blocks it has
+  bool shared = false;                  ///< whether most boxes share them
+  std::vector<int> sums_of;             ///< of each box, −1 where S is zero
   std::vector<Sums> sums;
 };
 
@@ -139,12 +148,15 @@ class BoxLevel {
   std::span<const int> neighbours(int point) const {
     return {neighbours_.data() + start_[point], static_cast<std::size_t>(start_[point + 1] - start_[point])};
   }
+  /// How many points have blocks of their own, which the others share.
+  int kept_rows() const { return kept_rows_; }
   /// The block between it and one of those, in double precision.
   Matrix3 block_to(int point, int neighbour) const;
 
  private:
   static constexpr int kWidth = 4;  ///< of the vector registers: the number of neighbours is a multiple of it
   Eigen::Vector3f difference(const Vectors& x, int point) const;
+  std::uint64_t row_key(int point, const std::vector<int>& slots) const;
   void set_rows();
   void set_damping();
 
@@ -155,6 +167,8 @@ class BoxLevel {
   /// The blocks of as many neighbours by columns: entry by entry, of each; S_i in the place of a point's own.
   using Blocks = std::array<Eigen::Array<float, kWidth, 1>, 9>;
   std::unique_ptr<Blocks[]> rows_;
+  int kept_rows_ = 0;
+  std::vector<int> row_at_;  ///< of each point, where its blocks begin: points of one kind share them
   std::vector<Matrix3> sums_;
   std::vector<Eigen::Matrix3f> inverse_;  ///< D⁻¹ over its largest eigenvalue with A
   int steps_ = 1;

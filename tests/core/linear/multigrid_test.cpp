@@ -2,12 +2,14 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <map>
+#include <memory>
 #include <numbers>
 #include <random>
 #include <string>
 
 #include "core/base/disjoint_sets.h"
 #include "core/forces/volume.h"
+#include "core/linear/box_assembly.h"
 #include "core/linear/linear_choice.h"
 #include "core/linear/volume_smoother.h"
 #include "elastin/core/linear/linear_solver.h"
@@ -388,6 +390,40 @@ TEST_CASE("multigrid gives bitwise identical results on any number of threads", 
       if (count == 1) first = motion;
       CHECK((motion.array() == first.array()).all());
     }
+  }
+}
+
+TEST_CASE("points of a lattice share what they have alike, and have it as where nothing is alike", "[multigrid]") {
+  Fixed regular(lattice({40, 41, 42})), irregular(lattice({40, 41, 42}));
+  regular.add_springs();
+  // No two boxes are alike, and none is far from the lattice's.
+  constexpr double change = 1e-3;
+  std::mt19937_64 generator(7);
+  std::uniform_real_distribution<double> some(-change, change);
+  for (double& constant : irregular.constants) constant *= 1 + some(generator);
+  irregular.add_springs();
+  const State rest = state_at_rest(regular.body), other_rest = state_at_rest(irregular.body);
+  const auto level_of = [](const Fixed& fixed, const State& state) {
+    return assemble_level(Tangent(fixed.model, state), fixed.model.supports).level;
+  };
+  std::unique_ptr<BoxLevel> shared = level_of(regular, rest), own = level_of(irregular, other_rest);
+  for (const bool coarse : {false, true}) {
+    CAPTURE(coarse);
+    if (coarse) shared = shared->coarser(shared->grid().coarser()), own = own->coarser(own->grid().coarser());
+    // Inside, on faces, edges and corners; at supports each has its own.
+    CHECK(shared->kept_rows() < 4 * shared->points() / 10);
+    CHECK(own->kept_rows() == own->points());
+    REQUIRE(shared->points() == own->points());
+    double error = 0, size = 0;
+    for (int point = 0; point < own->points(); ++point) {
+      REQUIRE(std::ranges::equal(shared->neighbours(point), own->neighbours(point)));
+      for (int n = 0; n < static_cast<int>(own->neighbours(point).size()); ++n) {
+        const Matrix3 block = own->block_to(point, n);
+        error = std::max(error, (shared->block_to(point, n) - block).norm());
+        size = std::max(size, block.norm());
+      }
+    }
+    CHECK(error < change * size);
   }
 }
 
