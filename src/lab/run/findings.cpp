@@ -25,6 +25,8 @@ constexpr double kOverlap = 1e-3;
 constexpr double kRebound = 1.02;
 /// Of the kinetic to the elastic energy: driven motion errs by as much, an oscillation by its root.
 constexpr double kMoving = 2e-3;
+/// Of damping to what the laws bear; and of the energy by which a load grows within a frame.
+constexpr double kDamped = 0.01, kGrows = 1e-3;
 
 /// The second of an obstacle's extents [m], by size: what must fit between samples for it to pass.
 double width_of(const Obstacle& obstacle) {
@@ -113,9 +115,22 @@ double liveliness(const Run& run) {
   return kinetic / stored;
 }
 
+/// What damping and drag bear over what the laws do while the load still grows at the end of a run in time: by what
+/// either took over the last frame. 0 without them, and where nothing grows.
+double damped_share(const Model& model, const Run& run) {
+  const bool damped = !model.viscosity().empty() || std::any_of(model.loads().begin(), model.loads().end(),
+                                                                [](const auto& load) { return load->resists(); });
+  if (!damped || model.dissipates() || run.curve.size() < 2) return 0;
+  const Measures &before = run.curve[run.curve.size() - 2].measures, &now = run.curve.back().measures;
+  const double stored = now.get("energy") - before.get("energy"),
+               lost = now.get("dissipated_energy") - before.get("dissipated_energy");
+  return stored > kGrows * now.get("energy") ? lost / stored : 0;
+}
+
 }  // namespace
 
-std::vector<std::string> findings_at_end(const Specimen& specimen, const MeasureList& list, const Run& run) {
+std::vector<std::string> findings_at_end(const Specimen& specimen, const MeasureList& list, const Model& model,
+                                         const Run& run) {
   std::vector<std::string> found;
   const bool reads_stiffness = std::any_of(list.begin(), list.end(), [&](const MeasureInfo& one) {
     return is_property(one.role) && std::isfinite(run.measures.get(one.name));
@@ -133,6 +148,10 @@ std::vector<std::string> findings_at_end(const Specimen& specimen, const Measure
         "the body moves at the end, with a kinetic energy of " + number(100 * lively, 2) +
         " % of the elastic one: the modulus has forces of inertia in it; a slower load, damping or a longer "
         "duration leaves less of them");
+  if (const double damped = reads_stiffness && run.time ? damped_share(model, run) : 0; damped > kDamped)
+    found.push_back("damping bears about " + number(100 * damped, 2) +
+                    " % of what the material does at the end: the modulus has it in it; a slower load, or one that "
+                    "ends before the run, leaves less of it");
   if (reads_stiffness && run.time &&
       std::any_of(materials.begin(), materials.end(), [](const Material& one) { return one.active.has_value(); }))
     found.emplace_back(

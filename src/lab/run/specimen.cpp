@@ -462,7 +462,7 @@ Run run_strategy(const Specimen& specimen, const Experiment& experiment, const S
   run.solve_seconds = solve.seconds();
   if (of_whole_runs && run.outcome == Outcome::converged) of_whole_runs->of_whole_runs(options, run);
   measure_law(at_work, experiment, choice, options, run);
-  for (std::string& finding : findings_at_end(specimen, experiment.measures(), run))
+  for (std::string& finding : findings_at_end(specimen, experiment.measures(), model, run))
     run.warnings.push_back(std::move(finding));
   if (run.identified) note_identified(*run.identified, run);
   return run;

@@ -145,7 +145,8 @@ CurveFit fit_curve(const StressStrain& given, const MeasureCurve& measure);
 std::vector<std::string> findings_at_start(const Specimen& specimen, const Model& model, bool uses_cells);
 
 /// What a user should know of a run that ended: a rebound faster than the impact, obstacles that something has passed
-/// or may have passed through.
-std::vector<std::string> findings_at_end(const Specimen& specimen, const MeasureList& list, const Run& run);
+/// or may have passed through, a modulus that is of more than the material.
+std::vector<std::string> findings_at_end(const Specimen& specimen, const MeasureList& list, const Model& model,
+                                         const Run& run);
 
 }  // namespace elastin::lab

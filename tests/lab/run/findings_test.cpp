@@ -83,13 +83,15 @@ TEST_CASE("an obstacle that is too soft for its thickness is said", "[findings]"
 }
 
 TEST_CASE("a rebound that is faster than the impact is said", "[findings]") {
+  const Body body;
+  const Model model(body);
   Run run;
   run.measures.set("restitution", 1.2);
-  const std::vector<std::string> found = findings_at_end({}, {}, run);
+  const std::vector<std::string> found = findings_at_end({}, {}, model, run);
   REQUIRE(found.size() == 1);
   CHECK(found[0] == "it rebounds 1.2 times as fast as it came: the steps are too long for the contact");
   run.measures.set("restitution", 0.99);
-  CHECK(findings_at_end({}, {}, run).empty());
+  CHECK(findings_at_end({}, {}, model, run).empty());
 }
 
 TEST_CASE("Cells that may lock near nu = 1/2 are said, with what to write", "[findings]") {

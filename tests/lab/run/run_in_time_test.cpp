@@ -825,3 +825,24 @@ TEST_CASE("a displacement that is there at once does work, and a modulus read in
     CHECK_THAT(run.warnings.back(), Contains("the modulus has forces of inertia in it"));
   }
 }
+
+// A spring of k = 100 N/m with a damper of c = 3 N s/m is drawn out within T: at the end F = k x (1 + c / (k T)).
+TEST_CASE("what damping adds to a modulus is said", "[time]") {
+  const auto drawn = [](const std::string& ramp, const std::string& loads) {
+    return run_of(kOscillator + "experiment: {kind: motion, in_time: {ramp: {duration: " + ramp +
+                  "}}, fixture: {kind: tension, axis: x, displacement: 1 mm, cross_section: 1 cm2}}\nloads: [" + loads +
+                  "]\ntime: {duration: 1 s, step: 1 ms, frames: 500, stepper: newmark}\n");
+  };
+  const auto said = [](const Run& run) {
+    return std::count_if(run.warnings.begin(), run.warnings.end(), [](const std::string& one) {
+      return one.find("damping bears about 3 %") != std::string::npos;
+    });
+  };
+  const std::string damper = "{damping: 3 N s/m}";
+  const Run all = drawn("1 s", damper), held = drawn("0.5 s", damper), none = drawn("1 s", "");
+  CHECK(all.measures.get("effective_modulus") == Approx(103e3).epsilon(1e-3));
+  CHECK(said(all) == 1);
+  CHECK(held.measures.get("effective_modulus") == Approx(100e3).epsilon(1e-6));
+  CHECK(said(held) == 0);
+  CHECK(said(none) == 0);
+}
