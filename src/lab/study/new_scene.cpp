@@ -36,7 +36,7 @@ stiffness: {solid}
 strategies: [standard, {springs}, neo_hookean{volume}]
 )";
 
-constexpr const char* kStrip = R"(# A strip in a testing machine: both ends are clamped, one is pulled along x.
+constexpr const char* kStrip = R"(# A strip in a testing machine: both ends are clamped, one is pulled along {axis}.
 # Check it with `elastin check`, run it with `elastin compare --out out`, look at out/report.html.
 title: Strip of {size}, clamped at both ends
 
@@ -48,8 +48,8 @@ body:
 # not show E. Measured forces go under `expect`, see `elastin list --keys`.
 experiment:
   kind: tension
-  axis: x
-  displacement: {displacement}   # 15 % of the length
+  axis: {axis}                   # the longest side
+  displacement: {displacement}   # 15 % of it
   fixed_grip: clamped       # sliding: free to narrow
   loaded_grip: clamped
   load_steps: 5             # points of the stress-strain curve
@@ -350,8 +350,11 @@ void add_specimen(Words& words, const NewScene& wanted, bool from_file) {
   const std::string name = wanted.specimen;
   const double least = sides.minCoeff();
   if (name == "strip") {
+    int longest = 0;
+    const double length = sides.maxCoeff(&longest);
     add_block(words, sides, 2);
-    add(words, "displacement", length_text(0.15 * sides[0]));
+    add(words, "axis", std::string(1, "xyz"[longest]));
+    add(words, "displacement", length_text(0.15 * length));
   } else if (name == "dogbone") {
     add_bar(words, body);
   } else if (name == "indentation") {

@@ -50,7 +50,8 @@ TEST_CASE("a size is three lengths, the last of which may give the unit", "[new]
   const auto text = [](const std::string& size) { return new_scene_text({"strip", size, ""}, ""); };
   for (const char* size : {"40 x 10 x 4 mm", "40 mm x 1 cm x 4 mm", "40×10×4 mm", "0.04 m, 0.01 m, 0.004 m"})
     CHECK_THAT(text(size), Contains("size: [40 mm, 10 mm, 4 mm]") && Contains("cubes: [20, 5, 2]") &&
-                               Contains("displacement: 6 mm"));
+                               Contains("axis: x ") && Contains("displacement: 6 mm"));
+  CHECK_THAT(text("1 x 2 x 100 mm"), Contains("axis: z ") && Contains("displacement: 15 mm"));
   for (const char* size : {"40 x 10", "40 x 10 x 4", "a x b x c mm", "40 x -1 x 4 mm", ""})
     CHECK_THROWS_WITH(text(size), Contains("is not three lengths, such as 40 x 10 x 4 mm"));
 }
