@@ -36,6 +36,8 @@ struct NewCommand {
     options.add("--size", "LENGTHS", into(scene.size), "Lengths of a block along x, y, z: '40 x 10 x 4 mm'");
     options.add("--mesh", "FILE", into(scene.mesh), "File of the mesh (dogbone) or of the closed surface (organ)");
     options.add("--image", "FILE", into(image), "File of the voxels (scan)");
+    options.add("--voxel-size", "LENGTHS", into(scene.voxel_size),
+                "Lengths of a voxel along the image's axes, where the file does not state them: '1 x 1 x 2 mm'");
     options.add("--length-unit", "UNIT", into(scene.length_unit),
                 "Unit of the file's coordinates; default: what an image states, else mm");
     options.add("--modulus", "E", into(modulus), "Young's modulus; default: " + scene.modulus);
@@ -77,6 +79,8 @@ struct NewCommand {
         throw InputError(fmt::format("new {}: --{} is for other specimens; give --{}", row.name, name, own));
     if (file.empty() && !scene.length_unit.empty())
       throw InputError(fmt::format("new {}: --length-unit is of a file; a size states its unit itself", row.name));
+    if (file != "image" && !scene.voxel_size.empty())
+      throw InputError(fmt::format("new {}: --voxel-size is of an image", row.name));
     if (!image.empty()) scene.mesh = image;
   }
 

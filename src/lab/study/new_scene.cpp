@@ -119,7 +119,7 @@ body:
   image:
     file: {mesh}
     length_unit: {unit}
-{labels}    pieces: largest         # all: what hangs together by no face, too
+{voxel}{labels}    pieces: largest         # all: what hangs together by no face, too
     spacing: {spacing}        # side of a box. Smaller: nearer to the truth, and slower
     fill_fraction: true     # a box is as stiff as it is full
     as: hexahedra           # or lattice, tetrahedra, packing
@@ -166,7 +166,7 @@ std::string unit_name(double metres) {
 }
 
 /// "40 x 10 x 4 mm" in metres; a side without a unit has that of the last.
-Vector3 sides_of(const std::string& size) {
+Vector3 sides_of(const std::string& size, const std::string& option = "--size") {
   std::vector<std::string> parts{""};
   for (std::size_t i = 0; i < size.size(); ++i)
     if (size[i] == 'x' || size[i] == '*' || size[i] == ',')
@@ -175,7 +175,7 @@ Vector3 sides_of(const std::string& size) {
       parts.emplace_back(), ++i;
     else
       parts.back() += size[i];
-  const std::string wrong = "--size: '" + size + "' is not three lengths, such as 40 x 10 x 4 mm";
+  const std::string wrong = option + ": '" + size + "' is not three lengths, such as 40 x 10 x 4 mm";
   if (parts.size() != 3) throw InputError(wrong);
   const std::string unit = parts[2].substr(std::min(parts[2].find_first_not_of(" 0123456789.+-e"), parts[2].size()));
   Vector3 sides;
@@ -304,11 +304,22 @@ std::string labels_text(const mesh::Image& image, const mesh::ImageValues& value
 }
 
 void add_scan(Words& words, const NewScene& wanted, const mesh::Image& image) {
-  if (!image.has_steps)
+  if (image.has_steps && !wanted.voxel_size.empty())
+    throw InputError("--voxel-size: " + wanted.mesh + " states the size of its voxels itself");
+  if (!image.has_steps && wanted.voxel_size.empty())
     throw InputError(wanted.mesh +
-                     ": does not state the size of its voxels; write the scene by hand, with `voxel_size`");
-  const mesh::ImageValues values = mesh::values_of(image);
+                     ": does not state the size of its voxels; give --voxel-size, such as '1 x 1 x 2 mm'");
   const double unit = parse_quantity("1 " + wanted.length_unit, dimension::length).value;
+  Matrix3 steps = unit * image.steps;
+  std::string voxel_size;
+  if (!image.has_steps) {
+    const Vector3 sides = sides_of(wanted.voxel_size, "--voxel-size");
+    steps = image.steps * sides.asDiagonal();
+    voxel_size = fmt::format("    voxel_size: [{}, {}, {}]\n", length_text(sides[0]), length_text(sides[1]),
+                             length_text(sides[2]));
+  }
+  add(words, "voxel", voxel_size);
+  const mesh::ImageValues values = mesh::values_of(image);
   constexpr double kSeen = 1e5, askew = 0.05;  // of a body that lies along the voxels, within some 3 degrees
   double voxels = 0;
   std::vector<Vector3> places;
@@ -319,14 +330,12 @@ void add_scan(Words& words, const NewScene& wanted, const mesh::Image& image) {
       for (int x = 0; x < image.size[0]; ++x) {
         const double value = image.at(x, y, z);
         if (std::isnan(value) || !(values.labels ? value != 0 : value >= values.threshold)) continue;
-        if (static_cast<std::int64_t>(voxels++) % every == 0)
-          places.emplace_back(unit * (image.steps * Vector3(x, y, z)));
+        if (static_cast<std::int64_t>(voxels++) % every == 0) places.emplace_back(steps * Vector3(x, y, z));
       }
   if (voxels == 0) throw InputError(wanted.mesh + ": all its voxels are 0");
   Body body;
   body.rest = Eigen::Map<const Positions>(places.front().data(), 3, static_cast<Eigen::Index>(places.size()));
   const LongAxis along = long_axis_of(body, askew);
-  const Matrix3 steps = unit * image.steps;
   const double length = along.length + (steps.transpose() * along.axis).cwiseAbs().maxCoeff(),
                voxel = std::abs(steps.determinant());
   add(words, "labels", labels_text(image, values));
@@ -334,7 +343,7 @@ void add_scan(Words& words, const NewScene& wanted, const mesh::Image& image) {
   add(words, "length", length_text(length));
   const double spacing = std::cbrt(voxel * std::max(1., voxels / kMostNewMolecules));
   // A body whose boxes are filled in part has no one modulus to calibrate to.
-  const bool filled = std::lround(spacing / (unit * image.steps.colwise().norm().minCoeff())) <= 1;
+  const bool filled = std::lround(spacing / steps.colwise().norm().minCoeff()) <= 1;
   add(words, "springs", filled ? "\"calibrated:patch\"" : "patch");
   add(words, "spacing", length_text(spacing));
   add(words, "grip", length_text(0.15 * length));

@@ -82,6 +82,7 @@ struct NewScene {
   std::string length_unit = "";    ///< of the file's coordinates; empty: what an image states, else mm
   std::string modulus = "10 kPa";  ///< E
   double poissons_ratio = 0.45;    ///< from 0 to below 0.5
+  std::string voxel_size = "";     ///< "1 x 1 x 2 mm", of an image that does not state it
 };
 
 struct NewSpecimen {

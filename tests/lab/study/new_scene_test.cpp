@@ -103,6 +103,18 @@ TEST_CASE("a scene of an image has its labels or a threshold, and its unit", "[n
                   [](int) { return 1; }),
              Contains("length_unit: um") && Contains("cross_section: 16 um2"));
   CHECK_THAT(many, Contains("axis: x "));
+  // NumPy's arrays have no size of their voxels: 30 x 4 x 4 of 2 x 1 x 1 mm.
+  std::string array("\x93NUMPY\x01\x00\x76\x00", 10),
+      header = "{'descr': '|u1', 'fortran_order': True, 'shape': (30, 4, 4), }";
+  array += header + std::string(117 - header.size(), ' ') + "\n" + std::string(480, '\1');
+  NewScene scan{"scan", "", folder.write("a.npy", array)};
+  CHECK_THROWS_WITH(new_scene_text(scan, ""), Contains("give --voxel-size"));
+  scan.voxel_size = "2 x 1 mm";
+  CHECK_THROWS_WITH(new_scene_text(scan, ""), Contains("--voxel-size: '2 x 1 mm' is not three lengths"));
+  scan.voxel_size = "2 x 1 x 1 mm";
+  const std::string written = new_scene_text(scan, folder.path(""));
+  CHECK_THAT(written, Contains("voxel_size: [2 mm, 1 mm, 1 mm]") && Contains("cross_section: 16 mm2"));
+  CHECK(load_scene(folder.write("scene.yaml", written), built_in_catalog())->specimen.body.size() == 31 * 25);
   // A bar that lies across the voxels.
   CHECK_THAT(text(plain, [](int i) { return std::abs(i % 30 - 8 - 4 * (i / 120)) < 6; }), Contains("axis: longest "));
 }
