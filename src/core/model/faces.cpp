@@ -141,7 +141,10 @@ Face face_of(const Body& body, std::vector<int> molecules, const Vector3& direct
     }
   }
   const std::vector<double> areas = tributary_areas(layer, outline);
-  for (Eigen::Index i = 0; i < share.size(); ++i) share[i] = areas[first + static_cast<std::size_t>(i)] / face.area;
+  // Molecules behind each other, of a grip with a depth, have the same part of the face, each the whole of it.
+  const double sum = std::accumulate(areas.begin(), areas.end(), 0.),
+               whole = sum > (1 + 1e-9) * face.area ? sum : face.area;
+  for (Eigen::Index i = 0; i < share.size(); ++i) share[i] = areas[first + static_cast<std::size_t>(i)] / whole;
   return face;
 }
 

@@ -189,6 +189,33 @@ double askew_of(const Body& body, const Vector3& axis, const Face& fixed, const 
   }
 }
 
+double end_of_grip(const Body& body, const std::vector<int>& molecules, const Vector3& axis, double otherwise) {
+  std::vector<char> in_grip(static_cast<std::size_t>(body.size()), 0), leads_out(in_grip);
+  for (const int molecule : molecules) in_grip[molecule] = 1;
+  const auto join = [&](const auto& nodes) {
+    const auto is_held = [&](int node) { return in_grip[node] != 0; };
+    if (std::all_of(nodes.begin(), nodes.end(), is_held)) return;
+    for (const int node : nodes)
+      if (is_held(node)) leads_out[node] = 1;
+  };
+  for (const auto& ends : body.connections.ends) join(ends);
+  if (body.connections.size() == 0) {
+    for (const auto& cell : body.tetrahedra) join(cell);
+    for (const auto& cell : body.triangles) join(cell);
+    for (const CellBlock& block : body.blocks)
+      for (int cell = 0; cell < block.size(); ++cell) join(block.cell(cell));
+  }
+  std::array<double, 3> sums{0, 0, 0};  // of heights, of those that lead out, of all
+  for (const int molecule : molecules) {
+    if (molecule >= owned_molecules(body)) continue;
+    sums[0] += leads_out[molecule] ? axis.dot(body.rest.col(molecule)) : 0;
+    sums[1] += leads_out[molecule];
+    ++sums[2];
+  }
+  sum_over(body, sums);
+  return sums[1] == 0 || sums[1] == sums[2] ? otherwise : sums[0] / sums[1];
+}
+
 Points2 hull_of_section(const Body& body, const Face& fixed, const Eigen::Matrix<double, 3, 2>& plane) {
   if (fixed.tilted.isZero(0)) return hull_of_whole(body, plane);
   Points2 seen(2, static_cast<Eigen::Index>(fixed.molecules.size()));

@@ -54,6 +54,10 @@ struct Ends {
   double low = 0, high = 0;
 };
 
+/// Where a grip that is held or moved as a whole ends along the axis [m]: the mean height of its molecules that are
+/// joined to others, for what lies deeper in it takes no part in a strain; `otherwise` where none are, or all.
+double end_of_grip(const Body& body, const std::vector<int>& molecules, const Vector3& axis, double otherwise);
+
 /// The convex hull of a body seen on a plane; where its end `fixed` is no plane that of this end alone, for a tilted
 /// bar has a larger shadow than section.
 Points2 hull_of_section(const Body& body, const Face& fixed, const Eigen::Matrix<double, 3, 2>& plane);

@@ -203,6 +203,8 @@ namespace {
 
 /// Of the load: what may be left of it unbalanced.
 constexpr double kBalanced = 1e-3;
+/// Of the load along the axis: what others than the grips may bear of it without a word.
+constexpr double kBorne = 5e-3;
 
 /// Of the forces that hold the displaced molecules, before others give way: a resistance below that is rounding.
 constexpr double kResists = 1e-9;
@@ -353,6 +355,27 @@ bool find_start(Model& model, StaticRig& rig, const RunOptions& options, bool at
                     run);
 }
 
+/// The part of a load along an axis that its experiment's grips do not bear: the scene's supports, contact and loads
+/// do.
+double borne_by_others(const Model& model, const StaticRig& rig, const Vector3& axis, const Start& start,
+                       const StaticResult& solved) {
+  std::array<double, 4>
+      sums{};  // along the axis: of grips that are moved, of those that stay, of others; of moved ones
+  auto& [moved, fixed, others, count] = sums;
+  for (std::size_t i = 0; i < model.supports.size(); ++i) {
+    const auto column = static_cast<Eigen::Index>(i);
+    if (model.supports[i].molecule >= owned_molecules(model.body())) continue;
+    const double force = (solved.reactions.col(column) - start.reactions.col(column)).dot(axis);
+    const bool is_moved = !model.supports[i].displacement.isZero(0);
+    (i >= rig.own_supports ? others : is_moved ? moved : fixed) += force;
+    count += is_moved;
+  }
+  sum_over(model.body(), sums);
+  const double borne = count > 0 ? moved + fixed : others,
+               load = std::max({std::abs(moved), std::abs(fixed), std::abs(others)});
+  return load > 0 ? std::abs(borne) / load : 0;
+}
+
 /// Where the material says what stress belongs to a strain: that, and the largest difference to it, over the largest
 /// such stress.
 void note_curve_error(const Experiment& experiment, const MeasureList& list, const Material& material, Run& run) {
@@ -457,6 +480,11 @@ void solve_load_curve(Model& model, const StaticExperiment& experiment, StaticRi
       check_balance(solved, measures, taken(measures, MeasureRole::force), options.statics.tolerance, step == steps,
                     is_displaced(model, path.state()), where, run);
     if (run.outcome != Outcome::converged) return;
+    if (const auto axis = experiment.axis(); axis && loaded && acts && step == steps)
+      if (const double part = borne_by_others(model, rig, *axis, start, solved); part > kBorne)
+        warn_once("supports, contact or loads of the scene bear " + number(100 * part, 3) +
+                      " % of the load along the axis: the modulus is not of the body alone",
+                  run);
     const double strain = taken(measures, MeasureRole::strain);
     const bool pressed = taken(measures, MeasureRole::displacement) < 0, through = pressed && strain <= -1;
     const bool buckled = pressed && !options.statics.linear && (through || path.halvings() > 0) &&

@@ -183,3 +183,62 @@ TEST_CASE("a muscle at work bears stress before the load, and the modulus is of 
     }
   }
 }
+
+TEST_CASE("supports that bear part of the load along the axis are said", "[statics][load_path]") {
+  const TemporaryFolder folder;
+  const auto said = [&](const std::string& load, const std::string& supports) {
+    const auto scene =
+        load_scene(folder.write("scene.yaml",
+                                "body: {lattice: {kind: cubic, molecules: [3, 3, 5], spacing: 2 mm, "
+                                "connections: [axis, face]}}\n"
+                                "material: {youngs_modulus: 20 kPa, poissons_ratio: 0.25}\nstiffness: lattice\n"
+                                "experiment: {kind: tension, axis: z, " +
+                                    load + "}\nsupports: [" + supports + "]\n"),
+                   built_in_catalog());
+    const Run run = run_strategy(scene->specimen, *scene->experiment, scene->stiffness, {.statics = scene->statics});
+    CHECK(run.outcome == Outcome::converged);
+    return std::count_if(run.warnings.begin(), run.warnings.end(), [](const std::string& one) {
+      return one.find("bear 100 % of the load along the axis") != std::string::npos;
+    });
+  };
+  const std::string middle = "{molecules: {box: {from: [0, 0, 3 mm], to: [4 mm, 4 mm, 5 mm]}}, fix: ";
+  for (const std::string load : {"strain: 1 %", "force: 1 mN"}) {
+    INFO(load);
+    CHECK(said(load, middle + "[z]}") == 1);  // the lower half bears nothing
+    CHECK(said(load, middle + "[x]}") == 0);
+    CHECK(said(load, "{molecules: {side: -x}, fix: [x]}, {molecules: {side: -y}, fix: [y]}") == 0);
+  }
+}
+
+// A lattice of five layers whose grips are two layers deep, and one of the three layers that are free: what is held or
+// moved as a whole takes no part in a strain, with cells and without.
+TEST_CASE("grips of several layers strain what is free between them", "[statics][load_path][ends]") {
+  const TemporaryFolder folder;
+  const auto run = [&](const std::string& layers, const std::string& kind, const std::string& law,
+                       const std::string& experiment) {
+    const auto scene = load_scene(
+        folder.write("scene.yaml", "body: {lattice: {kind: cubic, molecules: [4, 4, " + layers + "], spacing: 5 mm, " +
+                                       kind + "}}\nmaterial: {youngs_modulus: 5 kPa, poissons_ratio: 0.25}\n" +
+                                       "stiffness: " + law + "\nexperiment: {" + experiment + "}\n"),
+        built_in_catalog());
+    const Run made = run_strategy(scene->specimen, *scene->experiment, scene->stiffness, {.statics = scene->statics});
+    CHECK(made.outcome == Outcome::converged);
+    return made.measures;
+  };
+  const std::string held = ", grip_depth: 6 mm", clamped = ", fixed_grip: clamped, loaded_grip: clamped";
+  for (const auto& [kind, law] :
+       {std::pair<std::string, std::string>{"connections: [axis, face]", "lattice"}, {"order: 1", "neo_hookean"}}) {
+    INFO(law);
+    const auto alike = [&, kind = kind, law = law](const std::string& experiment, const std::string& measure) {
+      INFO(experiment);
+      CHECK(run("5", kind, law, experiment + held).get(measure) ==
+            Approx(run("3", kind, law, experiment).get(measure)).epsilon(1e-8));
+    };
+    alike("kind: tension, axis: z, displacement: 10 um" + clamped, "effective_modulus");
+    alike("kind: tension, axis: z, displacement: 10 um" + clamped, "elongation");
+    alike("kind: tension, axis: z, strain: 1 %" + clamped, "force");
+    alike("kind: shear, axis: z, direction: x, displacement: 10 um", "shear_modulus");
+    alike("kind: shear, axis: z, direction: x, strain: 1 %", "force");
+    alike("kind: torsion, axis: z, angle: 1 deg", "shear_modulus");
+  }
+}

@@ -117,6 +117,8 @@ class StaticRig : public Rig {
   /// Adds what is measured once, at the last of several load steps, and the linear iterations that it takes.
   virtual void measure_end(const State& /*state*/, const StaticOptions& /*options*/, Measures& /*measures*/,
                            int& /*iterations*/) const {}
+  /// How many of the model's supports are the experiment's own, which come first.
+  std::size_t own_supports = 0;
   /// Whether an equilibrium that is no minimum (a straight column beyond its buckling load) is left for one of less
   /// energy; if not, the body stays on the branch on which it is.
   virtual bool leaves_saddles() const { return true; }
@@ -191,6 +193,7 @@ class StaticExperiment : public Experiment {
   /// The experiment's own supports and load, and its further supports.
   std::unique_ptr<StaticRig> static_rig(Model& model) const {
     auto rig = make_rig(model);
+    rig->own_supports = model.supports.size();
     model.add_supports(further_supports_);
     return rig;
   }

@@ -43,7 +43,8 @@ class Bending final : public StaticExperiment {
     full_forces_ = setup.gravity * setup.direction * body.mass.transpose();
     for (std::size_t i = 0; i < tip.molecules.size(); ++i)
       full_forces_.col(tip.molecules[i]) += setup.force * tip.share[static_cast<Eigen::Index>(i)] * setup.direction;
-    const double root_height = setup.axis.dot(middle_of(body, root_, body.rest));
+    const double root_height =
+        end_of_grip(body, root_.molecules, setup.axis, setup.axis.dot(middle_of(body, root_, body.rest)));
     length_ = setup.axis.dot(middle_of(body, tip, body.rest)) - root_height;
     find_beam_deflection(root_height, ends.low, ends.high, material.poissons_ratio);
   }

@@ -113,7 +113,10 @@ class Shear final : public Driven {
     fix_fully(fixed.molecules);
     fix_fully(loaded.molecules);
     loaded_ = static_cast<Eigen::Index>(loaded.molecules.size());
-    const double height = setup_.axis.dot(middle_of(body_, loaded, body_.rest) - middle_of(body_, fixed, body_.rest));
+    const auto end_of = [&](const Face& grip) {
+      return end_of_grip(body_, grip.molecules, setup_.axis, setup_.axis.dot(middle_of(body_, grip, body_.rest)));
+    };
+    const double height = end_of(loaded) - end_of(fixed);
     displacement_ = setup_.displacement != 0 ? setup_.displacement : setup_.strain * height;
     strain_ = displacement_ / height;
   }

@@ -34,7 +34,8 @@ class Tension final : public StaticExperiment {
     choose_corner(seen);
     const bool held = setup.strain || setup.displacement;
     const double whole =
-        (held ? height_of_held(loaded_, share_) : mean_height(loaded_, share_)) - height_of_held(fixed_, fixed_share_);
+        (held ? end_of_grip(body, loaded_, setup_.axis, mean_height(loaded_, share_)) : mean_height(loaded_, share_)) -
+        end_of_grip(body, fixed_, setup_.axis, mean_height(fixed_, fixed_share_));
     choose_gauge(low_, whole);
     if (setup.strain) {
       setup_.displacement = *setup.strain * whole;
@@ -238,24 +239,6 @@ class Tension final : public StaticExperiment {
     for (std::size_t i = 0; i < molecules.size(); ++i)
       mean += weights[static_cast<Eigen::Index>(i)] * height_[molecules[i]];
     return sum_over(body_, mean);
-  }
-
-  /// Where a grip that moves as a whole ends: the mean height of its molecules that are connected to others. What lies
-  /// deeper in it takes no part in the elongation.
-  double height_of_held(const std::vector<int>& molecules, const VectorX& weights) const {
-    std::vector<char> in_grip(static_cast<std::size_t>(body_.size()), 0), leads_out(in_grip);
-    for (const int molecule : molecules) in_grip[molecule] = 1;
-    for (const auto& [a, b] : body_.connections.ends)
-      if (in_grip[a] != in_grip[b]) leads_out[in_grip[a] ? a : b] = 1;
-    std::array<double, 3> sums{0, 0, 0};  // of heights, of those that lead out, of all
-    for (const int molecule : molecules) {
-      if (molecule >= owned_molecules(body_)) continue;
-      sums[0] += leads_out[molecule] ? height_[molecule] : 0;
-      sums[1] += leads_out[molecule];
-      ++sums[2];
-    }
-    sum_over(body_, sums);
-    return sums[1] == 0 || sums[1] == sums[2] ? mean_height(molecules, weights) : sums[0] / sums[1];
   }
 
   double mean_along(const std::vector<int>& molecules, const VectorX& weights, const Positions& motion) const {

@@ -66,8 +66,11 @@ class Torsion final : public Driven {
     first_loaded_ = fixed_.size();
     fix_fully(loaded.molecules);
     middle_ = middle_of(body, loaded, body.rest);
-    const double from = setup.axis.dot(middle_of(body, fixed, body.rest));
-    length_ = setup.axis.dot(middle_) - from;
+    const auto end_of = [&](const Face& grip) {
+      return end_of_grip(body, grip.molecules, setup.axis, setup.axis.dot(middle_of(body, grip, body.rest)));
+    };
+    const double from = end_of(fixed);
+    length_ = end_of(loaded) - from;
     section_ = torsion_section(hull_of_section(body, fixed, across(setup.axis)),
                                find_section(body, setup.axis, from, from + length_, 0));
   }
