@@ -3,10 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <numbers>
+#include <numeric>
 #include <tuple>
 
 #include "core/base/dense.h"
+#include "core/geometry/boundary.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/base/text.h"
 #include "elastin/core/model/share.h"
@@ -214,6 +217,27 @@ double end_of_grip(const Body& body, const std::vector<int>& molecules, const Ve
   }
   sum_over(body, sums);
   return sums[1] == 0 || sums[1] == sums[2] ? otherwise : sums[0] / sums[1];
+}
+
+void note_cavities(const Body& body, Findings& findings) {
+  if (body.share || body.tetrahedra.empty()) return;
+  const Cells<3> walls = boundary_of(body.tetrahedra);
+  std::vector<int> piece(static_cast<std::size_t>(body.size()));  // of each molecule of a wall, another one
+  std::iota(piece.begin(), piece.end(), 0);
+  const auto first_of = [&](int molecule) {
+    while (piece[molecule] != molecule) molecule = piece[molecule] = piece[piece[molecule]];
+    return molecule;
+  };
+  for (const auto& [a, b, c] : walls) piece[first_of(a)] = first_of(b), piece[first_of(b)] = first_of(c);
+  std::map<int, double> volumes;  // enclosed: below 0 where the body lies outside
+  for (const auto& [a, b, c] : walls)
+    volumes[first_of(a)] += body.rest.col(a).dot(Vector3(body.rest.col(b)).cross(Vector3(body.rest.col(c)))) / 6;
+  const auto is_cavity = [](const auto& one) { return one.second < 0; };
+  if (const auto count = std::count_if(volumes.begin(), volumes.end(), is_cavity))
+    findings.warnings.push_back("the walls of " + std::to_string(count) +
+                                (count == 1 ? " cavity move" : " cavities move") +
+                                " as the surface does: these are the moduli of the material between them, not those of "
+                                "the body with its holes");
 }
 
 Points2 hull_of_section(const Body& body, const Face& fixed, const Eigen::Matrix<double, 3, 2>& plane) {

@@ -58,6 +58,9 @@ struct Ends {
 /// joined to others, for what lies deeper in it takes no part in a strain; `otherwise` where none are, or all.
 double end_of_grip(const Body& body, const std::vector<int>& molecules, const Vector3& axis, double otherwise);
 
+/// Says that the walls of a body's cavities move as its surface does, where all of that is given a motion.
+void note_cavities(const Body& body, Findings& findings);
+
 /// The convex hull of a body seen on a plane; where its end `fixed` is no plane that of this end alone, for a tilted
 /// bar has a larger shadow than section.
 Points2 hull_of_section(const Body& body, const Face& fixed, const Eigen::Matrix<double, 3, 2>& plane);

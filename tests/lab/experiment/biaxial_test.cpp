@@ -74,6 +74,19 @@ TEST_CASE("a sheet at constant width shows E and nu of its material", "[biaxial]
   CHECK(sheet.get("stress_across") == Approx(0.4 * sheet.get("stress")).epsilon(1e-9));
 }
 
+TEST_CASE("a sheet that is stretched alike in both directions shows no Poisson's ratio", "[biaxial]") {
+  for (const std::string strains : {"[1 %, 1 %]", "[3 %, 3 %]", "[5 %, 5 %]", "[5 %, -5 %]"}) {
+    INFO(strains);
+    const Measures sheet = measured(
+        "body: {sheet: {size: [40 mm, 40 mm], squares: [4, 4], pattern: crossed}}\n"
+        "material: {youngs_modulus: 1 MPa, poissons_ratio: 0.3, thickness: 0.2 mm}\nstiffness: neo_hookean_membrane\n"
+        "experiment: {kind: biaxial, strain: " +
+        strains + "}\n");
+    CHECK(std::isnan(sheet.get("poissons_ratio")));
+    CHECK(std::isfinite(sheet.get("stress")));
+  }
+}
+
 TEST_CASE("invalid pairs of axes are refused", "[biaxial]") {
   const auto said = [](const std::string& experiment) {
     const TemporaryFolder folder;

@@ -244,3 +244,19 @@ TEST_CASE("what lies inside or beyond the grips counts for no section and no Poi
     if (std::abs(whole.body.rest(0, molecule) - 10e-3) < 1e-9) inner.loaded->push_back(molecule);
   CHECK(measured(whole, *make_tension(whole.body, inner), "poissons_ratio") == Approx(0.3).margin(0.02));
 }
+
+// A box of 5 x 5 x 5 cubes, each of five tetrahedra or more, without that in its middle.
+TEST_CASE("cavities whose walls are moved with the surface are said", "[ends]") {
+  Body body = tetrahedral_block(BlockKind::kuhn, {5, 5, 5}, {0.05, 0.05, 0.05});
+  Findings whole, hollow;
+  note_cavities(body, whole);
+  CHECK(whole.warnings.empty());
+  std::erase_if(body.tetrahedra, [&](const auto& cell) {
+    Vector3 middle = Vector3::Zero();
+    for (const int corner : cell) middle += body.rest.col(corner) / 4;
+    return (middle - Vector3::Constant(0.025)).cwiseAbs().maxCoeff() < 0.005;
+  });
+  note_cavities(body, hollow);
+  REQUIRE(hollow.warnings.size() == 1);
+  CHECK_THAT(hollow.warnings[0], Contains("the walls of 1 cavity move as the surface does"));
+}

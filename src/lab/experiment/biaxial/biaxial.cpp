@@ -106,8 +106,11 @@ class Biaxial final : public Driven {
     const double first = held.factor * directions_[0].strain, second = held.factor * directions_[1].strain;
     const double third = thickness_strain(motion), across = stress[1] / stress[0];
     // A sheet shows no strain of its thickness; where the two strains differ the stresses determine ν.
-    const double ratio =
-        sheet_ ? (across * first - second) / (first - across * second) : -third / (first + second - third);
+    const bool alike =
+        std::abs(std::abs(first) - std::abs(second)) < 1e-6 * std::abs(first);  // rounding would determine it
+    const double ratio = !sheet_ ? -third / (first + second - third)
+                         : alike ? std::numeric_limits<double>::quiet_NaN()
+                                 : (across * first - second) / (first - across * second);
     Measures measures;
     if (is_strained(first) || is_strained(second)) {
       measures.set("effective_modulus", stress[0] * (1 - ratio * ratio) / (first + ratio * second));

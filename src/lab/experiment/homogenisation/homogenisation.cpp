@@ -8,6 +8,7 @@
 #include "elastin/core/solve/homogenisation.h"
 #include "lab/experiment/driven.h"
 #include "lab/experiment/keys.h"
+#include "lab/run/ends.h"
 #include "lab/run/section.h"
 
 namespace elastin::lab {
@@ -36,6 +37,7 @@ class Homogenisation final : public Driven {
   Homogenisation(const Body& body, double grip_depth, const Matrix3& axes)
       : Driven(body, 1), axes_(axes), surface_(find_surface(body, axes, grip_depth)) {
     fix_fully(surface_.molecules);
+    note_cavities(body, findings_);
   }
 
   std::string name() const override { return "material"; }

@@ -6,6 +6,7 @@
 #include "elastin/core/model/share.h"
 #include "lab/experiment/driven.h"
 #include "lab/experiment/keys.h"
+#include "lab/run/ends.h"
 #include "lab/run/section.h"
 
 namespace elastin::lab {
@@ -29,6 +30,7 @@ class Hydrostatic final : public Driven {
     if (setup.walls == Walls::affine) {
       const Surface surface = find_surface(body, axes, setup.grip_depth);
       fix_fully(surface.molecules);
+      note_cavities(body, findings_);
       volume_ = surface.volume;
       return;
     }

@@ -7,6 +7,7 @@
 #include "elastin/core/model/share.h"
 #include "lab/experiment/driven.h"
 #include "lab/experiment/keys.h"
+#include "lab/run/ends.h"
 #include "lab/run/section.h"
 
 namespace elastin::lab {
@@ -128,6 +129,7 @@ class Shear final : public Driven {
   void follow_shear(const Matrix3& axes, double height) {
     const Surface surface = find_surface(body_, axes, setup_.grip_depth);
     fix_fully(surface.molecules);
+    note_cavities(body_, findings_);
     volume_ = surface.volume;
     strain_ = setup_.displacement != 0 ? setup_.displacement / height : setup_.strain;
   }
