@@ -225,7 +225,7 @@ TEST_CASE("surfaces with faults are filled, with a note of their repair, or refu
     const auto scene = load(brought(file));
     CHECK(scene->specimen.body.mass.sum() == Approx(1100e-6 * volume).epsilon(1e-6));
     CHECK_THAT(scene->notes.at(0), Contains(file + " repaired: " + repair));
-    CHECK(scene->warnings.empty());
+    CHECK(scene->warnings.size() == (volume < 1 ? 1 : 0));  // of the cavity, whose walls `material` moves
     CHECK_THAT(refusal(brought(file), {no_repair}), Contains("body.fill.file: ") && Contains(fault));
   }
   CHECK(load(brought("surf_cavity.stl"), {no_repair})->notes.size() == 1);
