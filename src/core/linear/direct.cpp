@@ -4,6 +4,7 @@
 #include "core/linear/assembled.h"
 #include "core/linear/sparse_factor.h"
 #include "core/linear/sparse_stiffness.h"
+#include "core/parallel/parallel.h"
 #include "elastin/core/linear/linear_solver.h"
 
 namespace elastin {
