@@ -22,7 +22,7 @@ struct ListCommand {
   }
 
   int run(const Call& call) {
-    const lab::ExperimentCatalog experiments = lab::built_in_experiments();
+    const lab::ExperimentCatalog& experiments = lab::built_in_experiments();
     if (keys && !word.empty()) throw InputError("list: --keys lists all keys; leave out " + word);
     const std::string text = keys ? lab::key_reference(call.catalog, experiments)
                                   : lab::catalog_text(call.catalog, experiments, lab::colours_on(STDOUT_FILENO), word);
