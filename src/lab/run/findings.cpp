@@ -103,8 +103,8 @@ void measure_law(const Specimen& specimen, const Experiment& experiment, const S
 
 namespace {
 
-/// Kinetic energy over that stored by the load, the largest in the last quarter of a run in time; NaN where a law has
-/// no energy.
+/// Kinetic energy over that stored by the load, the largest in the last quarter of a run in time; 0 where a law has no
+/// energy.
 double liveliness(const Run& run) {
   double kinetic = 0, stored = 0;
   for (std::size_t i = run.curve.size() - (run.curve.size() + 3) / 4; i < run.curve.size(); ++i) {
@@ -112,7 +112,7 @@ double liveliness(const Run& run) {
     kinetic = std::max(kinetic, row.get("kinetic_energy"));
     stored = std::max(stored, row.get(std::isfinite(row.get("energy_increase")) ? "energy_increase" : "energy"));
   }
-  return kinetic / stored;
+  return stored > 0 ? kinetic / stored : 0;
 }
 
 /// What damping and drag bear over what the laws do while the load still grows at the end of a run in time: by what
@@ -144,13 +144,12 @@ std::vector<std::string> findings_at_end(const Specimen& specimen, const Measure
     found.emplace_back(
         "the modulus is of all forces, those of `rest` too, which comes with the load: `factor: 1` has it before");
   if (const double lively = reads_stiffness && run.time ? liveliness(run) : 0; lively > kMoving && !run.curve.empty())
-    found.push_back(
-        "the body moves at the end, with a kinetic energy of " + number(100 * lively, 2) +
-        " % of the elastic one: the modulus has forces of inertia in it; a slower load, damping or a longer "
-        "duration leaves less of them");
+    found.push_back("the body moves at the end, with a kinetic energy of " + number(100 * lively, 2) +
+                    " % of the elastic one: the modulus includes forces of inertia; a slower load, damping or a longer "
+                    "duration leaves less of them");
   if (const double damped = reads_stiffness && run.time ? damped_share(model, run) : 0; damped > kDamped)
     found.push_back("damping bears about " + number(100 * damped, 2) +
-                    " % of what the material does at the end: the modulus has it in it; a slower load, or one that "
+                    " % of what the material does at the end: the modulus includes it; a slower load, or one that "
                     "ends before the run, leaves less of it");
   if (reads_stiffness && run.time &&
       std::any_of(materials.begin(), materials.end(), [](const Material& one) { return one.active.has_value(); }))
