@@ -138,12 +138,13 @@ LinearChoice choose_linear_solver(const Tangent& tangent, const LinearMethod& re
   const Model& model = tangent.model();
   const Body& body = model.body();
   if (requested->make) return {requested, ""};
-  static const LinearMethod pcg = "pcg", direct = "direct", multigrid = "multigrid", mixed = "mixed";
+  static const LinearMethod pcg = "pcg", bicgstab = "bicgstab", direct = "direct", multigrid = "multigrid",
+                            mixed = "mixed";
   if (!model.symmetric()) return {pcg, ""};
   const bool moving = tangent.weights().acceleration != 0;
+  if (!model.has_energy() && !moving) return {bicgstab, "the stiffness is not symmetric"};
   if (body.size() <= kTinyBody && !moving) return {direct, counted(body.size(), "molecule") + " are few"};
   if (moving) return {pcg, ""};  // inertia keeps iterations few; a step has no memory for words
-  if (!model.has_energy()) return {pcg, "the stiffness is not symmetric"};
   const auto [worth_it, why] = multigrid_is_worth_it(model, tolerance);
   if (worth_it && SoftVolume::pays(tangent))
     return {mixed, why + ", and near a Poisson's ratio of 1/2 pressures of their own save most of them"};
