@@ -1,9 +1,13 @@
 #include "core/model/faces.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <map>
 #include <numeric>
+#include <span>
 #include <utility>
+#include <vector>
 
 #include "core/geometry/boundary.h"
 #include "core/model/block_geometry.h"
@@ -32,6 +36,62 @@ VectorX triangle_thirds(const Body& body, const std::vector<int>& molecules, con
     for (const int corner : triangle) areas[corner] += std::abs(ab.cross(ac).dot(direction)) / 6;
   }
   return areas(molecules);
+}
+
+/// The length, seen along `direction`, of each side that bounds a surface of triangles or quadrilaterals and is in the
+/// face, shared out as a uniform load along it is: halves, of second order 1/6, 4/6, 1/6.
+VectorX side_shares(const Body& body, const std::vector<int>& molecules, const Vector3& direction) {
+  std::vector<char> among(body.size(), 0);
+  for (const int molecule : molecules) among[molecule] = 1;
+  std::map<std::array<int, 2>, std::pair<int, int>> sides;  // its cells, and the node in its middle, −1 without one
+  const auto note_sides = [&](std::span<const int> nodes, std::size_t corners) {
+    for (std::size_t i = 0; i < corners; ++i) {
+      const int a = nodes[i], b = nodes[(i + 1) % corners];
+      if (!among[a] || !among[b]) continue;
+      auto& [cells, middle] = sides[{std::min(a, b), std::max(a, b)}];
+      ++cells, middle = nodes.size() > corners ? nodes[corners + i] : -1;
+    }
+  };
+  if (!has_blocks(body, 2))
+    for (const auto& triangle : body.triangles) note_sides(triangle, 3);
+  for (const CellBlock& block : body.blocks)
+    for (int cell = 0; block.kind->dimensions == 2 && cell < block.size(); ++cell)
+      note_sides(block.cell(cell), static_cast<std::size_t>(block.kind->corners));
+  VectorX lengths = VectorX::Zero(body.size());
+  for (const auto& [ends, side] : sides) {
+    const auto [cells, middle] = side;
+    if (cells != 1 || (middle >= 0 && !among[middle])) continue;
+    const double length = direction.cross(body.rest.col(ends[1]) - body.rest.col(ends[0])).norm();
+    for (const int end : ends) lengths[end] += length / (middle < 0 ? 2 : 6);
+    if (middle >= 0) lengths[middle] += length * 4 / 6;
+  }
+  return lengths(molecules);
+}
+
+/// Half of the way to the next place on each side along a line, for each point; points at one place share it alike.
+std::vector<double> tributary_lengths(const Points2& points) {
+  std::vector<double> lengths(static_cast<std::size_t>(points.cols()), 0);
+  const Eigen::Vector2d low = points.rowwise().minCoeff(), high = points.rowwise().maxCoeff();
+  // Along a line it is the longer side of the box around it that tells the places apart.
+  const int axis = high[1] - low[1] > high[0] - low[0] ? 1 : 0;
+  const double whole = high[axis] - low[axis];
+  std::vector<int> order(lengths.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::sort(order.begin(), order.end(), [&](int a, int b) { return points(axis, a) < points(axis, b); });
+  std::vector<std::pair<double, std::size_t>> places;  // and the first point after it
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    const double at = points(axis, order[i]);
+    if (places.empty() || at > places.back().first + 1e-9 * whole) places.emplace_back(at, 0);
+    places.back().second = i + 1;
+  }
+  for (std::size_t place = 0, point = 0; place < places.size(); ++place) {
+    const double before = place > 0 ? places[place].first - places[place - 1].first : 0,
+                 after = place + 1 < places.size() ? places[place + 1].first - places[place].first : 0;
+    const std::size_t first = point;
+    for (; point < places[place].second; ++point)
+      lengths[order[point]] = (before + after) / 2 / static_cast<double>(places[place].second - first);
+  }
+  return lengths;
 }
 
 /// Molecules at or above a height. Of a refined body those at the end of the body that it came from, and what lies
@@ -127,24 +187,33 @@ Face face_of(const Body& body, std::vector<int> molecules, const Vector3& direct
   const auto [layer, first] = seen_together(body, face.molecules, owned, direction);
   const Points2 outline = convex_hull(layer);
   face.area = polygon_area(outline);
+  const double size = layer.cols() > 0 ? (layer.rowwise().maxCoeff() - layer.rowwise().minCoeff()).norm() : 0;
+  const bool line = !(face.area > 1e-9 * size * size);
+  if (line) face.area = 0;
   face.share = VectorX::Zero(static_cast<Eigen::Index>(face.molecules.size()));
   auto share = face.share.head(static_cast<Eigen::Index>(owned));
   share.setConstant(1. / static_cast<double>(layer.cols()));
-  if (!(face.area > 0)) return face;
+  const auto share_as = [&](const VectorX& parts) {
+    const double sum = sum_over(body, parts.head(share.size()).sum());
+    if (sum > 0) share = parts.head(share.size()) / sum;
+    return sum;
+  };
   if (any_over(body, !body.tetrahedra.empty())) {
-    const VectorX parts = has_blocks(body, 3) ? face_shares(body, face.molecules, direction)
-                                              : triangle_thirds(body, face.molecules, direction);
-    if (const double sum = sum_over(body, parts.head(share.size()).sum()); sum > 0) {
-      face.area = sum;
-      share = parts.head(share.size()) / face.area;
+    const double area = share_as(has_blocks(body, 3) ? face_shares(body, face.molecules, direction)
+                                                     : triangle_thirds(body, face.molecules, direction));
+    if (area > 0) {
+      face.area = area;
       return face;
     }
   }
-  const std::vector<double> areas = tributary_areas(layer, outline);
+  if (any_over(body, !body.triangles.empty()) && share_as(side_shares(body, face.molecules, direction)) > 0)
+    return face;
+  const std::vector<double> parts = line ? tributary_lengths(layer) : tributary_areas(layer, outline);
   // Molecules behind each other, of a grip with a depth, have the same part of the face, each the whole of it.
-  const double sum = std::accumulate(areas.begin(), areas.end(), 0.),
-               whole = sum > (1 + 1e-9) * face.area ? sum : face.area;
-  for (Eigen::Index i = 0; i < share.size(); ++i) share[i] = areas[first + static_cast<std::size_t>(i)] / whole;
+  const double sum = std::accumulate(parts.begin(), parts.end(), 0.),
+               whole = line || sum > (1 + 1e-9) * face.area ? sum : face.area;
+  if (!(whole > 0)) return face;
+  for (Eigen::Index i = 0; i < share.size(); ++i) share[i] = parts[first + static_cast<std::size_t>(i)] / whole;
   return face;
 }
 

@@ -2,7 +2,9 @@
 
 #include "core/model/ends.h"
 
+#include <algorithm>
 #include <catch2/catch.hpp>
+#include <cmath>
 #include <functional>
 #include <random>
 
@@ -102,6 +104,45 @@ TEST_CASE("the uneven edge of a sheet of triangles is held whole", "[ends]") {
   std::uniform_real_distribution<double> moved(-0.1, 0.1);
   for (const int molecule : plane.molecules) sheet.rest(0, molecule) += moved(generator);
   CHECK(end_face(sheet, Vector3::UnitX(), 0).molecules == plane.molecules);
+}
+
+TEST_CASE("the end of a sheet shares a force as a uniform load along it does", "[ends]") {
+  Body sheet = rectangular_sheet({20, 5}, {8, 4}, SheetPattern::one_way);
+  const double across[] = {0, 0.7, 2, 3.1, 5};  // uneven
+  std::vector<int> end = end_face(sheet, Vector3::UnitX(), 0).molecules;
+  std::sort(end.begin(), end.end(), [&](int a, int b) { return sheet.rest(1, a) < sheet.rest(1, b); });
+  REQUIRE(end.size() == 5);
+  for (std::size_t i = 0; i < 5; ++i) sheet.rest(1, end[i]) = across[i];
+  const double halves[] = {0.35, 1, 1.2, 1.5, 0.95};
+  const auto check = [&](const Body& body, const Vector3& direction) {
+    const Face face = end_face(body, direction, 0);
+    CHECK(face.share.sum() == Approx(1));
+    for (std::size_t i = 0; i < 5; ++i) {
+      const auto at = std::find(face.molecules.begin(), face.molecules.end(), end[i]);
+      REQUIRE(at != face.molecules.end());
+      CHECK(face.share[at - face.molecules.begin()] == Approx(halves[i] / 5));
+    }
+  };
+  const Body tilted = turned(sheet, 40);
+  const Vector3 direction = Eigen::AngleAxisd(40 * M_PI / 180, Vector3(0, 0.6, 0.8)) * Vector3::UnitX();
+  check(sheet, Vector3::UnitX());
+  check(tilted, direction);
+  Body net = tilted;  // of molecules and connections alone
+  net.triangles.clear();
+  check(net, direction);
+  // A grip of two layers: molecules behind each other share their place.
+  const Face deep = face_of(net, end_face(net, direction, 2.5).molecules, direction);
+  CHECK(deep.molecules.size() == 10);
+  CHECK(deep.share.sum() == Approx(1));
+  // Of second order: 1/6, 4/6, 1/6 of each side.
+  const Body second = with_order(rectangular_sheet({20, 5}, {8, 4}, SheetPattern::one_way), 2);
+  const Face quadratic = end_face(second, Vector3::UnitX(), 0);
+  REQUIRE(quadratic.molecules.size() == 9);
+  for (std::size_t i = 0; i < 9; ++i) {
+    const double y = second.rest(1, quadratic.molecules[i]) / 1.25, off = std::abs(y - std::round(y));
+    const double expected = off > 0.25 ? 4. / 6 : y < 0.1 || y > 3.9 ? 1. / 6 : 2. / 6;
+    CHECK(quadratic.share[static_cast<Eigen::Index>(i)] == Approx(expected / 4));
+  }
 }
 
 TEST_CASE("the end of a body in shares is that of the whole", "[ends][share]") {

@@ -100,3 +100,22 @@ TEST_CASE("a scene turned about is inflated alike, and its own pressure adds to 
   REQUIRE(parts.outcome == Outcome::converged);
   CHECK(parts.measures.get("radius") == Approx(whole.measures.get("radius")).epsilon(1e-8));
 }
+
+TEST_CASE("a sheet has its material's modulus under a force as under a displacement, on any triangles", "[membrane]") {
+  const auto pattern = GENERATE(as<std::string>(), "one_way", "alternating", "crossed");
+  const auto squares = GENERATE(as<std::string>(), "3, 4", "3, 2", "7, 5");
+  const std::string sheet = "title: A sheet\nbody: {sheet: {size: [30 mm, 20 mm], squares: [" + squares +
+                            "], pattern: " + pattern +
+                            "}}\nmaterial: {youngs_modulus: 100 kPa, poissons_ratio: 0.25, thickness: 1 mm}\n"
+                            "stiffness: neo_hookean_membrane\nrotate: {axis: [1, 1, 0], angle: 40 deg}\n";
+  INFO(pattern << ' ' << squares);
+  const Run small =
+      run_of(sheet + "experiment: {kind: tension, axis: x, force: 10 mN}\nsolver: {displacements: small}\n");
+  CHECK(small.measures.get("effective_modulus") == Approx(100e3).epsilon(1e-8));
+  CHECK(small.measures.get("poissons_ratio") == Approx(0.25).epsilon(1e-7));
+  // F = E t w e in small displacements: 10 mN is 0.5 %. In large ones the strain is what the same force comes from.
+  const Run pulled = run_of(sheet + "experiment: {kind: tension, axis: x, force: 10 mN}\n");
+  const Run moved = run_of(sheet + "experiment: {kind: tension, axis: x, displacement: " +
+                           std::to_string(1e6 * pulled.measures.get("elongation")) + " um}\n");
+  CHECK(moved.measures.get("force") == Approx(10e-3).epsilon(1e-5));
+}
