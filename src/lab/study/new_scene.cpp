@@ -6,12 +6,16 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <map>
 #include <optional>
 #include <set>
+#include <vector>
 
 #include "core/base/dense.h"
+#include "core/base/disjoint_sets.h"
 #include "core/base/named.h"
 #include "core/simulation/warnings.h"
 #include "elastin/core/base/error.h"
@@ -303,6 +307,48 @@ std::string labels_text(const mesh::Image& image, const mesh::ImageValues& value
   return text;
 }
 
+/// Voxels next to each other along x.
+struct VoxelRun {
+  int begin, end, y, z;
+  int size() const { return end - begin; }
+};
+
+/// Of the largest piece of a body whose voxels share faces, as `pieces: largest` keeps it.
+std::vector<VoxelRun> largest_piece(const mesh::Image& image, const mesh::ImageValues& values) {
+  const int nx = image.size[0], ny = image.size[1], nz = image.size[2];
+  std::vector<VoxelRun> runs;
+  std::vector<std::size_t> rows{0};  // where the next one's begin
+  for (int z = 0; z < nz; ++z)
+    for (int y = 0; y < ny; ++y, rows.push_back(runs.size()))
+      for (int x = 0; x < nx; ++x) {
+        const double value = image.at(x, y, z);
+        if (std::isnan(value) || !(values.labels ? value != 0 : value >= values.threshold)) continue;
+        if (runs.size() > rows.back() && runs.back().end == x)
+          ++runs.back().end;
+        else
+          runs.push_back({x, x + 1, y, z});
+      }
+  DisjointSets pieces(runs.size());
+  const auto join_rows = [&](std::size_t row, std::size_t other) {
+    for (std::size_t a = rows[row], b = rows[other]; a < rows[row + 1] && b < rows[other + 1];) {
+      if (runs[a].begin < runs[b].end && runs[b].begin < runs[a].end)
+        pieces.join(static_cast<int>(a), static_cast<int>(b));
+      ++(runs[a].end < runs[b].end ? a : b);
+    }
+  };
+  for (std::size_t row = 0; row + 1 < rows.size(); ++row) {
+    if (row % static_cast<std::size_t>(ny) > 0) join_rows(row, row - 1);
+    if (row >= static_cast<std::size_t>(ny)) join_rows(row, row - static_cast<std::size_t>(ny));
+  }
+  std::vector<std::int64_t> voxels(runs.size(), 0);
+  for (std::size_t run = 0; run < runs.size(); ++run) voxels[pieces.set_of(static_cast<int>(run))] += runs[run].size();
+  const auto largest = static_cast<int>(std::max_element(voxels.begin(), voxels.end()) - voxels.begin());
+  std::vector<VoxelRun> own;
+  for (std::size_t run = 0; run < runs.size(); ++run)
+    if (pieces.set_of(static_cast<int>(run)) == largest) own.push_back(runs[run]);
+  return own;
+}
+
 void add_scan(Words& words, const NewScene& wanted, const mesh::Image& image) {
   if (image.has_steps && !wanted.voxel_size.empty())
     throw InputError("--voxel-size: " + wanted.mesh + " states the size of its voxels itself");
@@ -321,18 +367,16 @@ void add_scan(Words& words, const NewScene& wanted, const mesh::Image& image) {
   add(words, "voxel", voxel_size);
   const mesh::ImageValues values = mesh::values_of(image);
   constexpr double kSeen = 1e5, askew = 0.05;  // of a body that lies along the voxels, within some 3 degrees
+  const std::vector<VoxelRun> runs = largest_piece(image, values);
   double voxels = 0;
-  std::vector<Vector3> places;
-  const double total = static_cast<double>(image.size[0]) * image.size[1] * image.size[2];
-  const auto every = static_cast<std::int64_t>(total / kSeen) | 1;
-  for (int z = 0; z < image.size[2]; ++z)
-    for (int y = 0; y < image.size[1]; ++y)
-      for (int x = 0; x < image.size[0]; ++x) {
-        const double value = image.at(x, y, z);
-        if (std::isnan(value) || !(values.labels ? value != 0 : value >= values.threshold)) continue;
-        if (static_cast<std::int64_t>(voxels++) % every == 0) places.emplace_back(steps * Vector3(x, y, z));
-      }
+  for (const VoxelRun& run : runs) voxels += run.size();
   if (voxels == 0) throw InputError(wanted.mesh + ": all its voxels are 0");
+  std::vector<Vector3> places;
+  const auto every = static_cast<std::int64_t>(voxels / kSeen) | 1;
+  std::int64_t number = 0;
+  for (const VoxelRun& run : runs)
+    for (int x = run.begin; x < run.end; ++x)
+      if (number++ % every == 0) places.emplace_back(steps * Vector3(x, run.y, run.z));
   Body body;
   body.rest = Eigen::Map<const Positions>(places.front().data(), 3, static_cast<Eigen::Index>(places.size()));
   const LongAxis along = long_axis_of(body, askew);

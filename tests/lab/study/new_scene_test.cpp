@@ -103,6 +103,9 @@ TEST_CASE("a scene of an image has its labels or a threshold, and its unit", "[n
                   [](int) { return 1; }),
              Contains("length_unit: um") && Contains("cross_section: 16 um2"));
   CHECK_THAT(many, Contains("axis: x "));
+  // A block of 12 voxels' length, with one more on it, and a speck that shares no face with it.
+  const std::string specks = text(plain, [](int i) { return i % 30 < 12 || i == 29 || i == 12 + 30 * 15 ? 1 : 0; });
+  CHECK_THAT(specks, Contains(": 13 mm") && Contains("cross_section: 14.85 mm2"));
   // NumPy's arrays have no size of their voxels: 30 x 4 x 4 of 2 x 1 x 1 mm.
   std::string array("\x93NUMPY\x01\x00\x76\x00", 10),
       header = "{'descr': '|u1', 'fortran_order': True, 'shape': (30, 4, 4), }";
