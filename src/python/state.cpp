@@ -73,9 +73,8 @@ void add_state(MovingClass& simulation) {
       .def("cell_states", &cell_states,
            "Means over each cell now, by shape as in Body.cells: {'tetrahedron4': {'strain': (k, 3, 3), 'stress': (k, "
            "3, "
-           "3)}, …}: Green and Lagrange's strain and Cauchy's stress [Pa], of triangles force over width [N/m]. Of "
-           "springs "
-           "the stress is the virial of the cell's sides.")
+           "3)}, …}: Green and Lagrange's strain and Cauchy's stress [Pa], of triangles force over width [N/m]: "
+           "those of the law in the cell; of springs the virial of its sides.")
       .def(
           "stiffness",
           [](Moving& self) {

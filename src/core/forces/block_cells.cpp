@@ -144,7 +144,7 @@ class BlockCells final : public NodalForces, public LocalElasticity, public Elem
       state.strain /= rest_size;
       if (size > 0) state.stress /= size;
       if (!state.stress.allFinite()) state.stress.setZero();
-      visit(block_, cell, state);
+      visit(block_.cell(cell), state);
     }
   }
 

@@ -239,21 +239,25 @@ double Model::load_energy(const State& state) const {
   return energy;
 }
 
-VectorX Model::edge_force_densities(const Positions& positions) const {
-  VectorX force_densities = VectorX::Zero(body_->connections.size());
+VectorX Model::force_densities(const Positions& positions) const {
+  VectorX all = VectorX::Zero(body_->connections.size());
   Workspace workspace;
-  for (const auto& term : all_elements_.empty() ? elasticity_ : all_elements_)
+  for (const auto& term : all_elements_.empty() ? elasticity_ : all_elements_) {
     if (const auto* edges = dynamic_cast<const EdgeDensities*>(term.get()))
-      edges->add_force_densities(positions, force_densities, workspace);
-  return force_densities;
+      edges->add_force_densities(positions, all, workspace);
+    if (const auto* nodal = dynamic_cast<const NodalForces*>(term.get()))
+      nodal->show(positions, all, [](std::span<const int>, const CellState&) {});
+  }
+  return all;
 }
 
-VectorX Model::force_densities(const Positions& positions, const NodalForces::StateVisitor& visit) const {
-  VectorX force_densities = edge_force_densities(positions);
-  for (const auto& term : all_elements_.empty() ? elasticity_ : all_elements_)
-    if (const auto* nodal = dynamic_cast<const NodalForces*>(term.get()))
-      nodal->show(positions, force_densities, visit);
-  return force_densities;
+VectorX Model::show_cells(const Positions& positions, const Elasticity::StateVisitor& visit) const {
+  VectorX others = VectorX::Zero(body_->connections.size()), within = others;
+  for (const auto& term : all_elements_.empty() ? elasticity_ : all_elements_) {
+    if (const auto* edges = dynamic_cast<const EdgeDensities*>(term.get())) edges->show(positions, others, visit);
+    if (const auto* nodal = dynamic_cast<const NodalForces*>(term.get())) nodal->show(positions, within, visit);
+  }
+  return others;
 }
 
 Positions Model::elastic_forces(const Positions& positions) const {

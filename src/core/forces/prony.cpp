@@ -2,10 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 #include <utility>
+#include <vector>
 
 #include "core/forces/relaxing.h"
 #include "core/forces/unstressed_lengths.h"
+#include "core/model/incidence.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/base/text.h"
 
@@ -67,6 +70,35 @@ class Prony final : public EdgeDensities, public LawHistory, public TransposedHi
     own.setZero(relaxing_.fixed().size());
     for (const auto& term : elastic_) term->add_force_densities(positions, own, workspace);
     force_densities += relaxing_.factor() * own + relaxing_.fixed();
+  }
+  /// What the past has left is of connections. A cell has as much of it, γ of its own stress, as fits it best on the
+  /// cell's sides; the others' γ is the mean of the cells around them.
+  void show(const Positions& positions, VectorX& others, const StateVisitor& visit) const override {
+    const VectorX& fixed = relaxing_.fixed();
+    VectorX elastic = VectorX::Zero(fixed.size()), of_others = elastic, gammas = elastic, cells = elastic;
+    Workspace workspace;
+    for (const auto* term : elastic_) term->add_force_densities(positions, elastic, workspace);
+    for (const auto* term : elastic_) {
+      std::vector<int> molecules;
+      std::vector<CellState> states;
+      term->show(positions, of_others, [&](std::span<const int> own, const CellState& state) {
+        molecules.insert(molecules.end(), own.begin(), own.end());
+        states.push_back(state);
+      });
+      if (states.empty()) continue;
+      const std::size_t of_each = molecules.size() / states.size();
+      const std::vector<int> sides = connections_of_pairs(body_.connections, molecules, static_cast<int>(of_each));
+      const std::size_t of_cell = sides.size() / states.size();
+      for (std::size_t cell = 0; cell < states.size(); ++cell) {
+        const std::vector<int> own(&sides[cell * of_cell], &sides[cell * of_cell] + of_cell);
+        const double size = elastic(own).squaredNorm(), gamma = size > 0 ? fixed(own).dot(elastic(own)) / size : 0;
+        gammas(own).array() += gamma, cells(own).array() += 1;
+        states[cell].stress *= relaxing_.factor() + gamma;
+        visit({&molecules[cell * of_each], of_each}, states[cell]);
+      }
+    }
+    const VectorX gamma = gammas.array() / cells.array().max(1);
+    others += relaxing_.factor() * of_others + fixed - gamma.cwiseProduct(elastic - of_others);
   }
   bool coupled() const override {
     return !all([](const EdgeDensities& term) { return !term.coupled(); });

@@ -136,6 +136,18 @@ class Volume final : public EdgeDensities {
   }
 
   bool coupled() const override { return true; }
+  /// Where the groups are of other tetrahedra than the body's own, as those of cubes, these have no pressure.
+  void show(const Positions& positions, VectorX& others, const StateVisitor& visit) const override {
+    if (groups_.tetrahedra != body_.tetrahedra || has_blocks(body_, 3))
+      return EdgeDensities::show(positions, others, visit);
+    VectorX sums(groups_.size()), pressures(tetrahedra());
+    set_pressures(positions, sums, pressures);
+    for (int t = 0; t < tetrahedra(); ++t) {
+      CellState state;
+      state.stress.diagonal().setConstant(pressures[t]);
+      visit(cell(t), state);
+    }
+  }
   std::unique_ptr<EdgeSlopes> slopes() const override;
 
  private:

@@ -36,30 +36,20 @@ class SideFinder {
   std::unordered_map<std::uint64_t, int> numbers_;
 };
 
-/// Edges from the first corner, a column each.
 template <std::size_t Corners>
-auto edges_of(const std::array<int, Corners>& cell, const Positions& positions) {
-  Eigen::Matrix<double, 3, static_cast<int>(Corners) - 1> edges;
-  for (std::size_t k = 1; k < Corners; ++k)
-    edges.col(static_cast<Eigen::Index>(k) - 1) = positions.col(cell[k]) - positions.col(cell[0]);
-  return edges;
+Eigen::Matrix<double, 3, static_cast<int>(Corners)> corners_of(const std::array<int, Corners>& cell,
+                                                               const Positions& positions) {
+  return positions(Eigen::all, cell);
 }
 
 /// Volume or area.
-template <class Edges>
-double size_of(const Edges& edges) {
-  if constexpr (Edges::ColsAtCompileTime == 3)
-    return std::abs(edges.determinant()) / 6;
+template <class Corners>
+double size_of(const Corners& corners) {
+  const Vector3 a = corners.col(1) - corners.col(0), b = corners.col(2) - corners.col(0);
+  if constexpr (Corners::ColsAtCompileTime == 4)
+    return std::abs(a.cross(b).dot(corners.col(3) - corners.col(0))) / 6;
   else
-    return edges.col(0).cross(edges.col(1)).norm() / 2;
-}
-
-template <class Edges>
-Matrix3 green_strain(const Edges& rest, const Edges& now) {
-  const auto metric = (rest.transpose() * rest).eval();
-  const auto inverse = (metric.inverse() * rest.transpose()).eval();  // of the rest edges, in their own plane
-  const Matrix3 strain = inverse.transpose() * (now.transpose() * now - metric) * inverse / 2;
-  return strain.allFinite() ? strain : Matrix3(Matrix3::Zero());
+    return a.cross(b).norm() / 2;
 }
 
 /// A cell at rest and now: of a block's cell the sums of its simplices and the mean of their strain.
@@ -69,9 +59,9 @@ struct CellGeometry {
 
   template <std::size_t Corners>
   void add(const std::array<int, Corners>& simplex, const Body& body, const Positions& positions) {
-    const auto rest = edges_of(simplex, body.rest), now = edges_of(simplex, positions);
+    const auto rest = corners_of(simplex, body.rest), now = corners_of(simplex, positions);
     const double own = size_of(rest), all = rest_size + own;
-    if (all > 0) strain += own / all * (green_strain(rest, now) - strain);
+    if (all > 0) strain += own / all * (simplex_state(rest, now, {}).strain - strain);
     rest_size = all, size += size_of(now);
   }
 };
@@ -115,15 +105,23 @@ OwnSimplices::OwnSimplices(const Body& body)
     : triangles(has_blocks(body, 2) ? 0 : body.triangles.size()),
       tetrahedra(has_blocks(body, 3) ? 0 : body.tetrahedra.size()) {}
 
+CellNodes::CellNodes(const Body& body) {
+  const OwnSimplices own(body);
+  cells_.reserve(own.size() + cells_in_blocks(body));
+  cells_.assign(body.triangles.begin(), body.triangles.begin() + static_cast<std::ptrdiff_t>(own.triangles));
+  cells_.insert(cells_.end(), body.tetrahedra.begin(),
+                body.tetrahedra.begin() + static_cast<std::ptrdiff_t>(own.tetrahedra));
+  for (const CellBlock& block : body.blocks)
+    for (int cell = 0; cell < block.size(); ++cell) cells_.push_back(block.cell(cell));
+}
+
 std::vector<CellState> cell_states(const Body& body, const Snapshot& shot) {
-  const std::size_t own = OwnSimplices(body).size();
-  std::vector<CellState> states = shot.block_states;
-  const bool of_law = !states.empty();  // which shows its own force densities, too
-  states.insert(states.begin(), own, CellState{});
-  states.resize(own + cells_in_blocks(body));
-  const VectorX& densities = of_law ? shot.edge_force_densities : shot.force_densities;
+  std::vector<CellState> states = shot.states_of_laws;
+  const bool of_law = !states.empty();
+  states.resize(OwnSimplices(body).size() + cells_in_blocks(body));
+  const VectorX& densities = of_law ? shot.other_force_densities : shot.force_densities;
   const bool any_force = densities.size() && densities.cwiseAbs().maxCoeff() > 0;
-  if (of_law && own == 0 && !any_force) return states;
+  if (of_law && !any_force) return states;
   const SideFinder sides(any_force ? body.connections : Connections{});
   VectorX shared = VectorX::Zero(body.connections.size());  // rest size of all cells on a side
   for_each_cell(body, shot.positions, [&](std::span<const int> nodes, const CellGeometry& geometry) {

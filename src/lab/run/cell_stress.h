@@ -1,5 +1,6 @@
 #pragma once
 #include <cstddef>
+#include <span>
 #include <vector>
 
 #include "elastin/core/forces/elasticity.h"
@@ -14,13 +15,23 @@ struct OwnSimplices {
   std::size_t size() const { return triangles + tetrahedra; }
 };
 
-/// The state of each triangle and tetrahedron (OwnSimplices), then of each cell of the blocks. Where laws are at work
-/// on blocks their cells have the state that these found. To this comes, of all cells, the virial of the force
-/// densities q [N/m] of their sides, whatever rule or law they come from:
+/// The molecules of all cells: OwnSimplices, then the cells of the blocks. The body must outlive it.
+class CellNodes {
+ public:
+  explicit CellNodes(const Body& body);
+  std::size_t size() const { return cells_.size(); }
+  std::span<const int> of(std::size_t cell) const { return cells_[cell]; }
+
+ private:
+  std::vector<std::span<const int>> cells_;
+};
+
+/// The state of each cell, in the order of CellNodes: that of the laws which have a stress in it, and of the force
+/// densities q [N/m] that are in none of these, as those of spring rules, the virial of its sides:
 ///   σ = Σ_ab w_ab q_ab d dᵀ / v,  d = x_b − x_a, v the present volume (or area),
 /// w the cell's part of the rest volume of all cells that have a and b, so that Σ v σ = Σ q d dᵀ of the body holds
-/// exactly where every connection has a cell. It says how the force densities are spread, and is smoother than the
-/// law's own stress of each cell.                                                    [Hardy 1982; Admal & Tadmor 2010]
+/// exactly where every connection has a cell. It says how they are spread; in a uniform field it need not be uniform.
+///                                                                           [Hardy 1982; Admal & Tadmor 2010]
 std::vector<CellState> cell_states(const Body& body, const Snapshot& shot);
 
 /// Largest principal stretch less 1.

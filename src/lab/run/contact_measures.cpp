@@ -3,12 +3,15 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <span>
+#include <vector>
 
 #include "contact/distance.h"
 #include "core/base/named.h"
 #include "elastin/core/base/text.h"
 #include "elastin/core/model/share.h"
 #include "elastin/core/solve/engine.h"
+#include "lab/run/cell_stress.h"
 
 namespace elastin::lab {
 namespace {
@@ -65,23 +68,26 @@ void note_contact(const contact::ContactReport& report, double copies, Measures&
 
 Snapshot snapshot_of(const Model& model, const State& state, double at, int number) {
   Snapshot shot{at, state.positions, {}, number};
-  const Body& body = model.body();
-  const CellBlock* last = nullptr;  // that was shown: of a part's own body, which has copies of its blocks
-  std::size_t first = 0;
-  shot.force_densities =
-      model.force_densities(state.positions, [&](const CellBlock& block, int cell, const CellState& own) {
-        shot.block_states.resize(cells_in_blocks(body));
-        if (&block != last) {
-          last = &block, first = 0;
-          for (auto other = body.blocks.begin(); &*other != last && other->nodes != block.nodes; ++other)
-            first += static_cast<std::size_t>(other->size());
-        }
-        CellState& sum = shot.block_states[first + static_cast<std::size_t>(cell)];  // fibres add theirs
-        sum.strain = own.strain, sum.stress += own.stress;
-      });
-  if (!shot.block_states.empty()) {
+  shot.force_densities = model.force_densities(state.positions);
+  const CellNodes cells(model.body());
+  std::vector<CellState> states(cells.size());
+  std::size_t shown = 0, at_cell = 0;
+  VectorX others = model.show_cells(state.positions, [&](std::span<const int> molecules, const CellState& own) {
+    // Each law shows its cells in their order here.
+    for (std::size_t seen = 0; seen < cells.size(); ++seen, at_cell = (at_cell + 1) % cells.size()) {
+      if (!std::ranges::equal(cells.of(at_cell), molecules)) continue;
+      CellState& sum = states[at_cell];  // fibres add theirs
+      if (!own.strain.isZero(0)) sum.strain = own.strain;
+      sum.stress += own.stress;
+      ++shown;
+      at_cell = (at_cell + 1) % cells.size();
+      return;
+    }
+  });
+  if (shown > 0) {
+    shot.states_of_laws = std::move(states);
+    shot.other_force_densities = std::move(others);
     shot.elastic_forces = model.elastic_forces(state.positions);
-    shot.edge_force_densities = model.edge_force_densities(state.positions);
   }
   if (const contact::Contact* contact = contact_of(model)) {
     contact::ContactReport report = contact->report(state);

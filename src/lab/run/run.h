@@ -88,16 +88,16 @@ struct Specimen {
 
 /// A state to be looked at.
 struct Snapshot {
-  double at = 0;                              ///< load factor; time [s] of a run in time
-  Positions positions;                        ///< [m]
-  VectorX force_densities;                    ///< force density of each connection [N/m]
-  int number = 0;                             ///< of the load step or frame
-  Positions contact_forces = {};              ///< [N]; empty without contact
-  VectorX contact_pressure = {};              ///< [Pa]
-  std::vector<contact::Pose> obstacles = {};  ///< where they were
-  std::vector<CellState> block_states = {};   ///< of laws in the cells of the body's blocks, one after the other
-  VectorX edge_force_densities = {};          ///< [N/m]; where there are such states, those of springs and simplices
-  Positions elastic_forces = {};              ///< [N]; only where the body has blocks
+  double at = 0;                               ///< load factor; time [s] of a run in time
+  Positions positions;                         ///< [m]
+  VectorX force_densities;                     ///< force density of each connection [N/m]
+  int number = 0;                              ///< of the load step or frame
+  Positions contact_forces = {};               ///< [N]; empty without contact
+  VectorX contact_pressure = {};               ///< [Pa]
+  std::vector<contact::Pose> obstacles = {};   ///< where they were
+  std::vector<CellState> states_of_laws = {};  ///< of all cells as CellNodes has them; empty: no law has any
+  VectorX other_force_densities = {};          ///< [N/m]; where there are such states, those that are in none of them
+  Positions elastic_forces = {};               ///< [N]; the same
 };
 
 /// What another program says of a run that it made.

@@ -441,8 +441,8 @@ class Simulation:
         |u|^2 = 1 [1/sqrt(kg)]. Supports hold; rigid motions are left out."""
     def cell_states(self) -> dict[str, dict[str, Floats]]:
         """Means over each cell now, by shape as in Body.cells: {'tetrahedron4': {'strain': (k, 3, 3), 'stress': (k, 3,
-        3)}, …}: Green and Lagrange's strain and Cauchy's stress [Pa], of triangles force over width [N/m]. Of
-        springs the stress is the virial of the cell's sides."""
+        3)}, …}: Green and Lagrange's strain and Cauchy's stress [Pa], of triangles force over width [N/m]: those of
+        the law in the cell; of springs the virial of its sides."""
     def tangent(self) -> tuple[Floats, Ints, Ints]:
         """The stiffness -d(all forces)/d(positions) [N/m] now, (3 n, 3 n), supports not regarded, as the arrays that
         scipy.sparse.csr_matrix takes: data, column indices and indptr. Molecule m has rows 3 m, 3 m + 1 and 3 m + 2."""

@@ -135,6 +135,12 @@ class SimplexCells : public EdgeDensities,
   }
   bool coupled() const override { return true; }
   std::unique_ptr<EdgeSlopes> slopes() const override { return std::make_unique<Slopes>(*this); }
+  void show(const Positions& positions, VectorX&, const StateVisitor& visit) const override {
+    for (int cell = 0; cell < graph_.cells(); ++cell) {
+      const SquaredLengths q = densities(cell, squared_lengths(positions, cell));
+      visit(Shape::in(body_)[cell], simplex_state(unstressed(cell), positions_of(positions, cell), {q.data(), sides}));
+    }
+  }
 
   bool soften(const Softening& softening) override {
     if (!has_energy()) return false;

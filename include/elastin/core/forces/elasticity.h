@@ -82,6 +82,11 @@ struct CellState {
   Matrix3 stress = Matrix3::Zero();  ///< Cauchy's [Pa]; of a membrane, force over width [N/m]
 };
 
+/// Of a triangle or tetrahedron that is strained uniformly: its corners without stress and now [m], a column each, and
+/// the force densities [N/m] of its own sides, in the order 01 02 …; none: no stress.
+CellState simplex_state(const Eigen::Ref<const Positions>& unstressed, const Eigen::Ref<const Positions>& now,
+                        std::span<const double> force_densities);
+
 /// The tangent of one elastic law at one state. With s = |d|² and d = x_b − x_a, the change of a connection's force is
 /// δq d + q δd, δq = Σ (∂q/∂s) δs, δs = 2 d·δd; forces at nodes have a stiffness of their own.
 class Linearisation {
@@ -162,6 +167,8 @@ class Elasticity {
   /// Energy that the body has stored [J] in a state that commit_step() has seen last, or begin_step() over no time:
   /// what could still be had back. energy() of a law that relaxes is what the next step minimises.
   virtual double stored_energy(const Positions& positions) const { return energy(positions); }
+  /// For visualisation: calls visit(molecules, state) for each cell that the law has a stress in, in the body's order.
+  using StateVisitor = std::function<void(std::span<const int> molecules, const CellState& state)>;
   /// Whether no cell is flat or inverted. Energies are +infinity where not; laws without an energy say it here.
   virtual bool admissible(const Positions& /*positions*/) const { return true; }
   /// Adds the force on each molecule [N]. `graph` is that of the body. Bitwise identical on any number of threads.
@@ -182,6 +189,9 @@ class EdgeDensities : public Elasticity {
   /// 02 12, a column for each triangle of the body that they were made for; all others add to the connections.
   virtual void add_triangle_force_densities(const Positions& positions, Eigen::Ref<Eigen::Matrix3Xd> of_triangles,
                                             VectorX& of_connections, Workspace& workspace) const;
+  /// Calls `visit` (see StateVisitor), and adds to `others` [N/m] the force densities that this leaves out: all, of a
+  /// law that has no cells.
+  virtual void show(const Positions& positions, VectorX& others, const StateVisitor& visit) const;
   /// Through the force densities, unless the law has a shorter way.
   void add_forces(const Positions& positions, const Graph& graph, Positions& forces,
                   Workspace& workspace) const override;
@@ -196,9 +206,8 @@ class NodalForces : public Elasticity {
  public:
   /// Sum of the sizes of the forces within the body [N]: what rounding is judged by.
   virtual double internal_force(const Positions& positions) const = 0;
-  /// For visualisation: adds the force density q_ab = −Σ_g w_g B_aᵀ S_g B_b [N/m] of those pairs of a cell's nodes that
-  /// are connections (other pairs have theirs too), and calls visit(block, cell, state) for all cells.
-  using StateVisitor = std::function<void(const CellBlock& block, int cell, const CellState& state)>;
+  /// Calls `visit` (see StateVisitor), and adds the force density q_ab = −Σ_g w_g B_aᵀ S_g B_b [N/m] of those pairs of
+  /// a cell's nodes that are connections (other pairs have theirs too).
   virtual void show(const Positions& positions, VectorX& force_densities, const StateVisitor& visit) const = 0;
   /// From now on the stresses at its points relax (see make_prony). False where they cannot.
   virtual bool relax(const Relaxation&) { return false; }

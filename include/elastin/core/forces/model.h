@@ -94,13 +94,11 @@ class Model {
   /// Potential energy of the loads [J].
   double load_energy(const State& state) const;
   /// Force density of each connection [N/m], on a share after keep_all_elements() those of its own molecules; of cells
-  /// whose forces are found at their nodes those of the pairs that are connections, and visit(block, cell, state) for
-  /// each of them (see NodalForces::show).
-  VectorX force_densities(
-      const Positions& positions,
-      const NodalForces::StateVisitor& visit = [](const CellBlock&, int, const CellState&) {}) const;
-  /// The same of springs and simplices alone.
-  VectorX edge_force_densities(const Positions& positions) const;
+  /// whose forces are found at their nodes those of the pairs that are connections (see NodalForces::show).
+  VectorX force_densities(const Positions& positions) const;
+  /// Calls `visit` for the cells in which laws have a stress, and returns the force densities [N/m] that are in none of
+  /// these (see EdgeDensities::show).
+  VectorX show_cells(const Positions& positions, const Elasticity::StateVisitor& visit) const;
   /// Elastic force on each molecule [N].
   Positions elastic_forces(const Positions& positions) const;
   /// Whether the loads' tangents are symmetric.
