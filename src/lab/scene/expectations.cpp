@@ -150,6 +150,8 @@ std::vector<Expectation> read_expectations(const Reader& list, const std::vector
     if (judged && expectation.relative == 0 && expectation.absolute == 0)
       item.fail(
           "an expectation needs a tolerance (relative), an absolute tolerance, or not_reproduced with the reason");
+    if (judged && expectation.value == 0 && expectation.absolute == 0)
+      item.fail("`tolerance` is relative, and of 0 it allows nothing: give `absolute`");
   }
   return all;
 }

@@ -99,7 +99,8 @@ const Verdict* tightest(const std::vector<Verdict>& verdicts) {
 
 /// "E +0.001 %": how far off, as a difference where the answer is zero.
 std::string error_text(const MeasureList& measures, const Verdict& verdict) {
-  const std::string label = measures.at(verdict.expectation.measure).label() + " ";
+  const MeasureInfo* info = measures.find(verdict.expectation.measure);  // null: of another experiment
+  const std::string label = (info ? info->label() : verdict.expectation.measure) + " ";
   if (!std::isfinite(verdict.measured)) return label + "not measured";
   if (verdict.expectation.value == 0) return label + fmt::format("{:.1e}", verdict.measured);
   const double off = verdict.difference;
@@ -182,6 +183,9 @@ std::string detail_text(const Case& a_case) {
   const Record& own = a_case.own;
   if (!a_case.trouble.empty()) return a_case.trouble;
   if (own.run.outcome != Outcome::converged || !own.run.suited) return own.run.cause;
+  const auto stop = std::find_if(own.verdicts.begin(), own.verdicts.end(),
+                                 [](const Verdict& v) { return !v.expectation.outcome.empty(); });
+  if (stop != own.verdicts.end()) return "converged, expected " + words(stop->expectation.outcome.c_str());
   const Verdict* verdict = tightest(own.verdicts);
   if (!verdict) return own.verdicts.empty() ? "" : own.verdicts.front().expectation.not_reproduced;
   return error_text(*own.measures, *verdict) + (own.run.restarted_from_rest ? "; restarted from rest" : "");
