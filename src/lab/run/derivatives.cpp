@@ -277,7 +277,14 @@ void Derivatives::check(const Specimen& specimen, const Experiment& experiment, 
 bool Derivatives::by_whole_runs(const Experiment& experiment, Rig& rig, const StrategyChoice& choice,
                                 const Model& model, const RunOptions& options) {
   const StaticExperiment* at_rest = experiment.at_rest();
-  return !at_rest || rig.at_rest()->seeks_load() || choice.name.softened ||  // what softens knows where it has been
+  // What touches the body begins where its surface is under preload, which changes with the numbers.
+  const auto is_preloaded = [&] {
+    model.measure_rest_force();
+    return model.rest_force() > 0 || model.body().unstressed ||
+           !model.load_forces(state_at_rest(model.body())).isZero(0);
+  };
+  return !at_rest || rig.at_rest()->seeks_load() || (rig.at_rest()->withdraw() && is_preloaded()) ||
+         choice.name.softened ||  // what softens knows where it has been
          (!options.statics.linear && !model.has_full_tangent());
 }
 

@@ -338,10 +338,9 @@ StaticResult restart_from_rest(Model& model, const RunOptions& options, double b
   return from_rest;
 }
 
-/// The body before the experiment's load: at rest, or in equilibrium with the scene's other loads, or where it comes to
-/// rest from the scene's own start. False if that fails.
-bool find_start(Model& model, StaticRig& rig, const RunOptions& options, bool at_rest, State& state, Start& start,
-                Run& run) {
+/// Without what the rig brings to the body's surface.
+bool find_start_alone(Model& model, StaticRig& rig, const RunOptions& options, bool at_rest, State& state, Start& start,
+                      Run& run) {
   start = {state.positions, Positions::Zero(3, static_cast<Eigen::Index>(model.supports.size()))};
   set_load(model, rig, 0);
   model.measure_rest_force();
@@ -353,6 +352,17 @@ bool find_start(Model& model, StaticRig& rig, const RunOptions& options, bool at
   start = {state.positions, solved.reactions};
   return note_solve(solved, at_rest ? " (under what acts without the experiment's load)" : " (from the scene's start)",
                     run);
+}
+
+/// The body before the experiment's load: at rest, or in equilibrium with the scene's other loads, or where it comes to
+/// rest from the scene's own start. False if that fails.
+bool find_start(Model& model, StaticRig& rig, const RunOptions& options, bool at_rest, State& state, Start& start,
+                Run& run) {
+  rig.withdraw();
+  const bool found = find_start_alone(model, rig, options, at_rest, state, start, run);
+  rig.meet(state.positions);
+  set_load(model, rig, 0);
+  return found;
 }
 
 /// The part of a load along an axis that its experiment's grips do not bear: the scene's supports, contact and loads

@@ -169,3 +169,37 @@ TEST_CASE("a body shows the material's modulus under a tool where it is much lar
   CHECK_THAT(reference_of("{sphere: {radius: 5 mm}}, depth: 0.1 mm"), Catch::Equals(""));
   CHECK_THAT(reference_of("{flat: {radius: 3 mm}}, depth: 0.1 mm"), Catch::Contains("no half-space"));
 }
+
+// A block that has swollen freely is a larger one without stress: all forces grow with its area.
+TEST_CASE("the depth begins where the surface is under preload", "[indentation]") {
+  const auto pressed = [](const std::string& radius, const std::string& depth, const std::string& rest) {
+    return run_of(kQuarter,
+                  "indenter: {sphere: {radius: " + radius + "}}, depth: " + depth +
+                      ", symmetry: [x, y], at: [0, 0, 0], bottom: sliding",
+                  "stiffness: 1e8 Pa/m", rest)
+        .measures;
+  };
+  const Measures small = pressed("15 mm", "2 mm", "");
+  for (const auto& [factor, radius, depth] : {std::tuple{1.1, "16.5 mm", "2.2 mm"}, {0.9, "13.5 mm", "1.8 mm"}}) {
+    const Measures other = pressed(radius, depth, "rest: {swelling: " + std::to_string(factor) + ", factor: 1}\n");
+    INFO(factor);
+    CHECK(other.get("force") == Approx(factor * factor * small.get("force")).epsilon(0.01));
+    CHECK(other.get("indentation_modulus") == Approx(small.get("indentation_modulus")).epsilon(0.01));
+  }
+  // Its own weight presses the block down by 0.2 mm, twice as far as the indenter goes.
+  const auto under = [&](const std::vector<std::string>& overrides) {
+    const TemporaryFolder folder;
+    const auto scene =
+        load_scene(folder.write("scene.yaml",
+                                "body: {" + std::string(kQuarter) +
+                                    "}\nmaterial: {youngs_modulus: 10 kPa, poissons_ratio: 0.3, density: 1000 kg/m3}\n"
+                                    "stiffness: neo_hookean\ncontact: {}\n"
+                                    "experiment: {kind: indentation, indenter: {flat: {radius: 9 mm}}, depth: 0.1 mm, "
+                                    "symmetry: [x, y], at: [0, 0, 0], bottom: sliding}\n"),
+                   kCatalog, overrides);
+    return run_strategy(scene->specimen, *scene->experiment, scene->stiffness, {.statics = scene->statics}).measures;
+  };
+  const Measures light = under({}), heavy = under({"loads=[{gravity: [0, 0, -9.81 m/s2]}]"});
+  CHECK(heavy.get("depth") == Approx(1e-4).epsilon(1e-9));
+  CHECK(heavy.get("indentation_modulus") == Approx(light.get("indentation_modulus")).epsilon(0.05));
+}

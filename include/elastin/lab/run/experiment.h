@@ -102,6 +102,11 @@ class StaticRig : public Rig {
   virtual void shape_start(Positions& /*positions*/) const {}
   /// Moves, before any load, what goes freely until it touches: friction begins there.
   virtual void approach(Positions& /*positions*/) const {}
+  /// Takes what is to touch the body out of the way of the scene's own loads, which may move its surface, until
+  /// meet(). True: there is such a thing.
+  virtual bool withdraw() { return false; }
+  /// Places it where it touches the body that these loads have brought here. Before set_load.
+  virtual void meet(const Positions& /*positions*/) {}
   /// The largest fraction of the load (0 … 1) that one step may add: a turn beyond it would be taken for a shorter one
   /// in the opposite direction.
   virtual double longest_step() const { return 1; }

@@ -46,7 +46,7 @@ const MeasureList& indentation_measures() {
         "Hertz's modulus of a sphere, or that of a flat punch, on a half-space: E* (1 - nu^2)", Role::modulus,
         "E of indentation"},
        {"force", force, "force on the indenter along its direction; beyond preload", Role::force},
-       {"depth", length, "displacement of the indenter since the start"},
+       {"depth", length, "displacement of the indenter since first touch; of an obstacle since the start"},
        {"molecules_in_contact", none, "number of molecules of the whole body on which the indenter presses"},
        {"mean_pressure", pressure, "mean contact pressure: force / area"}},
       {{"depth", "force", true}}};
@@ -81,7 +81,9 @@ class Indentation final : public StaticExperiment {
     } else {
       if (find_obstacle(contact.obstacles, kIndenter) >= 0)
         throw InputError("an obstacle has the indenter's own name, 'indenter'");
-      contact.obstacles.push_back(indenter(body, contact.surface));
+      spheres_ = contact.surface == contact::ContactSurface::spheres;
+      choose_base(body);
+      contact.obstacles.push_back(indenter(body));
       indenter_ = static_cast<int>(contact.obstacles.size()) - 1;
     }
     contact::Obstacle& obstacle = contact.obstacles[indenter_];
@@ -185,31 +187,43 @@ class Indentation final : public StaticExperiment {
     contact_share_ = radius / extent;
   }
 
-  /// The indenter where it just touches the body.
-  contact::Obstacle indenter(const Body& body, contact::ContactSurface surface) const {
+  /// The foot of the indenter's axis, in the plane through the origin across it.
+  void choose_base(const Body& body) {
+    const Vector3 middle = (body.rest.rowwise().maxCoeff() + body.rest.rowwise().minCoeff()) / 2;
+    base_ = setup_.at.value_or(middle);
+    for (const Vector3& normal : setup_.symmetry) base_ -= normal.dot(base_) * normal;
+    base_ -= setup_.axis.dot(base_) * setup_.axis;
+  }
+
+  /// Place along the axis [m] at which the indenter touches the body, of a sphere that of its middle; infinite where
+  /// nothing lies before it.
+  double first_touch(const Body& body, const Positions& positions) const {
     const bool sphere = setup_.shape == IndenterShape::sphere;
     const double radius = setup_.radius;
-    const Vector3 middle = (body.rest.rowwise().maxCoeff() + body.rest.rowwise().minCoeff()) / 2;
-    Vector3 base = setup_.at.value_or(middle);
-    for (const Vector3& normal : setup_.symmetry) base -= normal.dot(base) * normal;
-    base -= setup_.axis.dot(base) * setup_.axis;
-    double first = std::numeric_limits<double>::infinity();  // place along the axis at which it touches
+    double first = std::numeric_limits<double>::infinity();
     const auto meet = [&](const Vector3& position, double r) {
-      const double along = setup_.axis.dot(position), off = (position - base - along * setup_.axis).norm();
+      const double along = setup_.axis.dot(position), off = (position - base_ - along * setup_.axis).norm();
       if (off <= (sphere ? radius + r : radius))
         first = std::min(first, along - (sphere ? std::sqrt(std::pow(radius + r, 2) - off * off) : r));
     };
-    const bool spheres = surface == contact::ContactSurface::spheres;
     for (int molecule = 0; molecule < body.size(); ++molecule)
-      meet(body.rest.col(molecule), spheres ? body.radius[molecule] : 0);
-    if (!spheres)  // in a hollow a side's middle comes before its corners
+      meet(positions.col(molecule), spheres_ ? body.radius[molecule] : 0);
+    if (!spheres_)  // in a hollow a side's middle comes before its corners
       for (const contact::Sample& sample : contact::side_samples(body, contact::surface_sides(body))) {
         Vector3 position = Vector3::Zero();
-        for (int i = 0; i < sample.count; ++i) position += sample.weights[i] * body.rest.col(sample.molecules[i]);
+        for (int i = 0; i < sample.count; ++i) position += sample.weights[i] * positions.col(sample.molecules[i]);
         meet(position, 0);
       }
-    first -= 1e-9 * radius;  // what only seems to be pressed in, by rounding, would have to be in equilibrium
-    if (!std::isfinite(first)) throw InputError("no molecule lies before the indenter: give `at`, a point on its axis");
+    return first - 1e-9 * radius;  // what only seems to be pressed in, by rounding, would have to be in equilibrium
+  }
+
+  /// The indenter where it just touches the body at rest.
+  contact::Obstacle indenter(const Body& body) {
+    const bool sphere = setup_.shape == IndenterShape::sphere;
+    const double radius = setup_.radius;
+    touches_ = first_touch(body, body.rest);
+    if (!std::isfinite(touches_))
+      throw InputError("no molecule lies before the indenter: give `at`, a point on its axis");
     contact::Obstacle obstacle;
     obstacle.name = kIndenter;
     obstacle.pose.turn = rotation_between(-Vector3::UnitZ(), setup_.axis);
@@ -218,7 +232,7 @@ class Indentation final : public StaticExperiment {
       obstacle.shape = contact::shape::Sphere{radius};
     else
       obstacle.shape = contact::shape::Cylinder{radius, length};
-    obstacle.pose.position = base + (sphere ? first : first - length / 2) * setup_.axis;
+    obstacle.pose.position = base_ + (sphere ? touches_ : touches_ - length / 2) * setup_.axis;
     return obstacle;
   }
 
@@ -234,6 +248,9 @@ class Indentation final : public StaticExperiment {
   bool adhesive_;  ///< of an indenter whose modulus is measured
   FixedMolecules fixed_;
   int indenter_ = 0;
+  bool spheres_ = false;            ///< as what the body touches, of an indenter of its own
+  Vector3 base_ = Vector3::Zero();  ///< the foot of its axis
+  double touches_ = 0;              ///< [m] along it, where it touches the body at rest
   ForceControl control_;
   double contact_share_ = 0;  ///< see find_extent
 };
@@ -244,6 +261,18 @@ class IndentationRig final : public StaticRig {
       : experiment_(experiment), setup_(experiment.setup_), model_(model), control_(experiment.control_) {
     for (const auto& [molecule, free] : experiment_.fixed_) model.supports.push_back({molecule, free, Vector3::Zero()});
     contact_ = contact_of(model);
+  }
+
+  bool withdraw() override {
+    if (setup_.shape == IndenterShape::obstacle) return false;
+    const Positions& rest = model_.body().rest;
+    begins_ = -10 * (rest.rowwise().maxCoeff() - rest.rowwise().minCoeff()).norm();
+    return true;
+  }
+  void meet(const Positions& positions) override {
+    if (setup_.shape == IndenterShape::obstacle) return;
+    const double first = experiment_.first_touch(model_.body(), positions);
+    begins_ = std::isfinite(first) ? first - experiment_.touches_ : 0;
   }
 
   void set_load(double factor) override {
@@ -293,7 +322,7 @@ class IndentationRig final : public StaticRig {
 
   void move_to(double displacement) {
     displacement_ = displacement;
-    contact_->set_moment(displacement);
+    contact_->set_moment(begins_ + displacement);
   }
 
   /// With which the body presses back [N].
@@ -305,7 +334,8 @@ class IndentationRig final : public StaticRig {
   const IndentationSetup& setup_;
   Model& model_;
   contact::Contact* contact_ = nullptr;  // owned by the model
-  double displacement_ = 0;              // of the indenter [m]
+  double displacement_ = 0;              // of the indenter [m], since it began
+  double begins_ = 0;                    // [m], from where it touches the body at rest
   ForceControl control_;
 };
 

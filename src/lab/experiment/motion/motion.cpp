@@ -324,6 +324,7 @@ class MotionRig final : public TimedRig {
   StaticResult start(State& state, const StaticOptions& options) override {
     start_ = {state.positions, Positions::Zero(3, static_cast<Eigen::Index>(model_.supports.size()))};
     if (!fixture_) return {};
+    fixture_->withdraw();
     fixture_->set_load(0);
     StaticResult result;
     if (any_over(model_.body(), !model_.load_forces(state).isZero(0))) {
@@ -331,6 +332,7 @@ class MotionRig final : public TimedRig {
       if (result.outcome != Outcome::converged) return result;
       start_ = {state.positions, result.reactions};
     }
+    fixture_->meet(state.positions);
     if (experiment_.released()) return load_and_release(state, options);
     fixture_->set_load(setup_.load.value(0));
     // What is displaced at once does so in the first step: that is work, too.

@@ -129,7 +129,11 @@ class PressRig final : public StaticRig {
       if (setup_.grip == Grip::sliding) experiment_.keep_in_plane(model, first);
     }
     contact_ = contact_of(model);
-    if (setup_.force && contact_) find_approach();  // `check` makes a model without contact
+    if (setup_.force && contact_) find_approach(model.body().rest);  // `check` makes a model without contact
+  }
+
+  void meet(const Positions& positions) override {
+    if (setup_.force && contact_ && positions != model_.body().rest) find_approach(positions);
   }
 
   void approach(Positions& positions) const override {
@@ -170,19 +174,21 @@ class PressRig final : public StaticRig {
  private:
   /// How far what is moved goes, rigid with all that it is joined to, before it touches. Nowhere where it touches
   /// already, is one with what is fixed, or meets nothing.
-  void find_approach() {
+  void find_approach(const Positions& from) {
     const Body& body = model_.body();
     const BodyFindings findings = inspect(body);
     std::vector<char> moves(static_cast<std::size_t>(findings.pieces), 0);
     for (const int molecule : experiment_.moved_) moves[findings.piece_of[molecule]] = 1;
     for (const int molecule : experiment_.fixed_)
       if (moves[findings.piece_of[molecule]]) return;
+    goes_along_.clear();
     for (const int piece : findings.piece_of) goes_along_.push_back(moves[piece]);
-    const VectorX height = body.rest.transpose() * setup_.axis;
+    const VectorX height = from.transpose() * setup_.axis;
     const double step = body.radius.mean(), most = 2 * (height.maxCoeff() - height.minCoeff());
     contact_->set_moment(0);
     const auto touches = [&](double displacement) {
       State state = state_at_rest(body);
+      state.positions = from;
       approach_ = displacement;
       approach(state.positions);
       return contact_->report(state).pairs > 0;
