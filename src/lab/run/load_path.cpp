@@ -1,8 +1,10 @@
 #include "lab/run/load_path.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
+#include <map>
 #include <utility>
 
 #include "contact/distance.h"
@@ -203,7 +205,7 @@ namespace {
 
 /// Of the load: what may be left of it unbalanced.
 constexpr double kBalanced = 1e-3;
-/// Of the load along the axis: what others than the grips may bear of it without a word.
+/// Of the load: what others than the grips may bear of it without a word.
 constexpr double kBorne = 5e-3;
 
 /// Of the forces that hold the displaced molecules, before others give way: a resistance below that is rounding.
@@ -365,25 +367,74 @@ bool find_start(Model& model, StaticRig& rig, const RunOptions& options, bool at
   return found;
 }
 
-/// The part of a load along an axis that its experiment's grips do not bear: the scene's supports, contact and loads
-/// do.
-double borne_by_others(const Model& model, const StaticRig& rig, const Vector3& axis, const Start& start,
-                       const StaticResult& solved) {
-  std::array<double, 4>
-      sums{};  // along the axis: of grips that are moved, of those that stay, of others; of moved ones
-  auto& [moved, fixed, others, count] = sums;
+/// Whether an experiment reads a modulus off a load, which others may bear.
+bool bears_load(const Body& body, const StaticExperiment& experiment) {
+  bool any = false;
+  for (int molecule = 0; molecule < body.size() && !any; ++molecule)
+    any = !experiment.against_load(body.rest.col(molecule)).isZero(0);
+  return any_over(body, any);
+}
+
+/// The part of its load that the experiment's grips do not bear: the scene's supports, contact and loads do.
+/// @param before forces of these loads [N] at the start
+double borne_by_others(const Model& model, const StaticExperiment& experiment, StaticRig& rig, double factor,
+                       const Start& start, const Positions& before, const State& state, const StaticResult& solved) {
+  const Body& body = model.body();
+  const int owned = owned_molecules(body);
+  std::array<double, 6> sums{};  // sizes: of grips that are moved, of those that stay, of the own load; of others
+  auto& [moved, fixed, own, x, y, z] = sums;
+  const auto add_other = [&, &x = x, &y = y, &z = z](const Vector3& part) {
+    x += part.x(), y += part.y(), z += part.z();
+  };
   for (std::size_t i = 0; i < model.supports.size(); ++i) {
     const auto column = static_cast<Eigen::Index>(i);
-    if (model.supports[i].molecule >= owned_molecules(model.body())) continue;
-    const double force = (solved.reactions.col(column) - start.reactions.col(column)).dot(axis);
-    const bool is_moved = !model.supports[i].displacement.isZero(0);
-    (i >= rig.own_supports ? others : is_moved ? moved : fixed) += force;
-    count += is_moved;
+    const int molecule = model.supports[i].molecule;
+    if (molecule >= owned) continue;
+    const Vector3 part = experiment.against_load(state.positions.col(molecule)) *
+                         (solved.reactions.col(column) - start.reactions.col(column));
+    if (i >= rig.own_supports)
+      add_other(part);
+    else
+      (model.supports[i].displacement.isZero(0) ? fixed : moved) += part.norm();
   }
-  sum_over(model.body(), sums);
-  const double borne = count > 0 ? moved + fixed : others,
-               load = std::max({std::abs(moved), std::abs(fixed), std::abs(others)});
-  return load > 0 ? std::abs(borne) / load : 0;
+  const Positions all = model.load_forces(state);
+  rig.set_load(0);
+  const Positions without = model.load_forces(state);
+  rig.set_load(factor);
+  for (int molecule = 0; molecule < owned; ++molecule) {
+    const Matrix3 against = experiment.against_load(state.positions.col(molecule));
+    own += (against * (all.col(molecule) - without.col(molecule))).norm();
+    if (!solved.linear)  // there loads that follow the body stay as they were
+      add_other(against * (without.col(molecule) - before.col(molecule)));
+  }
+  sum_over(body, sums);
+  const double others = Vector3(x, y, z).norm(), load = std::max({moved, fixed, own, others});
+  return load > 0 ? others / load : 0;
+}
+
+/// Supports of the scene that hold what the experiment moves, as a warning; or "".
+std::string held_and_moved(const Model& model, const StaticExperiment& experiment, const StaticRig& rig) {
+  std::map<int, Vector3> moved;
+  double most = 0;
+  for (std::size_t i = 0; i < rig.own_supports; ++i) {
+    const Support& own = model.supports[i];
+    moved[own.molecule] = own.displacement;
+    most = std::max(most, own.displacement.norm());
+  }
+  int count = 0, first = 0;
+  for (const Support& support : experiment.further_supports()) {
+    const auto own = moved.find(support.molecule);
+    if (own == moved.end()) continue;
+    const Vector3 held = own->second - support.free * own->second;
+    if (held.norm() > 1e-9 * most && count++ == 0) first = support.molecule;
+  }
+  if (count == 0) return "";
+  const Vector3 at = 1e3 * model.body().rest.col(first);
+  return "`supports` hold " + counted(count, "molecule") + " that the experiment moves, " +
+         (count > 1 ? "the first " : "") + "at (" + number(at.x(), 3) + ", " + number(at.y(), 3) + ", " +
+         number(at.z(), 3) +
+         ") mm: there the displacement counts, and next to it the body is torn between both; take "
+         "the moved end out of the `supports`";
 }
 
 /// Where the material says what stress belongs to a strain: that, and the largest difference to it, over the largest
@@ -454,6 +505,7 @@ void solve_load_curve(Model& model, const StaticExperiment& experiment, StaticRi
   if (!find_start(model, rig, options, !begin, at_start, start, run)) return;
   if (options.derivatives) options.derivatives->start(model, rig, start, options);
   const auto last = options.derivatives ? make_last_solve() : nullptr;
+  const Positions before = model.load_forces(at_start);
   LoadPath path(model, rig, options.statics, std::move(at_start), last.get());
   const auto keep = [&](double load_factor, int step) {
     keep_snapshot(model, path.state(), load_factor, step, options, run);
@@ -490,10 +542,17 @@ void solve_load_curve(Model& model, const StaticExperiment& experiment, StaticRi
       check_balance(solved, measures, taken(measures, MeasureRole::force), options.statics.tolerance, step == steps,
                     is_displaced(model, path.state()), where, run);
     if (run.outcome != Outcome::converged) return;
-    if (const auto axis = experiment.axis(); axis && loaded && acts && step == steps)
-      if (const double part = borne_by_others(model, rig, *axis, start, solved); part > kBorne)
+    if (const std::string both = held_and_moved(model, experiment, rig); !both.empty()) warn_once(both, run);
+    if (experiment.of_small_strains() && any_over(model.body(), model.supports.size() > rig.own_supports))
+      warn_once(
+          "supports of the scene, or rigid bodies, hold what lies within the surface: the moduli are not of the "
+          "body alone",
+          run);
+    if (loaded && acts && step == steps && bears_load(model.body(), experiment))
+      if (const double part = borne_by_others(model, experiment, rig, load_factor, start, before, path.state(), solved);
+          part > kBorne)
         warn_once("supports, contact or loads of the scene bear " + number(100 * part, 3) +
-                      " % of the load along the axis: the modulus is not of the body alone",
+                      " % of the load: the modulus is not of the body alone",
                   run);
     const double strain = taken(measures, MeasureRole::strain);
     const bool pressed = taken(measures, MeasureRole::displacement) < 0, through = pressed && strain <= -1;

@@ -198,7 +198,7 @@ TEST_CASE("supports that bear part of the load along the axis are said", "[stati
     const Run run = run_strategy(scene->specimen, *scene->experiment, scene->stiffness, {.statics = scene->statics});
     CHECK(run.outcome == Outcome::converged);
     return std::count_if(run.warnings.begin(), run.warnings.end(), [](const std::string& one) {
-      return one.find("bear 100 % of the load along the axis") != std::string::npos;
+      return one.find("bear 100 % of the load:") != std::string::npos;
     });
   };
   const std::string middle = "{molecules: {box: {from: [0, 0, 3 mm], to: [4 mm, 4 mm, 5 mm]}}, fix: ";
@@ -208,6 +208,58 @@ TEST_CASE("supports that bear part of the load along the axis are said", "[stati
     CHECK(said(load, middle + "[x]}") == 0);
     CHECK(said(load, "{molecules: {side: -x}, fix: [x]}, {molecules: {side: -y}, fix: [y]}") == 0);
   }
+}
+
+// What is held half way up leaves nothing to the lower half, which the other end holds.
+TEST_CASE("supports that bear part of any load are said, and those that hold what is moved", "[statics][load_path]") {
+  const TemporaryFolder folder;
+  const auto said = [&](const std::string& experiment, const std::string& supports, const std::string& words,
+                        const std::string& more = "") {
+    const auto scene =
+        load_scene(folder.write("scene.yaml",
+                                "body: {lattice: {kind: cubic, molecules: [3, 3, 5], spacing: 2 mm, "
+                                "connections: [axis, face]}}\n"
+                                "material: {youngs_modulus: 20 kPa, poissons_ratio: 0.25}\nstiffness: lattice\n"
+                                "experiment: {" +
+                                    experiment + "}\nsupports: [" + supports + "]\n" + more),
+                   built_in_catalog());
+    const Run run = run_strategy(scene->specimen, *scene->experiment, scene->stiffness, {.statics = scene->statics});
+    INFO(experiment << ", " << supports);
+    CHECK(run.outcome == Outcome::converged);
+    return std::count_if(run.warnings.begin(), run.warnings.end(),
+                         [&](const std::string& one) { return one.find(words) != std::string::npos; });
+  };
+  const std::string middle = "{molecules: {box: {from: [0, 0, 3 mm], to: [4 mm, 4 mm, 5 mm]}}, fix: ",
+                    low = "{molecules: {box: {from: [0, 0, 1 mm], to: [4 mm, 4 mm, 3 mm]}}, fix: ",
+                    shear = "kind: shear, axis: z, direction: x, strain: 1 %",
+                    torsion = "kind: torsion, axis: z, angle: 1 deg",
+                    bending = "kind: bending, axis: z, direction: x, force: 10 uN",
+                    biaxial = "kind: biaxial, axis: x, across: y, strain: 1 %",
+                    hydrostatic = "kind: hydrostatic, strain: 1 %",
+                    along = "{molecules: {box: {from: [1 mm, 0, 0], to: [3 mm, 4 mm, 8 mm]}}, fix: [x]}";
+  for (const std::string linear : {"", "solver: {displacements: small}\n"}) {
+    INFO(linear);
+    CHECK(said(shear, middle + "[x, y, z]}", "bear 100 % of the load", linear) == 1);
+    CHECK(said(shear, middle + "[y]}", "of the load", linear) == 0);
+    CHECK(said(torsion, middle + "[x, y, z]}", "bear 100 % of the load", linear) == 1);
+    CHECK(said(torsion, "{molecules: {side: -x}, fix: [z]}", "of the load", linear) == 0);
+    CHECK(said(bending, middle + "[x, y, z]}", "of the load", linear) == 1);
+    CHECK(said(bending, "{molecules: {side: -y}, fix: [y]}", "of the load", linear) == 0);
+    CHECK(said(bending, "{molecules: {side: z}, fix: [x]}", "of the load", linear) == 1);  // all of it
+    CHECK(said(biaxial, along, "of the load", linear) == 1);
+    CHECK(said(biaxial, "{molecules: {side: -z}, fix: [z]}", "of the load", linear) == 0);
+    CHECK(said(hydrostatic, low + "[z]}", "of the load", linear) == 1);
+    CHECK(said(hydrostatic, middle + "[z]}", "of the load", linear) == 0);  // stays there anyway
+    CHECK(said("kind: material", along, "of the body alone", linear) == 1);
+    CHECK(said("kind: material", "", "of the body alone", linear) == 0);
+  }
+  const std::string side = "{molecules: {side: -y}, fix: [x]}", moved = "hold 3 molecules that the experiment moves";
+  CHECK(said(shear, side, moved + ", the first at (0, 0, 8) mm") == 1);
+  CHECK(said("kind: tension, axis: z, strain: 1 %", side, "that the experiment moves") == 0);
+  CHECK(said("kind: tension, axis: z, strain: 1 %", "{molecules: {side: -y}, fix: [y, z]}", moved) == 1);
+  // A ceiling over the spheres of 1 mm at the pulled end bears what would stretch the body.
+  CHECK(said("kind: tension, axis: z, force: 1 mN", "", "of the load",
+             "contact: {obstacles: [{name: ceiling, plane: {point: [0, 0, 9 mm], normal: [0, 0, -1]}}]}\n") == 1);
 }
 
 // A lattice of five layers whose grips are two layers deep, and one of the three layers that are free: what is held or

@@ -202,6 +202,11 @@ class StaticExperiment : public Experiment {
     model.add_supports(further_supports_);
     return rig;
   }
+  /// M of what a force f at a place [m] does against the experiment's load: M f, its part along the load, or its moment
+  /// about an axis. Zero: no modulus is read off a load.
+  virtual Matrix3 against_load(const Vector3& /*at*/) const {
+    return axis() ? Matrix3(*axis() * axis()->transpose()) : Matrix3(Matrix3::Zero());
+  }
   /// Supports in addition to its own, such as planes of symmetry and a clamped rim; see Model::add_supports.
   const std::vector<Support>& further_supports() const { return further_supports_; }
   void set_further_supports(std::vector<Support> supports) { further_supports_ = std::move(supports); }

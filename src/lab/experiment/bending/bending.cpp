@@ -54,6 +54,7 @@ class Bending final : public StaticExperiment {
   std::unique_ptr<StaticRig> make_rig(Model& model) const override;
   ResponseMeasures response_measures() const override { return {"tip_deflection", ""}; }
   int load_steps() const override { return setup_.load_steps; }
+  Matrix3 against_load(const Vector3& /*at*/) const override { return setup_.direction * setup_.direction.transpose(); }
 
   std::vector<MainMeasure> main_measures(const Material& material, const Measures& /*measured*/) const override {
     const double target = apparent_ ? std::numeric_limits<double>::quiet_NaN() : material.youngs_modulus;

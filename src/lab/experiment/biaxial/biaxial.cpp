@@ -125,6 +125,11 @@ class Biaxial final : public Driven {
     return measures;
   }
 
+  Matrix3 against_load(const Vector3& /*at*/) const override {
+    const auto& [first, second] = directions_;
+    return first.along * first.along.transpose() + second.along * second.along.transpose();
+  }
+
   std::optional<UniformTest> uniform(const Measures& measured) const override {
     const auto& [first, second] = directions_;
     BiaxialSetup own{first.along, second.along, measured.get("strain"), 0, thickness_};

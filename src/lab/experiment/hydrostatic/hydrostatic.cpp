@@ -66,6 +66,8 @@ class Hydrostatic final : public Driven {
     return measures;
   }
 
+  Matrix3 against_load(const Vector3& /*at*/) const override { return Matrix3::Identity(); }
+
   std::optional<UniformTest> uniform(const Measures& measured) const override {
     const HydrostaticSetup own{.strain = std::cbrt(1 + measured.get("volume_strain")) - 1, .walls = Walls::affine};
     const auto make = [own](const Body& block) { return make_hydrostatic(block, own, Matrix3::Identity()); };

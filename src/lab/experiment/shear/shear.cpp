@@ -86,6 +86,8 @@ class Shear final : public Driven {
     return UniformTest{own.strain, frame, [own, frame](const Body& block) { return make_shear(block, own, frame); }};
   }
 
+  Matrix3 against_load(const Vector3& /*at*/) const override { return setup_.direction * setup_.direction.transpose(); }
+
   bool apparent() const override {
     const auto extent = [&](const Vector3& along) {
       const VectorX heights = body_.rest.transpose() * along;

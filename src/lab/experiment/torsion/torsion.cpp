@@ -80,6 +80,10 @@ class Torsion final : public Driven {
   ResponseMeasures response_measures() const override { return {"angle", "torque"}; }
   std::optional<std::size_t> first_released() const override { return first_loaded_; }
 
+  Matrix3 against_load(const Vector3& at) const override {
+    return setup_.axis * setup_.axis.cross(at - middle_).transpose();
+  }
+
   std::string no_reference() const override {
     return section_.constant > 0 && !section_.round
                ? "the ends are clamped, so that the section cannot warp there and no bar shows the material's G; "
