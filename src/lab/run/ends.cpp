@@ -12,6 +12,7 @@
 #include "core/geometry/boundary.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/base/text.h"
+#include "elastin/core/model/parts.h"
 #include "elastin/core/model/share.h"
 #include "lab/run/section.h"
 
@@ -73,6 +74,21 @@ double sufficient_depth(const Body& body, const Vector3& direction) {
   const double digit = std::pow(10, std::floor(std::log10(depth)) - 1);
   depth = std::ceil(depth / digit) * digit;
   return depth < 0.5 * (high - low) ? depth : std::numeric_limits<double>::infinity();
+}
+
+/// The molecules of an end, and all of the rigid bodies of which it has some: bone is held, or moved, as a whole.
+std::vector<int> with_rigid_parts(const Body& body, const std::vector<int>& molecules) {
+  std::vector<int> all = molecules;
+  for (const Part& part : body.parts) {
+    if (!part.rigid) continue;
+    const std::vector<int> whole = molecules_of(part);
+    const auto is_held = [&](int molecule) { return std::binary_search(whole.begin(), whole.end(), molecule); };
+    if (std::any_of(molecules.begin(), molecules.end(), is_held)) all.insert(all.end(), whole.begin(), whole.end());
+  }
+  if (all.size() == molecules.size()) return all;
+  std::sort(all.begin(), all.end());
+  all.erase(std::unique(all.begin(), all.end()), all.end());
+  return all;
 }
 
 }  // namespace
@@ -219,7 +235,30 @@ double end_of_grip(const Body& body, const std::vector<int>& molecules, const Ve
   return sums[1] == 0 || sums[1] == sums[2] ? otherwise : sums[0] / sums[1];
 }
 
+void note_stated(const std::string& key, const std::string& refer, double stated, const std::vector<double>& own,
+                 const std::function<std::string(double)>& text, Findings& findings) {
+  constexpr double far = 2;
+  const auto [least, most] = std::minmax_element(own.begin(), own.end());
+  if (!(stated < *least / far) && !(stated > far * *most)) return;
+  findings.notes.push_back(key + ": " + text(stated) + " is given, where the body's own is " + text(own.front()) +
+                           ": " + refer + " refer to what is given");
+}
+
+void note_stated_section(const Body& body, const Vector3& axis, double stated, double section, Findings& findings) {
+  if (!(stated > 0) || !(section > 0)) return;
+  const Points2 hull = hull_of_whole(body, across(axis));
+  double girth = 0;
+  for (Eigen::Index i = 0; i < hull.cols(); ++i) girth += (hull.col((i + 1) % hull.cols()) - hull.col(i)).norm();
+  const double area = polygon_area(hull), radius = largest_over(body, body.radius.mean());
+  std::vector<double> own{section};
+  if (area > 0) own.insert(own.end(), {area, area + radius * (girth + std::numbers::pi * radius)});
+  note_stated("cross_section", "stress and modulus", stated, own, area_text, findings);
+}
+
 void note_cavities(const Body& body, Findings& findings) {
+  for (const Part& part : body.parts)
+    if (part.rigid)
+      throw InputError("the whole surface is to follow the strain, which the rigid body '" + part.name + "' cannot");
   if (body.share || body.tetrahedra.empty()) return;
   const Cells<3> walls = boundary_of(body.tetrahedra);
   std::vector<int> piece(static_cast<std::size_t>(body.size()));  // of each molecule of a wall, another one
@@ -284,6 +323,10 @@ Ends::Ends(const Body& body, const Vector3& axis, const GripSetup& setup) {
                      counted(static_cast<int>(count_of(body, both)), "molecule") +
                      " in common; give a smaller grip_depth, or other molecules");
   if (!(low < high)) throw InputError("the fixed end must lie below the loaded one along the axis");
+  held = with_rigid_parts(body, fixed.molecules), moved = with_rigid_parts(body, loaded.molecules);
+  if (held.size() + moved.size() > fixed.molecules.size() + loaded.molecules.size() &&
+      std::find_first_of(held.begin(), held.end(), moved.begin(), moved.end()) != held.end())
+    throw InputError("one rigid body reaches from the fixed end to the loaded one: nothing is left to be measured");
   if (setup.longest || !(setup.fixed || setup.loaded || behind) || any_over(body, body.tetrahedra.empty())) return;
   if (const double askew = askew_of(body, axis, fixed, loaded); askew > 0)
     findings.warnings.push_back("the line between the middles of the ends is tilted by " + number(askew, 2) +

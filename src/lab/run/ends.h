@@ -1,4 +1,5 @@
 #pragma once
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -48,6 +49,7 @@ class EndFinder {
 struct Ends {
   Ends(const Body& body, const Vector3& axis, const GripSetup& setup);
   Face fixed, loaded;
+  std::vector<int> held, moved;  ///< the molecules of both, with all of a rigid body of which they have some
   Findings findings;
   /// Heights [m] along the axis between which the section is to be measured: of the whole body, or, where an end is no
   /// plane, was picked or has a depth, of what lies between the two.
@@ -57,6 +59,14 @@ struct Ends {
 /// Where a grip that is held or moved as a whole ends along the axis [m]: the mean height of its molecules that are
 /// joined to others, for what lies deeper in it takes no part in a strain; `otherwise` where none are, or all.
 double end_of_grip(const Body& body, const std::vector<int>& molecules, const Vector3& axis, double otherwise);
+
+/// Says that a stated gauge length or cross-section is far from the body's own: by more than a factor of two from all
+/// of `own`, which may be several of a porous or curved body; `refer`: what refers to it.
+void note_stated(const std::string& key, const std::string& refer, double stated, const std::vector<double>& own,
+                 const std::function<std::string(double)>& text, Findings& findings);
+/// The same of a cross-section along the axis. The body's own are `section`, that of its hull, and that of the hull
+/// around its molecules' spheres.
+void note_stated_section(const Body& body, const Vector3& axis, double stated, double section, Findings& findings);
 
 /// Says that the walls of a body's cavities move as its surface does, where all of that is given a motion.
 void note_cavities(const Body& body, Findings& findings);

@@ -144,6 +144,34 @@ TEST_CASE("bone holds what is tied to it", "[bodies]") {
   CHECK(report.sound);
 }
 
+// Half of the bar is bone: twisted, sheared and bent is what is left of it, held as it would be alone.
+TEST_CASE("bone turns, moves and holds as a whole", "[bodies]") {
+  const std::string alone =
+      "material: {youngs_modulus: 1 kPa, poissons_ratio: 0}\nstiffness: st_venant_kirchhoff\n"
+      "solver: {displacements: small, tolerance: 1e-11}\n"
+      "body: {tetrahedra: {kind: body_centred, cubes: [3, 3, 3], size: [30 mm, 30 mm, 30 mm]}}\n";
+  for (const auto& [experiment, measure] : {std::pair{"{kind: torsion, axis: z, angle: 0.01 rad}", "torque"},
+                                            {"{kind: shear, axis: z, direction: x, displacement: 0.1 mm}", "force"}}) {
+    INFO(experiment);
+    const double half = measures(alone + "experiment: " + experiment + "\n").get(measure);
+    for (const std::string name : {"low", "high"})
+      CHECK(measures(kPair, {"bodies." + name + ".rigid=true", std::string("experiment=") + experiment}).get(measure) ==
+            Approx(half).epsilon(1e-8));
+  }
+  const std::string bending = "{kind: bending, axis: z, direction: x, force: 1 uN}";
+  CHECK(measures(kPair, {"bodies.low.rigid=true", "experiment=" + bending}).get("tip_deflection") ==
+        Approx(measures(alone + "experiment: " + bending + "\n").get("tip_deflection")).epsilon(1e-8));
+  CHECK_THAT(refusal(kPair, {"bodies.high.rigid=true", "experiment=" + bending}), Contains("the tip is rigid"));
+  CHECK_THAT(refusal(kPair, {"bodies.low.rigid=true",
+                             "experiment={kind: torsion, axis: z, angle: 0.01 rad, loaded: "
+                             "{box: {from: [0, 0, 29 mm], to: [30 mm, 30 mm, 30 mm]}}}"}),
+             Contains("one rigid body reaches from the fixed end to the loaded one"));
+  for (const char* all : {"{kind: shear, axis: z, direction: x, strain: 1 %, sides: affine}",
+                          "{kind: hydrostatic, strain: 1 %, sides: affine}", "{kind: material}"})
+    CHECK_THAT(refusal(kPair, {"bodies.high.rigid=true", std::string("experiment=") + all}),
+               Contains("which the rigid body 'high' cannot"));
+}
+
 TEST_CASE("wrong bodies and ties are refused with their place", "[bodies]") {
   const auto change = [](const std::string& what, const std::string& by) { return refusal(replaced(kPair, what, by)); };
   CHECK_THAT(change("name: high", "name: low"),

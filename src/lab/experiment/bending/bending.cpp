@@ -38,7 +38,12 @@ class Bending final : public StaticExperiment {
     Ends ends(body, setup.axis, setup);
     findings_ = std::move(ends.findings);
     root_ = std::move(ends.fixed);
+    held_ = std::move(ends.held);
     const Face& tip = ends.loaded;
+    if (ends.moved.size() > tip.molecules.size())
+      throw InputError(
+          "the tip is rigid, and a force moves no rigid body: bend the other body alone, or give this one "
+          "a stiff material in place of `rigid`");
     choose_tip(tip);
     full_forces_ = setup.gravity * setup.direction * body.mass.transpose();
     for (std::size_t i = 0; i < tip.molecules.size(); ++i)
@@ -123,8 +128,9 @@ class Bending final : public StaticExperiment {
   const Body& body_;
   BendingSetup setup_;
   Face root_;
-  std::vector<int> tip_;  // owned molecules whose mean is the tip's middle
-  double tip_count_ = 0;  // of all processes
+  std::vector<int> held_;  // molecules of the root, with all of a rigid body there
+  std::vector<int> tip_;   // owned molecules whose mean is the tip's middle
+  double tip_count_ = 0;   // of all processes
   Positions full_forces_;
   double length_ = 0, deflection_times_modulus_ = 0;
   bool apparent_ = false;
@@ -134,8 +140,7 @@ class BendingRig final : public StaticRig {
  public:
   BendingRig(const Bending& experiment, Model& model)
       : experiment_(experiment), setup_(experiment.setup_), body_(experiment.body_), model_(model) {
-    for (const int molecule : experiment_.root_.molecules)
-      model.supports.push_back({molecule, Matrix3::Zero(), Vector3::Zero()});
+    for (const int molecule : experiment_.held_) model.supports.push_back({molecule, Matrix3::Zero(), Vector3::Zero()});
     std::vector<int> all(static_cast<std::size_t>(body_.size()));
     for (int molecule = 0; molecule < body_.size(); ++molecule) all[molecule] = molecule;
     auto load = std::make_unique<PointLoads>(body_, std::move(all), experiment_.full_forces_);

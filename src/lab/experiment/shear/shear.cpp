@@ -46,7 +46,7 @@ class Shear final : public Driven {
       Ends ends(body, setup.axis, setup);
       findings_ = std::move(ends.findings);
       choose_section(ends.low, ends.high);
-      clamp_ends(ends.fixed, ends.loaded);
+      clamp_ends(ends);
     }
   }
 
@@ -112,14 +112,14 @@ class Shear final : public Driven {
   }
 
  private:
-  void clamp_ends(const Face& fixed, const Face& loaded) {
-    fix_fully(fixed.molecules);
-    fix_fully(loaded.molecules);
-    loaded_ = static_cast<Eigen::Index>(loaded.molecules.size());
+  void clamp_ends(const Ends& ends) {
+    fix_fully(ends.held);
+    fix_fully(ends.moved);
+    loaded_ = static_cast<Eigen::Index>(ends.moved.size());
     const auto end_of = [&](const Face& grip) {
       return end_of_grip(body_, grip.molecules, setup_.axis, setup_.axis.dot(middle_of(body_, grip, body_.rest)));
     };
-    const double height = end_of(loaded) - end_of(fixed);
+    const double height = end_of(ends.loaded) - end_of(ends.fixed);
     displacement_ = setup_.displacement != 0 ? setup_.displacement : setup_.strain * height;
     strain_ = displacement_ / height;
   }

@@ -61,17 +61,16 @@ class Torsion final : public Driven {
   Torsion(const Body& body, const TorsionSetup& setup) : Driven(body, setup.load_steps), setup_(setup) {
     Ends ends(body, setup.axis, setup);
     findings_ = std::move(ends.findings);
-    const Face &fixed = ends.fixed, &loaded = ends.loaded;
-    fix_fully(fixed.molecules);
+    fix_fully(ends.held);
     first_loaded_ = fixed_.size();
-    fix_fully(loaded.molecules);
-    middle_ = middle_of(body, loaded, body.rest);
+    fix_fully(ends.moved);
+    middle_ = middle_of(body, ends.loaded, body.rest);
     const auto end_of = [&](const Face& grip) {
       return end_of_grip(body, grip.molecules, setup.axis, setup.axis.dot(middle_of(body, grip, body.rest)));
     };
-    const double from = end_of(fixed);
-    length_ = end_of(loaded) - from;
-    section_ = torsion_section(hull_of_section(body, fixed, across(setup.axis)),
+    const double from = end_of(ends.fixed);
+    length_ = end_of(ends.loaded) - from;
+    section_ = torsion_section(hull_of_section(body, ends.fixed, across(setup.axis)),
                                find_section(body, setup.axis, from, from + length_, 0));
   }
 
