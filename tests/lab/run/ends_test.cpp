@@ -260,3 +260,25 @@ TEST_CASE("cavities whose walls are moved with the surface are said", "[ends]") 
   REQUIRE(hollow.warnings.size() == 1);
   CHECK_THAT(hollow.warnings[0], Contains("the walls of 1 cavity move as the surface does"));
 }
+
+TEST_CASE("sliding grips of several layers hold the narrowing, which is said", "[ends][tension]") {
+  const Specimen specimen = bar(8, 1);
+  const auto no_error = [&](Grip grip, double depth, double gauge = 0) {
+    TensionSetup setup = pull(grip);
+    setup.grip_depth = depth;
+    if (gauge > 0) setup.gauge = {gauge, 0.02 - gauge};
+    return make_tension(specimen.body, setup)->no_reference();
+  };
+  CHECK(no_error(Grip::sliding, 0).empty());
+  CHECK_THAT(no_error(Grip::sliding, 2.6e-3), Contains("the grips hold several layers"));
+  CHECK_THAT(no_error(Grip::clamped, 2.6e-3), Contains("the grips clamp"));
+  CHECK_THAT(no_error(Grip::sliding, 2.6e-3, 6e-3), Contains("the grips hold several layers"));
+  CHECK(no_error(Grip::sliding, 2.6e-3, 7.6e-3).empty());  // a width of 5 mm away from what is held
+  // A force on several layers lets them narrow.
+  TensionSetup loaded = pull(Grip::sliding);
+  loaded.strain.reset(), loaded.force = 1e-5;
+  loaded.grip_depth = 2.6e-3, loaded.fixed.emplace();
+  for (int molecule = 0; molecule < specimen.body.size(); ++molecule)
+    if (specimen.body.rest(0, molecule) < 1e-9) loaded.fixed->push_back(molecule);
+  CHECK(make_tension(specimen.body, loaded)->no_reference().empty());
+}

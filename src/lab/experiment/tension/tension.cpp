@@ -18,6 +18,9 @@
 namespace elastin::lab {
 namespace {
 
+/// Of the length: grips that hold layers to this depth show in the modulus.
+constexpr double kThickGrip = 0.02;
+
 class Tension final : public StaticExperiment {
  public:
   Tension(const Body& body, const TensionSetup& setup) : body_(body), setup_(setup), plane_(across(setup.axis)) {
@@ -36,6 +39,8 @@ class Tension final : public StaticExperiment {
     const double whole =
         (held ? end_of_grip(body, loaded_, setup_.axis, mean_height(loaded_, share_)) : mean_height(loaded_, share_)) -
         end_of_grip(body, fixed_, setup_.axis, mean_height(fixed_, fixed_share_));
+    fixed_depth_ = end_of_grip(body, fixed_, setup_.axis, low_) - low_;
+    loaded_depth_ = high_ - end_of_grip(body, loaded_, setup_.axis, high_);
     choose_gauge(low_, whole);
     if (setup.strain) {
       setup_.displacement = *setup.strain * whole;
@@ -72,8 +77,10 @@ class Tension final : public StaticExperiment {
       return "the body is not everywhere as stiff as the scene's material, so its modulus is apparent; compare with " +
              solid();
     if (apparent()) return "the body is no prism along the axis, so its modulus is apparent; compare with " + solid();
-    if (clamps_reach_gauge()) return "the grips clamp, so no specimen shows the material's E; compare with " + solid();
-    return "";
+    if (!clamps_reach_gauge()) return "";
+    const bool clamped = setup_.fixed_grip == Grip::clamped || setup_.loaded_grip == Grip::clamped;
+    return std::string(clamped ? "the grips clamp" : "the grips hold several layers, which do not narrow as the rest") +
+           ", so no specimen shows the material's E; compare with " + solid();
   }
 
   std::vector<std::string> notes() const override {
@@ -202,12 +209,15 @@ class Tension final : public StaticExperiment {
     if (!(area_ > 0)) throw InputError("the body's molecules span no cross-section: give cross_section");
   }
 
-  /// Clamps disturb what lies within one width of them [Saint-Venant]; a gauge beyond that shows the material.
+  /// Clamps disturb what lies within one width of them [Saint-Venant]; a gauge beyond that shows the material. So do
+  /// sliding grips that hold several layers along the axis.
   bool clamps_reach_gauge() const {
-    const bool below = setup_.fixed_grip == Grip::clamped, above = setup_.loaded_grip == Grip::clamped;
+    const double length = high_ - low_, width = std::sqrt(area_), thick = kThickGrip * length;
+    const bool below = setup_.fixed_grip == Grip::clamped || fixed_depth_ > thick,
+               above = setup_.loaded_grip == Grip::clamped || (setup_.displacement && loaded_depth_ > thick);
     if (!setup_.gauge) return below || above;
-    const double length = high_ - low_, width = std::sqrt(area_);
-    return (below && (*setup_.gauge)[0] < width) || (above && length - (*setup_.gauge)[1] < width);
+    return (below && (*setup_.gauge)[0] < fixed_depth_ + width) ||
+           (above && length - (*setup_.gauge)[1] < loaded_depth_ + width);
   }
 
   /// What solves the same problem.
@@ -337,8 +347,9 @@ class Tension final : public StaticExperiment {
   const Body& body_;
   TensionSetup setup_;
   Eigen::Matrix<double, 3, 2> plane_;
-  VectorX height_;             // of each molecule along the axis
-  double low_ = 0, high_ = 0;  // of the body along it
+  VectorX height_;                             // of each molecule along the axis
+  double low_ = 0, high_ = 0;                  // of the body along it
+  double fixed_depth_ = 0, loaded_depth_ = 0;  // [m] of grips of several layers
   std::vector<int> fixed_, loaded_, middle_;
   VectorX share_, fixed_share_;  // of an end, sum 1
   std::optional<double> force_;  // that a section carries in the mean [N]
