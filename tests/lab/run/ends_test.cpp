@@ -18,6 +18,7 @@ using namespace elastin;
 using namespace elastin::lab;
 using namespace elastin::testing;
 using Catch::Matchers::Contains;
+using Catch::Matchers::StartsWith;
 
 namespace {
 
@@ -281,4 +282,29 @@ TEST_CASE("sliding grips of several layers hold the narrowing, which is said", "
   for (int molecule = 0; molecule < specimen.body.size(); ++molecule)
     if (specimen.body.rest(0, molecule) < 1e-9) loaded.fixed->push_back(molecule);
   CHECK(make_tension(specimen.body, loaded)->no_reference().empty());
+}
+
+TEST_CASE("a stated gauge length or section that is far from the body's own is noted", "[ends][tension]") {
+  const Specimen specimen = bar(8, 1);
+  const auto noted = [&](double gauge_length, double section) {
+    TensionSetup setup = pull(Grip::sliding);
+    setup.gauge_length = gauge_length, setup.cross_section = section;
+    ShearSetup sheared;
+    sheared.axis = Vector3::UnitX(), sheared.direction = Vector3::UnitY(), sheared.strain = 1e-3;
+    sheared.cross_section = section;
+    std::vector<std::string> notes = make_tension(specimen.body, setup)->findings().notes;
+    const auto by_shear = make_shear(specimen.body, sheared, Matrix3::Identity());
+    notes.insert(notes.end(), by_shear->findings().notes.begin(), by_shear->findings().notes.end());
+    return notes;
+  };
+  CHECK(noted(0, 0).empty());
+  CHECK(noted(0.011, 24e-6).empty());
+  CHECK(noted(0.039, 49e-6).empty());
+  const std::vector<std::string> far = noted(0.2, 250e-6);
+  REQUIRE(far.size() == 3);
+  CHECK(far[0] ==
+        "gauge_length: 200 mm is given, where the body's own is 20 mm: strain and modulus refer to what is given");
+  CHECK_THAT(far[1], StartsWith("cross_section: 250 mm2 is given, where the body's own is 25 mm2"));
+  CHECK(far[2] == far[1]);
+  CHECK(noted(0, 10e-6).size() == 2);
 }

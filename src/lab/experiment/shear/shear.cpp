@@ -33,8 +33,9 @@ class Shear final : public Driven {
     const double low = least_over(body, rise_.minCoeff()), high = largest_over(body, rise_.maxCoeff());
     rise_.array() -= low;
     const auto choose_section = [&](double from, double to) {
-      area_ = setup.cross_section;
-      if (area_ == 0) area_ = find_section(body, setup.axis, from, to, 0).area;
+      const double section = find_section(body, setup.axis, from, to, 0).area;
+      area_ = setup.cross_section > 0 ? setup.cross_section : section;
+      note_stated_section(body, setup.axis, setup.cross_section, section, findings_);
       if (!(area_ > 0)) throw InputError("the body's molecules span no cross-section: give cross_section");
     };
     if (setup.sides == Sides::affine) {

@@ -9,6 +9,7 @@
 
 #include "core/base/dense.h"
 #include "elastin/core/base/error.h"
+#include "elastin/core/base/text.h"
 #include "elastin/core/model/parts.h"
 #include "elastin/core/model/share.h"
 #include "lab/run/common_measures.h"
@@ -153,6 +154,11 @@ class Tension final : public StaticExperiment {
 
   void choose_gauge(double low, double whole) {
     gauge_length_ = setup_.gauge_length > 0 ? setup_.gauge_length : whole;
+    if (setup_.gauge_length > 0)
+      note_stated(
+          "gauge_length", "strain and modulus", setup_.gauge_length,
+          {setup_.gauge ? (*setup_.gauge)[1] - (*setup_.gauge)[0] : whole},
+          [](double length) { return number(1e3 * length, 4) + " mm"; }, findings_);
     if (!setup_.gauge) return;
     const auto& [first, second] = *setup_.gauge;
     if (!(first >= 0 && second > first && low + second <= high_ * (1 + 1e-9)))
@@ -205,6 +211,7 @@ class Tension final : public StaticExperiment {
     if (setup_.cross_section == 0 && section_->of_hull && !setup_.gauge && !body_.share && of_masses > 0 &&
         of_masses < 0.9 * area_)
       area_ = of_masses;
+    note_stated_section(body_, setup_.axis, setup_.cross_section, section_->area, findings_);
     if (setup_.cross_section > 0 && section_->of_hull) section_.reset();
     if (!(area_ > 0)) throw InputError("the body's molecules span no cross-section: give cross_section");
   }
