@@ -161,6 +161,30 @@ TEST_CASE("creep, relaxation and a shaken base follow their formulas", "[time]")
   CHECK(shake.remark.empty());
 }
 
+// A standard linear solid whose force falls from 2 to 1 with the time constant tau; its displacement creeps with 2 tau.
+TEST_CASE("a relaxation or creep that ends too early says how much is to come, and when", "[time]") {
+  const auto run = [](const std::string& experiment, double duration, const std::string& more = "") {
+    return run_of(
+        "body: {tetrahedra: {kind: body_centred, cubes: [1, 1, 2], size: [10 mm, 10 mm, 20 mm]}}\n"
+        "material: {youngs_modulus: 10 kPa, poissons_ratio: 0.3, density: 1 kg/m3, "
+        "relaxation: {model: standard_linear_solid, share: 1, time: 0.1 s}}\n"
+        "stiffness: \"prony:neo_hookean\"\nexperiment: {" +
+        experiment + "}\n" + more + "time: {duration: " + std::to_string(duration) + " s, step: 1 ms, frames: 100}\n");
+  };
+  const std::string relaxes = "kind: relaxation, ramp: 2 ms, fixture: {kind: tension, axis: z, strain: 0.1 %}",
+                    creeps = "kind: creep, fixture: {kind: tension, axis: z, force: 1 uN}";
+  const Run early = run(relaxes, 0.1);
+  CHECK(measured(early, "remaining_change") == Approx(std::exp(-0.098 / 0.1) / 2).epsilon(0.02));
+  CHECK(measured(early, "settling_time") == Approx(0.002 + 0.1 * std::log(1 / (2 * 0.02))).epsilon(0.02));
+  CHECK_THAT(early.remark, Contains("the force still changes when the run ends, by 19 % to come; a duration of 0.32"));
+  CHECK(run(relaxes, 0.35).remark.empty());
+  const Run slow = run(creeps, 0.2);
+  CHECK(measured(slow, "remaining_change") == Approx(std::exp(-0.2 / 0.2) / 2).epsilon(0.02));
+  CHECK(measured(slow, "settling_time") == Approx(0.2 * std::log(1 / (2 * 0.02))).epsilon(0.02));
+  CHECK_THAT(slow.remark, Contains("the displacement still changes when the run ends, by 19 % to come"));
+  CHECK(run(creeps, 0.7).remark.empty());
+}
+
 TEST_CASE("a time history that is no such curve gives no such measure, and the run says why", "[time][slow]") {
   const auto check_absent = [](const std::string& text, std::initializer_list<const char*> names, const char* why) {
     INFO(text);

@@ -56,6 +56,12 @@ const MeasureList& motion_measures() {
       {"relaxation_time", dimension::time,
        "time constant of relaxation: an exponential fitted to the force, after the ramp"},
       {"relaxed_ratio", none, "force in the end / at the end of the ramp, of the fit"},
+      {"remaining_change", none,
+       "part of the displacement of creep, or of the force at the end of the ramp, by which the fit changes after the "
+       "run; without a fit, by which it changed in the last tenth of the run",
+       Role::detail},
+      {"settling_time", dimension::time, "time at which a fiftieth of it would remain to change, by the fit",
+       Role::detail},
       {"storage_modulus", pressure, "stress in phase with the strain / strain, over the last period", Role::modulus},
       {"loss_modulus", pressure, "stress a quarter period ahead of the strain / strain", Role::modulus},
       {"loss_tangent", none, "loss modulus / storage modulus"},
@@ -74,6 +80,9 @@ const MeasureList& motion_measures() {
 constexpr double kMostForTime = 0.1, kMostForDamping = 0.2, kMostForFrequency = 0.5;
 /// Change of the complex modulus from one period to the next beyond which it is not the material's.
 constexpr double kMostChange = 0.02;
+
+/// Part of a value by which it may change after the run without a word.
+constexpr double kSettled = 0.02;
 
 /// One measure over time, from a time on, to another.
 Series series_of(const std::vector<CurvePoint>& history, std::string_view name, double from = 0,
@@ -154,9 +163,11 @@ class Motion final : public TimedExperiment {
         if (missing("frequency")) return "no frequency and no damping: " + because("damped cosine", kMostForFrequency);
         return missing("damping_ratio") ? "no damping: " + because("damped cosine", kMostForDamping) : "";
       case MotionKind::creep:
-        return missing("retardation_time") ? "no retardation time: " + because("exponential", kMostForTime) : "";
+        return joined(missing("retardation_time") ? "no retardation time: " + because("exponential", kMostForTime) : "",
+                      still_changes("the displacement", measures));
       case MotionKind::relaxation:
-        return missing("relaxation_time") ? "no relaxation time: " + because("exponential", kMostForTime) : "";
+        return joined(missing("relaxation_time") ? "no relaxation time: " + because("exponential", kMostForTime) : "",
+                      still_changes("the force", measures));
       case MotionKind::cyclic:
         if (!missing("loss_tangent")) return "";
         if (std::isfinite(change))
@@ -189,12 +200,46 @@ class Motion final : public TimedExperiment {
     return info && !(setup_.kind == MotionKind::release && is_property(info->role));
   }
 
+  static std::string joined(const std::string& first, const std::string& second) {
+    return first + (first.empty() || second.empty() ? "" : "; ") + second;
+  }
+
+  static std::string still_changes(const std::string& what, const Measures& measures) {
+    const double left = measures.get("remaining_change"), settled = measures.get("settling_time");
+    if (!(left > kSettled)) return "";
+    const std::string percent = number(100 * left, 2) + " %";
+    return what + (std::isfinite(settled)
+                       ? " still changes when the run ends, by " + percent + " to come; a duration of " +
+                             number(settled, 3) + " s leaves " + number(100 * kSettled, 2) + " %"
+                       : " changed by " + percent + " in the last tenth of the run; a longer duration shows its end");
+  }
+
+  /// How far from its end a history is, as part of `whole`: by the fit, or by its last tenth.
+  static void read_end(const Series& series, const std::optional<ExponentialFit>& fit, double whole,
+                       Measures& measures) {
+    const Eigen::Index last = series.times.size() - 1;
+    const double duration = series.times[last], now = series.values[last];
+    if (fit && fit->misfit <= kMostForTime) {
+      const double left = std::abs((fit->end - now) / whole);
+      measures.set("remaining_change", left);
+      measures.set("settling_time", std::max(0., duration + fit->time * std::log(left / kSettled)));
+      return;
+    }
+    Eigen::Index before = last;
+    while (before > 0 && series.times[before] > 0.9 * duration) --before;
+    measures.set("remaining_change", std::abs((now - series.values[before]) / whole));
+  }
+
   /// Behind the first hundredth, for what a body shows at once is elastic and takes some short steps; where it still
   /// swings there, from later on, as long as it creeps by more than a hundredth of what it has moved.
   void read_creep(const std::vector<CurvePoint>& history, Measures& measures) const {
     for (const double share : {0.01, 0.03, 0.1}) {
       const Series series = series_of(history, response_.displacement, share * history.back().time);
       const auto fit = fit_exponential(series);
+      if (series.times.size() > 1) {
+        const double now = series.values[series.values.size() - 1];
+        read_end(series, fit, fit && fit->misfit <= kMostForTime ? fit->end : now, measures);
+      }
       if (!fit) return;
       const auto [low, high] = std::minmax_element(series.values.begin(), series.values.end());
       if (share > 0.01 && *high - *low < 0.01 * std::max(std::abs(*low), std::abs(*high))) return;
@@ -211,6 +256,7 @@ class Motion final : public TimedExperiment {
   void read_relaxation(const std::vector<CurvePoint>& history, Measures& measures) const {
     const Series all = series_of(history, response_.resistance, setup_.ramp * (1 + 1e-9));
     const auto whole = fit_exponential(all);
+    if (all.times.size() > 1) read_end(all, std::nullopt, all.values[0], measures);
     if (!whole) return;
     measures.set("fit_misfit", whole->misfit);
     if (whole->misfit > kMostForFrequency) return;  // it swings: a piece of that would look like the end of a fall
@@ -219,11 +265,11 @@ class Motion final : public TimedExperiment {
     for (Eigen::Index i = 0; i < all.times.size(); ++i)
       if (std::abs(all.values[i] - whole->end) > 0.05 * std::abs(all.values[0] - whole->end)) late = all.times[i];
     if (all.times.size() >= fewest) late = std::min(late, all.times[all.times.size() - fewest]);
-    const auto end =
-        all.times.size() < fewest ? whole : fit_exponential(series_of(history, response_.resistance, late));
-    if (!end) return;
+    auto end = all.times.size() < fewest ? whole : fit_exponential(series_of(history, response_.resistance, late));
+    if (!end) end = whole;  // of a run that ends early the last moments are straight
     measures.set("fit_misfit", end->misfit);
     if (end->misfit > kMostForTime) return;
+    read_end(all, end, all.values[0], measures);
     measures.set("relaxation_time", end->time);
     measures.set("relaxed_ratio", end->end / all.values[0]);
   }
