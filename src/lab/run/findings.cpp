@@ -115,6 +115,20 @@ double liveliness(const Run& run) {
   return stored > 0 ? kinetic / stored : 0;
 }
 
+/// What drag and damping by mass have taken over the most that was stored, where time constants or moduli were read
+/// from the whole history: all of it is in them. Damping of deformation is the material's. 0 without.
+double drag_in_history(const Model& model, const Run& run) {
+  const bool drags =
+      std::any_of(model.loads().begin(), model.loads().end(), [](const auto& load) { return load->resists(); });
+  const auto is_read = [&](const char* name) { return std::isfinite(run.measures.get(name)); };
+  const char* const read[] = {"loss_modulus", "relaxation_time", "relaxed_ratio"};
+  if (!drags || !std::any_of(std::begin(read), std::end(read), is_read)) return 0;
+  double stored = 0;
+  for (const CurvePoint& row : run.curve)
+    if (const double energy = row.measures.get("energy"); energy > stored) stored = energy;
+  return stored > 0 ? run.curve.back().measures.get("dissipated_energy") / stored : 0;
+}
+
 /// What damping and drag bear over what the laws do while the load still grows at the end of a run in time: by what
 /// either took over the last frame. 0 without them, and where nothing grows.
 double damped_share(const Model& model, const Run& run) {
@@ -147,7 +161,12 @@ std::vector<std::string> findings_at_end(const Specimen& specimen, const Measure
     found.push_back("the body moves at the end, with a kinetic energy of " + number(100 * lively, 2) +
                     " % of the elastic one: the modulus includes forces of inertia; a slower load, damping or a longer "
                     "duration leaves less of them");
-  if (const double damped = reads_stiffness && run.time ? damped_share(model, run) : 0; damped > kDamped)
+  const double dragged = run.time ? drag_in_history(model, run) : 0;
+  if (dragged > kDamped)
+    found.push_back("drag and damping by mass took " + number(100 * dragged, 2) +
+                    " % of the most that was stored: moduli, times and ratios that are read from the history are of "
+                    "the body in its medium; leave these loads out for those of the material");
+  else if (const double damped = reads_stiffness && run.time ? damped_share(model, run) : 0; damped > kDamped)
     found.push_back("damping bears about " + number(100 * damped, 2) +
                     " % of what the material does at the end: the modulus includes it; a slower load, or one that "
                     "ends before the run, leaves less of it");

@@ -185,6 +185,31 @@ TEST_CASE("a relaxation or creep that ends too early says how much is to come, a
   CHECK(run(creeps, 0.7).remark.empty());
 }
 
+TEST_CASE("drag that is read as the material's is said", "[time]") {
+  const auto warned = [](const std::string& experiment, const std::string& load) {
+    const Run run = run_of(
+        "body: {tetrahedra: {kind: kuhn, cubes: [1, 1, 4], size: [5 mm, 5 mm, 20 mm]}}\n"
+        "material: {youngs_modulus: 5 kPa, poissons_ratio: 0.3, density: 1 kg/m3}\n"
+        "stiffness: neo_hookean\nloads: [" +
+        load + "]\nexperiment: {" + experiment + "}\n");
+    CHECK(run.outcome == Outcome::converged);
+    return std::count_if(run.warnings.begin(), run.warnings.end(), [](const std::string& one) {
+      return one.find("of the body in its medium") != std::string::npos;
+    });
+  };
+  const std::string drag = "{stokes_drag: {viscosity: 1 Pa s}}",
+                    fixture = "fixture: {kind: tension, axis: z, strain: 1 %}",
+                    cyclic = "kind: cyclic, frequency: 1 /s, " + fixture,
+                    relaxation = "kind: relaxation, ramp: 0.2 s, " + fixture,
+                    // Ends where the driven end stands still.
+      two_and_a_quarter = "}\ntime: {duration: 2.25 s, stepper: backward_euler, step: 5 ms, frames: 225",
+                    half = "}\ntime: {duration: 0.5 s, frames: 50";
+  CHECK(warned(cyclic + two_and_a_quarter, drag) == 1);
+  CHECK(warned(cyclic + two_and_a_quarter, "{rayleigh: {stiffness: 50 ms}}") == 0);
+  CHECK(warned(relaxation + half, drag) == 1);
+  CHECK(warned("kind: release, " + fixture + "}\ntime: {duration: 0.1 s", drag) == 0);
+}
+
 TEST_CASE("a time history that is no such curve gives no such measure, and the run says why", "[time][slow]") {
   const auto check_absent = [](const std::string& text, std::initializer_list<const char*> names, const char* why) {
     INFO(text);
