@@ -76,3 +76,32 @@ TEST_CASE("scenes of contact come out as they say", "[contact][scenes][slow]") {
   }
   CHECK(count >= 10);
 }
+
+// A block of 1 x 1 x 2 cm, whose base is half as wide as it is high: on 26.6 degrees its weight passes over the edge.
+TEST_CASE("a body that topples shows no friction", "[sliding]") {
+  const auto run = [](const std::string& experiment, const std::string& friction, const std::string& duration) {
+    const TemporaryFolder folder;
+    const auto scene = load_scene(
+        folder.write("scene.yaml",
+                     "body: {lattice: {kind: cubic, molecules: [3, 3, 5], spacing: 5 mm, connections: [axis, face]}}\n"
+                     "material: {youngs_modulus: 500 kPa}\nstiffness: lattice\nexperiment: {kind: sliding, " +
+                         experiment + "}\ncontact: {friction: " + friction + "}\ntime: {duration: " + duration + "}\n"),
+        kCatalog);
+    return run_strategy(scene->specimen, *scene->experiment, scene->stiffness,
+                        {.statics = scene->statics, .time = scene->time});
+  };
+  for (const std::string experiment : {"incline: {angle: 30 deg}", "threshold: {from: 15 deg, rate: 1 1/s}"}) {
+    INFO(experiment);
+    const Run topples = run(experiment, "0.9", "0.4 s");
+    REQUIRE(topples.outcome == Outcome::converged);
+    for (const char* name : {"slip_angle", "slip_friction", "slide_acceleration"})
+      CHECK_FALSE(std::isfinite(topples.measures.get(name)));
+    CHECK(topples.measures.get("turn") > 0.1);
+    CHECK_THAT(topples.remark, Catch::Contains("the body topples: it has turned by up to "));
+  }
+  CHECK_THAT(run("incline: {angle: 30 deg}", "0.9", "0.05 s").remark, Catch::Contains("the body topples"));
+  const Run slides = run("incline: {angle: 30 deg}", "0.2", "0.1 s");
+  CHECK(std::abs(slides.measures.get("turn")) < 0.02);
+  CHECK(slides.measures.get("slide_acceleration") ==
+        Approx(9.81 * (std::sin(M_PI / 6) - 0.2 * std::cos(M_PI / 6))).epsilon(0.02));
+}

@@ -33,11 +33,13 @@ struct SlidingSetup {
 
 const MeasureList& sliding_measures() {
   using namespace dimension;
+  using Role = MeasureRole;
   static const MeasureList list{
       {"slide_distance", length, "displacement of the mass centre down the slope since the start"},
       {"slide_speed", velocity, "speed of the mass centre down the slope"},
       {"slide_acceleration", acceleration, "acceleration down the slope while it slides: a line fitted to the speed"},
       {"creep", length, "largest displacement of a molecule on the slope, of all frames"},
+      {"turn", none, "angle by which the body has turned down the slope since the start [rad]", Role::share},
       {"slope", none, "slope of the plane [rad]"},
       {"slip_angle", none, "slope at which the body begins to slide [rad]"},
       {"slip_friction", none, "tan of that angle"}};
@@ -69,6 +71,9 @@ class TiltedGravity final : public Load {
 
 /// A body has begun to slide when it has gone this part of a molecule's radius; before that it only shears.
 constexpr double kSlipped = 0.1;
+/// Angle by which a body that topples has turned; one that slides turns by what its softness allows. On a slope that
+/// stays as it was one that turns by less, but moves by that more than by sliding, has begun to topple.
+constexpr double kToppled = 0.1, kTopples = 0.02;
 
 struct Line {
   double slope = 0, zero = 0;  ///< zero: where the line is 0
@@ -115,12 +120,15 @@ class Sliding final : public TimedExperiment {
   std::unique_ptr<TimedRig> timed_rig(Model& model) const override;
 
   void read_history(const std::vector<CurvePoint>& history, Measures& measures) const override {
-    double creep = 0, fastest = 0;
+    double creep = 0, fastest = 0, turn = 0;
     for (const CurvePoint& row : history) {
+      if (const double own = row.measures.get("turn"); std::abs(own) > std::abs(turn)) turn = own;
       creep = std::max(creep, row.measures.get("creep"));
       fastest = std::max(fastest, std::abs(row.measures.get("slide_speed")));
     }
     measures.set("creep", creep);
+    measures.set("turn", turn);
+    if (topples(turn, history.back().measures.get("slide_distance"))) return;
     std::vector<std::pair<double, double>> points;
     const bool threshold = setup_.kind == SlidingKind::threshold;
     for (const CurvePoint& row : history) {
@@ -147,6 +155,9 @@ class Sliding final : public TimedExperiment {
   }
 
   std::string remark(const Measures& measures) const override {
+    if (const double turn = measures.get("turn"); topples(turn, measures.get("slide_distance")))
+      return "the body topples: it has turned by up to " + number(turn * 180 / std::numbers::pi, 3) +
+             "°, so that its motion shows no friction; give it a wider base";
     if (setup_.kind != SlidingKind::threshold || std::isfinite(measures.get("slip_angle"))) return "";
     const double gone = measures.get("slide_distance");
     if (gone > kSlipped * body_.radius.mean())
@@ -158,6 +169,13 @@ class Sliding final : public TimedExperiment {
 
  private:
   friend class SlidingRig;
+  bool topples(double turn, double slid) const {
+    const VectorX height = body_.rest.transpose() * setup_.up;
+    const double middle = height.dot(body_.mass) / body_.mass.sum() - height.minCoeff();
+    return std::abs(turn) > kToppled || (setup_.kind != SlidingKind::threshold && std::abs(turn) > kTopples &&
+                                         std::abs(turn) * middle > std::abs(slid) / 2);
+  }
+
   const Body& body_;
   SlidingSetup setup_;
 };
@@ -193,11 +211,26 @@ class SlidingRig final : public TimedRig {
     measures.set("slide_distance", setup_.along.dot(displacement * body_.mass) / body_.mass.sum());
     measures.set("slide_speed", setup_.along.dot(state.velocities * body_.mass) / body_.mass.sum());
     measures.set("creep", displacement.colwise().norm().maxCoeff());
+    measures.set("turn", turn_of(state.positions));
     if (setup_.kind == SlidingKind::threshold) measures.set("slope", setup_.angle + setup_.rate * state.time);
     return measures;
   }
 
  private:
+  /// In the plane of slope and normal, of the linear motion nearest to the molecules' [rad].
+  double turn_of(const Positions& positions) const {
+    Eigen::Matrix<double, 2, 3> seen;
+    seen << setup_.along.transpose(), setup_.up.transpose();
+    const auto about_middle = [&](const Positions& at) {
+      const Points2 in_plane = seen * at;
+      return Points2(in_plane.colwise() - in_plane * body_.mass / body_.mass.sum());
+    };
+    const Points2 before = about_middle(begin_), now = about_middle(positions);
+    const Points2 weighted = before * body_.mass.asDiagonal();
+    const Eigen::Matrix2d moments = weighted * now.transpose();
+    return std::atan2(moments(1, 0) - moments(0, 1), moments.trace());
+  }
+
   const Sliding& experiment_;
   const SlidingSetup& setup_;
   const Body& body_;
