@@ -211,6 +211,9 @@ constexpr double kBorne = 5e-3;
 /// Of the forces that hold the displaced molecules, before others give way: a resistance below that is rounding.
 constexpr double kResists = 1e-9;
 
+/// Newton iterations of a load step that may have led a body out of its straight shape.
+constexpr int kStraying = 8;
+
 constexpr const char* kBuckled = "left an equilibrium that was no minimum for one of less energy (buckling, snapping)";
 
 void warn_once(const std::string& warning, Run& run) {
@@ -555,8 +558,12 @@ void solve_load_curve(Model& model, const StaticExperiment& experiment, StaticRi
                       " % of the load: the modulus is not of the body alone",
                   run);
     const double strain = taken(measures, MeasureRole::strain);
-    const bool pressed = taken(measures, MeasureRole::displacement) < 0, through = pressed && strain <= -1;
-    const bool buckled = pressed && !options.statics.linear && (through || path.halvings() > 0) &&
+    const bool pressed = taken(measures, MeasureRole::displacement) < 0 || strain < 0,
+               through = pressed && strain <= -1;
+    // A step that ends on another branch takes many iterations.
+    const bool strays = path.halvings() > 0 || solved.newton_iterations >= kStraying;
+    const bool known = std::find(run.warnings.begin(), run.warnings.end(), kBuckled) != run.warnings.end();
+    const bool buckled = pressed && !options.statics.linear && (through || (strays && !known)) &&
                          buckles(model, rig, options.statics, load_factor, path.state());
     if (through) {
       run.outcome = Outcome::inverted;

@@ -294,3 +294,32 @@ TEST_CASE("grips of several layers strain what is free between them", "[statics]
     alike("kind: torsion, axis: z, angle: 1 deg", "shear_modulus");
   }
 }
+
+// A plate of 20 x 4 x 1 mm between sliding plates, which may turn nowhere: by Euler and Engesser it buckles at a strain
+// of pi^2/12 (h/L)^2 = 0.2 %, its rows of molecules being one cell high at some 0.3 %.
+TEST_CASE("a plate that buckles within the first load step says so", "[statics][load_path]") {
+  const TemporaryFolder folder;
+  const auto buckles = [&](const std::string& experiment, const std::string& molecules = "[21, 5, 2]") {
+    const auto scene =
+        load_scene(folder.write("scene.yaml", "body: {lattice: {kind: cubic, molecules: " + molecules +
+                                                  ", spacing: 1 mm, order: 1}}\n"
+                                                  "material: {youngs_modulus: 5 kPa, poissons_ratio: 0.3}\n"
+                                                  "stiffness: neo_hookean\nexperiment: {" +
+                                                  experiment + "}\n"),
+                   built_in_catalog());
+    const Run run = run_strategy(scene->specimen, *scene->experiment, scene->stiffness, {.statics = scene->statics});
+    REQUIRE(run.outcome == Outcome::converged);
+    return std::count_if(run.warnings.begin(), run.warnings.end(), [](const std::string& one) {
+      return one.find("buckling") != std::string::npos || one.find("is not stable") != std::string::npos;
+    });
+  };
+  CHECK(buckles("kind: compression, axis: x, strain: 0.1 %") == 0);
+  for (const std::string strain : {"1 %", "2 %", "5 %"}) {
+    INFO(strain);
+    CHECK(buckles("kind: compression, axis: x, strain: " + strain) > 0);
+    CHECK(buckles("kind: compression, axis: x, load_steps: 2, strain: " + strain) > 0);
+  }
+  CHECK(buckles("kind: biaxial, axis: x, across: y, strain: [-2 %, 0.1 %]") > 0);
+  CHECK(buckles("kind: tension, axis: x, strain: 20 %") == 0);
+  CHECK(buckles("kind: compression, axis: x, strain: 30 %", "[5, 5, 5]") == 0);
+}
