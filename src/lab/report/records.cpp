@@ -178,6 +178,18 @@ Gradients spreads_of(const Scene& scene, const Gradients& gradients) {
   return spreads;
 }
 
+/// Why the material's moduli are no targets of a body that other loads have strained, or "".
+std::string strained_before(const Record& record, const Run& run) {
+  constexpr double little = 0.02;
+  const double strain = run.measures.get("preload_strain");
+  const auto has_target = [](const MainMeasure& one) { return std::isfinite(one.prescribed); };
+  if (!(strain > little) || std::none_of(record.main_measures.begin(), record.main_measures.end(), has_target))
+    return "";
+  return "the scene's own loads strain the body by up to " + strain_text(strain) +
+         " before the experiment's, and the material's moduli are those without; compare with a law of cells, refined "
+         "(--reference computed)";
+}
+
 }  // namespace
 
 Record make_record(const Scene& scene, Run run) {
@@ -201,7 +213,9 @@ Record make_record(const Scene& scene, Run run) {
   record.main_measures = scene.experiment->main_measures(scene.specimen.material, run.measures);
   // Moduli of the matrix alone are not the body's, nor is that of one material where there are several, or fields, nor
   // any material's where something disturbs what is measured and no reference is next to it.
-  const bool disturbed = !no_reference(scene).empty() && references_of(scene).empty();
+  record.no_reference = no_reference(scene);
+  if (record.no_reference.empty() && !scene.specimen.loads.empty()) record.no_reference = strained_before(record, run);
+  const bool disturbed = !record.no_reference.empty() && references_of(scene).empty();
   if (disturbed ||
       (!no_isotropic_moduli(scene.specimen.material).empty() && !scene.experiment->axis() &&
        (scene.specimen.material.fibre || scene.experiment->in_time())) ||
@@ -226,7 +240,6 @@ Record make_record(const Scene& scene, Run run) {
   record.notes = scene.notes;
   for (std::string& note : scene.experiment->notes()) record.notes.push_back(std::move(note));
   record.apparent = scene.experiment->apparent();
-  record.no_reference = no_reference(scene);
   if (!record.no_reference.empty() && !scene.no_computed_reference.empty())
     record.no_reference += "; no reference was computed: " + scene.no_computed_reference;
   record.warnings = scene.warnings;

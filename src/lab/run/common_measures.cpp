@@ -1,5 +1,6 @@
 #include "lab/run/common_measures.h"
 
+#include <algorithm>
 #include <set>
 #include <string>
 
@@ -26,6 +27,8 @@ const MeasureList& measures_at_rest() {
       {"total_force", force, "force with that of the preload; under preload only"},
       {"total_torque", dimension::energy, "torque with that of the preload; under preload only", Role::none, "", "N m"},
       {"total_elongation", length, "elongation from rest; under preload only, as the scene's loads or its own start"},
+      {"preload_strain", none, "largest strain of a connection before the load, by size; under preload only",
+       Role::share},
       {"material_stress", pressure, "stress of the material's own law or curve at that strain, in uniaxial stress",
        Role::material_stress},
       {"curve_error", none, "largest |stress - the material's at that strain| over the largest such stress", Role::none,
@@ -107,6 +110,17 @@ void add_state(const Model& model, const State& state, const StaticResult& solve
       vector_sum_over(body, Vector3(model.load_forces(state).leftCols(owned_molecules(body)).rowwise().sum() +
                                     solved.reactions.rowwise().sum()));
   measures.set("reaction_balance", copies * left.norm() / scale);
+}
+
+double largest_strain(const Model& model, const Positions& positions) {
+  const Connections& connections = model.body().connections;
+  double largest = 0;
+  for (int c = 0; c < connections.proper(); ++c) {
+    const auto& [a, b] = connections.ends[c];
+    const double rest = connections.rest_length[c];
+    if (rest > 0) largest = std::max(largest, std::abs((positions.col(b) - positions.col(a)).norm() / rest - 1));
+  }
+  return largest_over(model.body(), largest);
 }
 
 MeasureList measures_of(const Experiment& experiment) {

@@ -19,6 +19,9 @@ bool is_smooth(const std::string& measure);
 /// passes through none, and what has a rest may push where nothing strains it.
 inline bool is_strained(double strain) { return std::abs(strain) > 1e-12; }
 
+/// The largest strain of a connection, by size.
+double largest_strain(const Model& model, const Positions& positions);
+
 /// Energy, and the balance of all forces relative to `scale` [N]; of the whole body, which is `copies` times what is
 /// modelled.
 void add_state(const Model& model, const State& state, const StaticResult& solved, double scale, Measures& measures,

@@ -91,7 +91,7 @@ void measure_law(const Specimen& specimen, const Experiment& experiment, const S
                  const RunOptions& options, Run& run) {
   constexpr double no_strain = 1e-6;  // below it a secant is the slope at rest
   const StrategyChoice& law = specimen.law ? *specimen.law : choice;
-  const bool one = specimen.body.parts.empty() && !specimen.material.varies() && !specimen.material.active;
+  const bool one = specimen.body.parts.empty() && !specimen.material.varies();
   if (!experiment.at_rest() || run.outcome != Outcome::converged || options.statics.linear || !one ||
       law.strategy.kind != StrategyKind::cell_law)
     return;

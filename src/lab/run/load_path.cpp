@@ -476,6 +476,7 @@ void note_preload(const Model& model, const MeasureList& list, const StaticRig& 
                   const State& state, const RunOptions& options, StaticResult solved, Measures& measures) {
   const Positions& rest = model.body().rest;
   if (!any_over(model.body(), start.positions != rest || !start.reactions.isZero(0))) return;
+  measures.set("preload_strain", largest_strain(model, start.positions));
   if (std::isfinite(measures.get("energy")))
     measures.set("energy_increase",
                  measures.get("energy") - sum_over(model.body(), model.stored_energy(start.positions)));

@@ -13,6 +13,7 @@
 #include "elastin/core/model/rest.h"
 #include "elastin/core/model/share.h"
 #include "elastin/lab/run/experiment.h"
+#include "lab/run/common_measures.h"
 #include "lab/run/contact_measures.h"
 #include "lab/run/specimen.h"
 #include "lab/run/step_control.h"
@@ -28,18 +29,6 @@ constexpr double kTorn = 1000;
 constexpr double kEnergyLost = 2;
 /// Part of the steps that may take longer than their budget without a word.
 constexpr double kLate = 0.01;
-
-double largest_strain(const Model& model, const State& state) {
-  const Connections& connections = model.body().connections;
-  double largest = 0;
-  for (int c = 0; c < connections.proper(); ++c) {
-    const auto& [a, b] = connections.ends[c];
-    const double rest = connections.rest_length[c];
-    if (rest > 0)
-      largest = std::max(largest, std::abs((state.positions.col(b) - state.positions.col(a)).norm() / rest - 1));
-  }
-  return largest_over(model.body(), largest);
-}
 
 /// One timed run.
 class TimedRun {
@@ -189,7 +178,7 @@ class TimedRun {
     const Energies e = ledger_.energies(model_, state_);
     m.set("speed", e.momentum.norm() / mass_);
     m.set("centre_displacement", centre_displacement() / mass_);
-    m.set("largest_strain", largest_strain(model_, state_));
+    m.set("largest_strain", largest_strain(model_, state_.positions));
     m.set("kinetic_energy", e.kinetic);
     m.set("potential_energy", e.potential);
     m.set("dissipated_energy", e.dissipated);

@@ -53,7 +53,10 @@ std::optional<Measures> measured_on_block(const UniformTest& test, const Body& s
     State state = state_at_rest(block.body());
     model.declare_history(state);
     const StaticOptions statics;
-    StaticResult solved;
+    rig->set_load(0);
+    StaticResult solved = solve_static(model, state, statics);  // of a muscle at work
+    if (solved.outcome != Outcome::converged) return std::nullopt;
+    const Start start{state.positions, solved.reactions};
     const int steps = 1 + static_cast<int>(std::abs(test.strain) / longest);
     for (int step = 1; step <= steps; ++step) {
       rig->set_load(static_cast<double>(step) / steps);
@@ -61,8 +64,7 @@ std::optional<Measures> measured_on_block(const UniformTest& test, const Body& s
       if (solved.outcome != Outcome::converged) return std::nullopt;
       model.commit_step(state);
     }
-    const Start rest{block.body().rest, Positions::Zero(3, solved.reactions.cols())};
-    return rig->measure(rest, state, statics, solved);
+    return rig->measure(start, state, statics, solved);
   } catch (const InputError&) {
     return std::nullopt;
   }

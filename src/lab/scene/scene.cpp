@@ -518,6 +518,8 @@ std::string no_target(const Scene& scene) {
   const StaticExperiment* experiment = scene.experiment->at_rest();
   const Material& material = scene.specimen.material;
   if (!experiment || scene.specimen.materials.size() > 1) return "";
+  if (material.active && experiment->axis())
+    return "muscle is at work, so the material's E and nu are no targets; compare with its own law on cells, refined";
   const bool small = scene.statics.linear || experiment->of_small_strains(), along = experiment->axis().has_value();
   if (small ? along && !material.law : along || experiment->uniform({})) return "";
   const std::vector<MainMeasure> measures = experiment->main_measures(material, {});

@@ -163,3 +163,38 @@ TEST_CASE("laws that each meet their own target are no recommendation where the 
                  Contains("to 179.40 kPa (st_venant_kirchhoff)") && Contains("state its `law` or `curve`"));
   CHECK_THAT(advice(0.001, moduli), Contains("recommended: st_venant_kirchhoff (tied with neo_hookean)"));
 }
+
+// A muscle along z that bears T in simple shear along x adds T f(l)/l^2, f = 1 - 4 (1 - l)^2, l = sqrt(1 + g^2) to mu.
+TEST_CASE("the target of a muscle at work is its law's own where every point is alike, and is none in tension",
+          "[targets][muscle]") {
+  const std::string muscle = "{youngs_modulus: 120 kPa, poissons_ratio: 0.3, active: {direction: z, stress: 30 kPa}}";
+  const double g = 0.05, l = std::sqrt(1 + g * g);
+  const Record sheared = record_of(
+      *scene_of("{kind: shear, axis: z, direction: x, sides: affine, strain: 0.05}", "neo_hookean_log", muscle));
+  CHECK(target_of(sheared, "shear_modulus").prescribed ==
+        Approx(kMu + 30e3 * (1 - 4 * (1 - l) * (1 - l)) / (l * l)).epsilon(1e-8));
+  CHECK(std::abs(sheared.error("shear_modulus")) < 1e-8);
+  CHECK(std::abs(
+            record_of(*scene_of("{kind: hydrostatic, strain: 2 %}", "neo_hookean_log", muscle)).error("bulk_modulus")) <
+        1e-7);
+  const Record biaxial =
+      record_of(*scene_of("{kind: biaxial, axis: x, across: y, strain: 2 %}", "neo_hookean_log", muscle));
+  CHECK(std::abs(biaxial.error("effective_modulus")) < 1e-6);
+  const Record pulled = record_of(*scene_of("{kind: tension, axis: x, strain: 2 %}", "neo_hookean_log", muscle));
+  CHECK_THAT(pulled.no_reference, Contains("muscle is at work"));
+  CHECK_FALSE(std::isfinite(pulled.error("effective_modulus")));
+}
+
+TEST_CASE("a body that other loads have strained has no target of one at rest, and the run says why", "[targets]") {
+  const auto record = [](const std::string& acceleration) {
+    return record_of(*scene_of("{kind: tension, axis: x, strain: 1 %}", "neo_hookean",
+                               "{youngs_modulus: 120 kPa, poissons_ratio: 0.3, density: 1000 kg/m3}",
+                               "loads: [{gravity: [" + acceleration + ", 0, 0]}]\n"));
+  };
+  const Record light = record("10 m/s2"), heavy = record("1000 m/s2");
+  CHECK(light.no_reference.empty());
+  CHECK(std::isfinite(light.error("effective_modulus")));
+  CHECK(light.run.measures.get("preload_strain") < 0.02);
+  CHECK_THAT(heavy.no_reference, Contains("the scene's own loads strain the body by up to "));
+  CHECK_FALSE(std::isfinite(heavy.error("effective_modulus")));
+}
