@@ -425,13 +425,15 @@ std::string held_and_moved(const Model& model, const StaticExperiment& experimen
     most = std::max(most, own.displacement.norm());
   }
   int count = 0, first = 0;
+  bool beside = false;  // whether they hold more, so that the body is torn between them and the motion
   for (const Support& support : experiment.further_supports()) {
     const auto own = moved.find(support.molecule);
+    beside |= own == moved.end();
     if (own == moved.end()) continue;
     const Vector3 held = own->second - support.free * own->second;
     if (held.norm() > 1e-9 * most && count++ == 0) first = support.molecule;
   }
-  if (count == 0) return "";
+  if (count == 0 || !beside) return "";
   const Vector3 at = 1e3 * model.body().rest.col(first);
   return "`supports` hold " + counted(count, "molecule") + " that the experiment moves, " +
          (count > 1 ? "the first " : "") + "at (" + number(at.x(), 3) + ", " + number(at.y(), 3) + ", " +

@@ -257,6 +257,7 @@ TEST_CASE("supports that bear part of any load are said, and those that hold wha
   CHECK(said(shear, side, moved + ", the first at (0, 0, 8) mm") == 1);
   CHECK(said("kind: tension, axis: z, strain: 1 %", side, "that the experiment moves") == 0);
   CHECK(said("kind: tension, axis: z, strain: 1 %", "{molecules: {side: -y}, fix: [y, z]}", moved) == 1);
+  CHECK(said(hydrostatic, "{molecules: {side: -x}, fix: [x]}", "that the experiment moves") == 0);
   // A ceiling over the spheres of 1 mm at the pulled end bears what would stretch the body.
   CHECK(said("kind: tension, axis: z, force: 1 mN", "", "of the load",
              "contact: {obstacles: [{name: ceiling, plane: {point: [0, 0, 9 mm], normal: [0, 0, -1]}}]}\n") == 1);
