@@ -68,7 +68,8 @@ void note_stated(const std::string& key, const std::string& refer, double stated
 /// around its molecules' spheres.
 void note_stated_section(const Body& body, const Vector3& axis, double stated, double section, Findings& findings);
 
-/// Says that the walls of a body's cavities move as its surface does, where all of that is given a motion.
+/// Says that the walls of a body's cavities move as its surface does, where all of that is given a motion. Throws
+/// InputError where a part of the body is rigid, and cannot follow.
 void note_cavities(const Body& body, Findings& findings);
 
 /// The convex hull of a body seen on a plane; where its end `fixed` is no plane that of this end alone, for a tilted
