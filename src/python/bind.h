@@ -16,6 +16,7 @@
 #include <variant>
 #include <vector>
 
+#include "core/base/within.h"
 #include "elastin/config/scene_source.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/base/stop.h"
@@ -219,7 +220,7 @@ struct Moving {
         throw std::runtime_error(
             "a load or stepper must not use the simulation that calls it, but for its positions, "
             "velocities and time: do it before the step or after it");
-      const Within within(in_use, true);
+      const Within within(in_use);
       return act(own);
     });
   }
@@ -231,18 +232,6 @@ struct Moving {
       return act(simulation);
     });
   }
-  /// A flag that has a value as long as it lives.
-  class Within {
-   public:
-    Within(bool& flag, bool value) : flag_(flag), before_(std::exchange(flag, value)) {}
-    ~Within() { flag_ = before_; }
-    Within(const Within&) = delete;
-    Within& operator=(const Within&) = delete;
-
-   private:
-    bool& flag_;
-    bool before_;
-  };
 };
 
 using MovingClass = py::class_<Moving, std::shared_ptr<Moving>>;

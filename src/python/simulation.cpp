@@ -118,7 +118,7 @@ StepResult step(Moving& self, double dt, int count, bool check) {
 
 void observe(Moving& self, py::function see, int every) {
   const auto call = [&self, kept = keep(std::move(see))](const Simulation&) {
-    const Moving::Within between_steps(self.in_use, false);
+    const Within between_steps(self.in_use, false);
     Signals::guarded([&] { return (*kept)(py::cast(&self)), true; }, true);
   };
   self.in_turn([&](Simulation& simulation) { simulation.observe(every, call); });

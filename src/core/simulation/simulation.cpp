@@ -7,6 +7,7 @@
 #include <limits>
 #include <utility>
 
+#include "core/base/within.h"
 #include "core/forces/volume.h"
 #include "core/model/check_indices.h"
 #include "core/parallel/parallel.h"
@@ -79,19 +80,6 @@ std::string fixed_topology(const Strategy& strategy, const Material& material) {
     return "the fibres among springs have sections that belong to the body as it was";
   return "";
 }
-
-/// True as long as it lives.
-class While {
- public:
-  explicit While(bool& flag) : flag_(flag), before_(std::exchange(flag, true)) {}
-  ~While() { flag_ = before_; }
-  While(const While&) = delete;
-  While& operator=(const While&) = delete;
-
- private:
-  bool& flag_;
-  bool before_;
-};
 
 StepResult refused(std::string cause) { return {Outcome::limit_reached, std::move(cause), 0, 0, 0, 0}; }
 
@@ -208,7 +196,7 @@ StepResult Simulation::Impl::step(double dt) {
     return refused("a step of " + number(dt) + " s: a step must be above 0 s and finite");
   if (host_forces.cols() > 0) ensure_host_forces();
   if (const std::string why = odd_size(); !why.empty()) return refused(why);
-  const While used(in_use);
+  const Within used(in_use);
   const ThreadScope scope(options.runner, options.threads);
   const double substeps = std::max(1., std::ceil(dt / longest_substep() * (1 - 1e-9)));
   if (!(substeps <= options.max_substeps))
@@ -403,7 +391,7 @@ StaticResult Simulation::settle(const StaticOptions& options) {
   Impl& in = *impl_;
   in.check_idle("settle");
   if (const std::string why = in.odd_size(); !why.empty()) throw InputError(why);
-  const While used(in.in_use);
+  const Within used(in.in_use);
   const ThreadScope scope(in.options.runner, in.options.threads);
   const auto go_back = [&] {
     in.work = in.shown;
@@ -539,7 +527,7 @@ std::pair<double, double> Simulation::iteration_error(double dt) {
     throw InputError("iteration_error: a step of " + number(dt) + " s: a step must be above 0 s and finite");
   in.check_idle("iteration_error");
   if (const std::string why = in.odd_size(); !why.empty()) throw InputError(why);
-  const While used(in.in_use);
+  const Within used(in.in_use);
   const ThreadScope scope(in.options.runner, in.options.threads);
   const ParameterValues values = complete_values(method.name, method.parameters, in.options.stepper.parameters);
   const auto own_parts = values.find("substeps");
