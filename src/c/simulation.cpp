@@ -13,10 +13,10 @@ namespace {
 
 /// What a step said, as the caller's structure; a status.
 template <class Result>
-elastin_status reported(const Result& result, int substeps, elastin_step_result* out) {
+elastin_status reported(const Result& result, int substeps, bool unstable, elastin_step_result* out) {
   if (out) {
-    const elastin_step_result values{0, static_cast<int>(result.outcome), substeps, result.newton_iterations,
-                                     result.linear_iterations};
+    const elastin_step_result values{
+        0, static_cast<int>(result.outcome), substeps, result.newton_iterations, result.linear_iterations, unstable};
     put(values, out, "elastin_step_result");
   }
   return result.outcome == Outcome::converged ? ELASTIN_OK : failed(ELASTIN_STOPPED, result.cause.c_str());
@@ -94,7 +94,7 @@ elastin_status elastin_step(elastin_simulation* simulation, double dt, elastin_s
     elastin_simulation& handle = given(simulation, "simulation");
     if (result) elastin::c::checked_copy(result, "elastin_step_result");
     const elastin::StepResult reached = handle.simulation.step(dt);
-    return elastin::c::reported(reached, reached.substeps, result);
+    return elastin::c::reported(reached, reached.substeps, false, result);
   });
 }
 
@@ -118,7 +118,8 @@ elastin_status elastin_settle(elastin_simulation* simulation, elastin_step_resul
   return guarded([&] {
     elastin_simulation& handle = given(simulation, "simulation");
     if (result) elastin::c::checked_copy(result, "elastin_step_result");
-    return elastin::c::reported(handle.simulation.settle(), 1, result);
+    const elastin::StaticResult reached = handle.simulation.settle();
+    return elastin::c::reported(reached, 1, reached.unstable, result);
   });
 }
 

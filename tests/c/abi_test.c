@@ -69,7 +69,8 @@ static void layout(void) {
   CHECK(offsetof(elastin_options, threads) == 48 && offsetof(elastin_options, run) == 56);
   CHECK(offsetof(elastin_options, run_context) == 64 && offsetof(elastin_options, run_width) == 72);
   CHECK(offsetof(elastin_options, stepper_parameters) == 80 && offsetof(elastin_options, stepper_parameter_count) == 88);
-  CHECK(sizeof(elastin_step_result) == 24 && offsetof(elastin_step_result, linear_iterations) == 20);
+  CHECK(sizeof(elastin_step_result) == 32 && offsetof(elastin_step_result, linear_iterations) == 20);
+  CHECK(offsetof(elastin_step_result, unstable) == 24);
 }
 
 /* A block under tension by a law and by its springs; and what is refused. */
@@ -301,7 +302,7 @@ static void stepping(void) {
   OK(elastin_host_forces(simulation, &host, &count));
   for (step = 0; step < kTwinSteps; ++step) {
     const double at[3] = {2e-3, 2e-3, 3e-3 + 1e-5 * step}, speed[3] = {0, 0, 1e-2}, corner[3] = {-1e-6 * step, 0, 0};
-    elastin_step_result result = {sizeof result, -1, 0, -1, -1};
+    elastin_step_result result = {sizeof result, -1, 0, -1, -1, 0};
     OK(elastin_move_coupling(simulation, coupling, at, speed));
     OK(elastin_move_to(simulation, 0, corner));
     host[3 * 20] = 1e-5;
@@ -331,6 +332,25 @@ static void stepping(void) {
   elastin_simulation_free(simulation);
 }
 
+/* Springs that push apart have no equilibrium to stay in, and no force says so. */
+static void unstable(void) {
+  const double constants[2] = {50, -50};
+  for (int i = 0; i < 2; ++i) {
+    const elastin_value constant = {"constant", constants[i]};
+    elastin_options options = {sizeof options, "newmark", 0, 0, &constant, 1, 0, NULL, NULL, 0, NULL, 0, 0};
+    elastin_step_result result = {sizeof result, -1, 0, -1, -1, -1}, old = {24, -1, 0, -1, -1, -1};
+    elastin_body* body = lattice();
+    elastin_simulation* simulation = NULL;
+    OK(elastin_simulate(body, "uniform", &kSoft, &options, &simulation));
+    OK(elastin_settle(simulation, &result));
+    CHECK(result.outcome == ELASTIN_CONVERGED && result.unstable == i);
+    OK(elastin_settle(simulation, &old)); /* of a program that was compiled with an older header */
+    CHECK(old.outcome == ELASTIN_CONVERGED && old.unstable == -1);
+    elastin_simulation_free(simulation);
+    elastin_body_free(body);
+  }
+}
+
 static void refusals(void) {
   char words[1024];
   const double position[3] = {0, 0, 0}, odd[3] = {0, NAN, 0};
@@ -339,7 +359,7 @@ static void refusals(void) {
   elastin_body* body = lattice();
   elastin_simulation *simulation = NULL, *kept = tissue(NULL);
   elastin_options options = {sizeof options, "newmak", 0, 0, NULL, 0, 0, NULL, NULL, 0, NULL, 0, 0};
-  elastin_step_result result = {0, 0, 0, 0, 0};
+  elastin_step_result result = {0, 0, 0, 0, 0, 0};
   double time = 0, force[3];
   int coupling = 0;
   twin_message(0, words, sizeof words);
@@ -663,6 +683,7 @@ int main(void) {
   strategies();
   constants();
   laws();
+  unstable();
 #ifdef ELASTIN_C_LAB
   described();
 #endif

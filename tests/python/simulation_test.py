@@ -49,6 +49,12 @@ class Vibrations(unittest.TestCase):
         with self.assertRaisesRegex(elastin.InputError, "count: is 0"):
             simulation.vibrations(0)
 
+    def test_settling_says_where_nothing_stays(self):
+        body = elastin.lattice((3, 3, 3), 1e-3)
+        for constant in (50.0, -50.0):
+            simulation = elastin.Simulation(body, "uniform", elastin.Material(1e3), parameters={"constant": constant})
+            self.assertEqual(simulation.settle().unstable, constant < 0)
+
     def test_an_unstable_equilibrium_has_frequencies_that_are_not_numbers(self):
         """Pushed together by a strain e, two springs in line let the molecule between them go sideways: k = -2 k e."""
         mass, k, e = 2e-3, 50.0, 0.1

@@ -10,10 +10,12 @@ const body = elastin.body({positions: [0, 0, 0, 0, 0, -0.1], connections: [0, 1]
 const tissue = body.simulate('uniform', {youngs_modulus: 1e3}, {stepper: 'backward_euler', parameters: {constant: 200}});
 tissue.add('gravity', {acceleration_z: -9.81});
 tissue.fix(0);
-tissue.settle();
+const settled = tissue.settle().unstable;
+const pushing = body.simulate('uniform', {youngs_modulus: 1e3}, {parameters: {constant: -200}});
+const pushed = pushing.settle().unstable;
 let refused = false;
 try { tissue.add('gravitas'); } catch (error) { refused = error instanceof ElastinError; }
-window.answer = {refused, z: tissue.positions[5]};
+window.answer = {refused, settled, pushed, z: tissue.positions[5]};
 document.documentElement.dataset.ready = 'yes';
 </script>`;
 const types = {'.mjs': 'text/javascript', '.js': 'text/javascript', '.wasm': 'application/wasm'};
@@ -27,8 +29,8 @@ server.listen(0, async () => {
   const browser = new Browser(chromium);
   process.on('exit', () => browser.process.kill());
   await browser.open(`http://localhost:${server.address().port}/`, 800, 600);
-  const {refused, z} = await browser.eval('window.answer');
-  assert(refused);
+  const {refused, settled, pushed, z} = await browser.eval('window.answer');
+  assert(refused && !settled && pushed);
   assert(Math.abs(z + 0.1 + 0.5 * 9.81 / 200) < 1e-9, `${z}`);
   assert.deepStrictEqual(browser.said, []);
   process.exit(0);

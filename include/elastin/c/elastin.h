@@ -249,6 +249,7 @@ typedef struct elastin_step_result {
   elastin_outcome outcome;
   int substeps; /* in which the step had to go */
   int newton_iterations, linear_iterations;
+  int unstable; /* of elastin_settle, 1: the equilibrium has a direction of negative stiffness, the body leaves it */
 } elastin_step_result;
 /* Brings it forward by dt > 0 [s]. ELASTIN_STOPPED: the state stays as it was and the message says why. Allocates
  * nothing after the first step, prints nothing, locks nothing. result may be null. */
@@ -262,7 +263,8 @@ ELASTIN_API elastin_status elastin_set_effort(elastin_simulation*, int effort);
  * molecule from where backward Euler's balance to the end has it, and the largest distance that it goes there [m]. NaN
  * where one of the two fails. */
 ELASTIN_API elastin_status elastin_iteration_error(elastin_simulation*, double dt, double* off, double* motion);
-/* Goes to the equilibrium of all that acts now, at rest: a start. One that is no minimum is left. */
+/* Goes to the equilibrium of all that acts now, at rest: a start. One that is no minimum is left; `unstable` says where
+ * that did not succeed. */
 ELASTIN_API elastin_status elastin_settle(elastin_simulation* simulation, elastin_step_result* result);
 ELASTIN_API elastin_status elastin_time(const elastin_simulation* simulation, double* time); /* [s] */
 

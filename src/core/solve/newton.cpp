@@ -312,7 +312,8 @@ StaticResult balance_once(Model& model, State& state, const StaticOptions& optio
     const double goal = goal_of(options, now, floor);
     if (now.forces.norm <= goal) {
       const bool probe = options.probe && !kinematics && problem.with_energy && saddles < kSaddles;
-      if (!probe || !may_buckle(problem, now.state.positions)) break;
+      // An answer has met the stiffness already; a start that needs none has not.
+      if (!probe || !(result.newton_iterations == 0 || may_buckle(problem, now.state.positions))) break;
       const Positions down = linearised ? linearised->way_down(result.linear_iterations)
                                         : way_down(tangent, model.supports, options, result.linear_iterations,
                                                    workspace.motion, workspace.solver);

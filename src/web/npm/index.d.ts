@@ -142,8 +142,8 @@ export class Simulation {
   remove_load(load: number): void;
   /** Brings it forward by dt [s]. */
   step(dt: number): void;
-  /** Goes to the equilibrium of all that acts now. */
-  settle(): void;
+  /** Goes to the equilibrium of all that acts now. One that has a direction of negative stiffness is unstable: the body leaves it. */
+  settle(): {unstable: boolean};
   /** Connections and cells with a stiffness each, law after law. */
   readonly stiffness_count: number;
   /** About the equilibrium that settle() has found: from the derivatives of a function by positions and by reactions of held

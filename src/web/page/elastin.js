@@ -89,7 +89,12 @@ class ElastinSimulation {
 
   step(dt) { this.check(this.module._elastin_step(this.handle, dt, 0)); }
 
-  settle() { this.check(this.module._elastin_settle(this.handle, 0)); }
+  settle() {
+    const at = this.scratch / 4;  // an elastin_step_result
+    this.module.HEAPU32[at] = 24;
+    this.check(this.module._elastin_settle(this.handle, this.scratch));
+    return {unstable: this.module.HEAPU32[at + 5] !== 0};
+  }
 
   get time() {
     this.check(this.module._elastin_time(this.handle, this.scratch));

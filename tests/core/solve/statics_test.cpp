@@ -183,6 +183,37 @@ TEST_CASE("negative constants: a stable body is solved, an unstable one is said 
   }
 }
 
+TEST_CASE("a start that no force moves is unstable where constants are negative, and nowhere else", "[statics]") {
+  struct Row {
+    Body body;
+    VectorX constants;
+    bool held, unstable;
+  };
+  const auto pair = [] { return listed_body({{0, 0, 0}, {1, 0, 0}}, {{0, 1}, {0, 1}}); };
+  const Body chain = listed_body({{0, 0, 0}, {1, 0, 0}, {2, 0, 0}}, {{0, 1}, {1, 2}}),
+             cube = cubic_lattice({3, 3, 3}, 1, {true, true, false});
+  const auto all = [](const Body& body, double k) -> VectorX { return VectorX::Constant(body.connections.size(), k); };
+  for (const Row& row : {Row{pair(), Eigen::Vector2d(3, -1), true, false},
+                         {pair(), Eigen::Vector2d(1, -3), true, true},
+                         {pair(), Eigen::Vector2d(3, -1), false, false},  // free to move and to turn
+                         {pair(), Eigen::Vector2d(1, -3), false, true},
+                         {chain, Eigen::Vector2d(2, 1), true, false},  // a mechanism
+                         {chain, Eigen::Vector2d(2, 0), false, false},
+                         {cube, all(cube, 50), false, false},
+                         {cube, all(cube, -50), false, true},
+                         {cube, all(cube, -50), true, true}}) {
+    CAPTURE(row.body.size(), row.constants[0], row.constants[1], row.held);
+    Model model(row.body);
+    model.add(make_springs(row.body, row.constants));
+    if (row.held) model.supports = {{0, kHeld, Vector3::Zero()}};
+    State state = state_at_rest(row.body);
+    const StaticResult result = solve_static(model, state, {.probe = true});
+    CHECK(result.outcome == Outcome::converged);
+    CHECK(result.unstable == row.unstable);
+    CHECK(state.positions == row.body.rest);
+  }
+}
+
 TEST_CASE("a pulled bar that may turn about its axis is stable, whichever solver looks for a way down", "[statics]") {
   const Body body = tetrahedral_block(BlockKind::kuhn, {16, 8, 8}, Vector3(0.16, 0.08, 0.08));
   const Matrix3 across = Matrix3::Identity() - Vector3::UnitX() * Vector3::UnitX().transpose();
