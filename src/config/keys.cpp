@@ -84,7 +84,6 @@ void AnyKeys::add_to_known(Reader& map) const {
 }
 
 void AnyKeys::read_any(Reader& map, void* setup, const Frame& frame) const {
-  for (const std::string& name : names()) map.refuse_old_name(name);
   for (const Entry& entry : *entries_)
     for (const AnyKey& key : *entry.keys)
       if (key.belongs_to(setup))

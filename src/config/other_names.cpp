@@ -80,6 +80,9 @@ constexpr Pair kOtherKeys[]{
     {"variables", "values"},
     {"constants", "values"},
     {"mu", "friction"},
+    {"way", "method"},
+    {"hold", "fixture"},
+    {"hold", "fix"},
 };
 
 constexpr Pair kOtherWords[]{
@@ -95,6 +98,15 @@ constexpr Pair kOtherWords[]{
     {"meter", "m"},          {"metre", "m"},           {"1", "true"},
     {"0", "false"},          {"tet", "body_centred"},
 };
+
+/// Keys that have another name now, by the path of the map that they stand in; files and --set may use the former one.
+struct FormerKey {
+  std::string_view map, former, name;
+};
+constexpr FormerKey kFormerKeys[]{{"time", "integrator", "stepper"},
+                                  {"time.stepper", "scheme", "method"},
+                                  {"steppers", "schemes", "methods"},
+                                  {"steppers.methods", "scheme", "method"}};
 
 constexpr std::string_view kStays =
     "what stays is listed at the top level: supports: [{molecules: {side: -z}, fix: all}]; `fixed` under `experiment` "
@@ -147,8 +159,20 @@ bool is_number(std::string_view text) {
 
 }  // namespace
 
+std::string present_name(std::string_view map, const std::string& key) {
+  for (const FormerKey& one : kFormerKeys)
+    if (map == one.map && key == one.former) return std::string(one.name);
+  return key;
+}
+
 std::string meant_key(const std::string& given, const std::vector<std::string>& known) {
-  return meant(kOtherKeys, given, known);
+  const std::string other = meant(kOtherKeys, given, known);
+  if (!other.empty() || !nearest_name(given, known).empty()) return other;
+  for (const FormerKey& one : kFormerKeys)
+    if (std::find(known.begin(), known.end(), one.name) != known.end() &&
+        !nearest_name(given, {std::string(one.former)}).empty())
+      return std::string(one.name);
+  return "";
 }
 
 std::string suggested_word(const std::string& word, const std::vector<std::string>& names) {

@@ -19,16 +19,6 @@
 namespace elastin::config {
 namespace {
 
-/// A key that older scenes wrote under another name. The old name must not stand for anything else in that map.
-struct RenamedKey {
-  std::string_view old_name, name;
-};
-constexpr RenamedKey kRenamedKeys[] = {
-    {"way", "method"},    // of the solver
-    {"hold", "fixture"},  // of experiments in time: how the body is fixed and loaded
-    {"hold", "fix"},      // of a press: the parts that stay
-};
-
 /// Of any number of a scene, in SI: squares and products of a few of them are numbers still.
 constexpr double kLargest = 1e30;
 
@@ -73,19 +63,7 @@ std::optional<Reader> Reader::find(const std::string& key) {
          (own.empty() || own.ends_with(']') ? "" : "; write " + own + ": {" + key + ": …}"));
   }
   requested_->keys.push_back(key);
-  refuse_old_name(key);
   return value_of(key, key);
-}
-
-void Reader::refuse_old_name(const std::string& key) const {
-  for (const RenamedKey& renamed : kRenamedKeys) {
-    if (key != renamed.name) continue;
-    for (const auto& entry : node_)
-      if (entry.first.Scalar() == renamed.old_name)
-        throw InputError(location_of(entry.first), (path_.empty() ? "" : path_ + ": ") + "key '" +
-                                                       entry.first.Scalar() + "' has been renamed: write '" + key +
-                                                       "'");
-  }
 }
 
 /// The value that stands under the key `given`, as the one of `key`.

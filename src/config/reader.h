@@ -59,10 +59,7 @@ class Reader {
   /// it. `needed`: the reference's words for that, of which the message has what stands in the key's place: "needed, or
   /// `molecules`".
   Reader at(const std::string& key, const std::string& needed = "");
-  /// Throws InputError where the map has the key under a name that it had in older scenes.
   std::optional<Reader> find(const std::string& key);
-  /// Throws InputError where the map has this key under the name that it had in older scenes.
-  void refuse_old_name(const std::string& key) const;
   /// The section of the key reference that lists this map's keys: of maps that stand under several keys, or whose keys
   /// depend on their kind. Without it the section is the path of keys.
   void set_section(const std::string& section) { section_ = section; }

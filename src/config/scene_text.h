@@ -1,5 +1,6 @@
 #pragma once
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -18,8 +19,11 @@ void check_scene_text(const std::string& path, const std::string& text);
 InputError explain_yaml(const std::string& path, const std::string& text, const SourceLocation& refused,
                         const std::string& reason);
 
-/// Of the `known` keys the one that a key means which is written as a symbol ("E"), in other words ("elongation") or
-/// with other capitals, blanks and hyphens; "" where it means none of them.
+/// The name of today of a key in the map of this path, "time.stepper": scenes may write the former one.
+std::string present_name(std::string_view map, const std::string& key);
+
+/// Of the `known` keys the one that a key means which is written as a symbol ("E"), in other words ("elongation"), with
+/// other capitals, blanks and hyphens, or nearly by its former name; "" where it means none of them.
 std::string meant_key(const std::string& given, const std::vector<std::string>& known);
 
 /// The tail of a message about a word that is not among `names`, as suggestion() has it, with synonyms too:

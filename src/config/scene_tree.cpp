@@ -24,30 +24,6 @@ constexpr const char* kFileTag = "\001file ";
 /// Maps and lists inside each other.
 constexpr int kDeepestTree = 40;
 
-/// Keys that have another name now, by the path of the map that they stand in; files and --set may use the former one.
-struct FormerKey {
-  std::string_view map, former, name;
-};
-constexpr FormerKey kFormerKeys[] = {{"time", "integrator", "stepper"},
-                                     {"time.stepper", "scheme", "method"},
-                                     {"steppers", "schemes", "methods"},
-                                     {"steppers.methods", "scheme", "method"}};
-
-/// The name of today of a key in the map of this path.
-std::string present_name(std::string_view map, const std::string& key) {
-  for (const FormerKey& one : kFormerKeys)
-    if (map == one.map && key == one.former) return std::string(one.name);
-  return key;
-}
-
-/// A path whose keys may have their former names.
-std::string present_path(const std::string& given) {
-  std::string present;
-  std::istringstream keys(given);
-  for (std::string key; std::getline(keys, key, '.');) present = below(present, present_name(present, key));
-  return present;
-}
-
 /// Gives keys of a map, and of those in it, their names of today. Items of lists are not named in the path.
 void take_present_names(const YAML::Node& node, const std::string& path,
                         const std::function<SourceLocation(const YAML::Node&)>& location_of) {
@@ -288,6 +264,13 @@ YAML::Node load_extended(const SceneSource& source, std::vector<std::string>& fi
 }
 
 }  // namespace
+
+std::string present_path(const std::string& given) {
+  std::string present;
+  std::istringstream keys(given);
+  for (std::string key; std::getline(keys, key, '.');) present = below(present, present_name(present, key));
+  return present;
+}
 
 std::string kind_of(const YAML::Node& node) {
   return node.IsMap() ? "a map of keys" : node.IsSequence() ? "a list" : node.IsScalar() ? "a single value" : "nothing";

@@ -26,6 +26,8 @@ SceneTree load_scene_tree(const SceneSource& source, const std::vector<std::stri
 /// `location` where the path leads through no map or to no item of a list.
 void put_value(const YAML::Node& root, const std::string& path, const YAML::Node& value,
                const SourceLocation& location);
+/// A path of keys with their names of today in the place of former ones.
+std::string present_path(const std::string& given);
 /// Which item of a list a key means: its `name`, or its number from 0; none: no item.
 std::optional<std::size_t> item_of(const YAML::Node& list, const std::string& key);
 

@@ -105,6 +105,10 @@ TEST_CASE("the stepper's keys are read by their former names too", "[scene][time
                    {"time.integrator.scheme=newmark", "time.stepper.gamma=0.6"}) == newmark);
   check_refusal(kMotion, "time: {duration: 1 s, integrator: newmark, stepper: newmark}", 6,
                 "time.integrator is the former name of time.stepper, which stands here too");
+  for (const char* misspelt : {"intergrator", "integrater", "Integrator"})
+    check_refusal(kMotion, std::string("time: {duration: 1 s, ") + misspelt + ": newmark}", 6,
+                  std::string("unknown key '") + misspelt + "'; did you mean 'stepper'? Write stepper: newmark");
+  check_refusal(kMotion, "time: {duration: 1 s, stepper: {sheme: newmark}}", 6, "did you mean 'method'?");
   const auto compared = load_scene(
       folder.write("compared.yaml", scene_with("kind: tension, axis: z, strain: 1 %",
                                                "steppers: {schemes: [{scheme: block_descent, chebyshev: 0.9}]}")),
