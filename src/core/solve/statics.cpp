@@ -315,7 +315,8 @@ StaticResponse Responses::to(const Positions& load_change, const Positions& disp
     const bool mode = linear.status == LinearStatus::zero_mode, negative = linear.status == LinearStatus::negative_mode;
     result.outcome = mode ? Outcome::mechanism : negative ? Outcome::diverged : Outcome::limit_reached;
     result.cause = mode       ? "the loads work on a zero-energy mode"
-                   : negative ? "the stiffness has directions of negative stiffness"
+                   : negative ? "the stiffness has directions of negative stiffness, and iterations end there; the "
+                                "solver `direct` finds the equilibrium, which is unstable"
                               : "the linear solver ran out of iterations";
   }
   if (!motion.allFinite()) {

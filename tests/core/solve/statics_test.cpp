@@ -180,6 +180,12 @@ TEST_CASE("negative constants: a stable body is solved, an unstable one is said 
     REQUIRE(result.outcome == Outcome::converged);
     CHECK(result.unstable == !stable);
     CHECK(state.positions(0, 1) - 1 == Approx(0.1 / (one + other)).epsilon(1e-8));
+    for (const char* method : {"pcg", "direct"}) {
+      const StaticResult small = solve_static(model, state, {.linear = true, .method = method});
+      CHECK((small.outcome == Outcome::converged) == (stable || method == std::string("direct")));
+      CHECK((small.cause.find("the solver `direct` finds the equilibrium") != std::string::npos) ==
+            (small.outcome != Outcome::converged));
+    }
   }
 }
 
