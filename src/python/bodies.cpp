@@ -83,7 +83,13 @@ std::vector<std::array<int, columns>> rows_from(const py::handle& given, const c
 
 /// Cells of a shape out of the table, (k, nodes).
 CellBlock block_from(const std::string& name, const py::handle& given) {
-  CellBlock block{&cell_kind(name), {}, {}};
+  const CellKind* kind = nullptr;
+  try {
+    kind = &cell_kind(name);
+  } catch (const InputError& error) {
+    throw InputError(std::string("cells: ") + error.what());
+  }
+  CellBlock block{kind, {}, {}};
   refuse_masked(given, "cells: " + name);
   const py::array any = py::array::ensure(given);
   const bool whole = any && (any.dtype().kind() == 'i' || any.dtype().kind() == 'u');

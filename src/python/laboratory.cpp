@@ -292,8 +292,8 @@ void add_laboratory(py::module_& module) {
                 keep(py::make_tuple(self.attr("simulation"), py::make_tuple(strategy), keywords, py::list()));
             return made;
           },
-          py::arg("strategy") = "", py::kw_only(), py::arg("stepper") = "symplectic_euler", py::arg("safety") = 0.8,
-          py::arg("max_substeps") = 1000, py::arg("stepper_parameters") = ParameterValues{},
+          py::arg("strategy") = "", py::kw_only(), py::arg("stepper").none(false) = "symplectic_euler",
+          py::arg("safety") = 0.8, py::arg("max_substeps") = 1000, py::arg("stepper_parameters") = ParameterValues{},
           py::arg("parameters") = ParameterValues{}, py::arg("scheme") = py::none(),
           py::arg("scheme_parameters") = py::none(),
           "The scene's body at rest, or at time 0, with its strategy, loads, damping and contact, held by its "

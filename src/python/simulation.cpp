@@ -446,7 +446,7 @@ void add_loads(Class& simulation) {
         self.record("add_load", values);
         return id;
       },
-      py::arg("load"),
+      py::arg("load").none(false),
       "Adds a load or damping, one of loads() or one's own (see elastin.load), at any time between steps: "
       "add_load('gravity', acceleration=(0, 0, -9.81)). Gives its number for set_load and remove_load.");
   simulation.def(
@@ -516,8 +516,8 @@ void add_simulation(py::module_& module) {
              return make_simulation(body, strategy, material, scheme.value_or(stepper), safety, max_substeps,
                                     scheme_parameters.value_or(stepper_parameters), parameters, budget, catalog);
            }),
-           py::arg("body"), py::arg("strategy"), py::arg("material"), py::kw_only(),
-           py::arg("stepper") = "symplectic_euler", py::arg("safety") = 0.8, py::arg("max_substeps") = 1000,
+           py::arg("body").none(false), py::arg("strategy"), py::arg("material"), py::kw_only(),
+           py::arg("stepper").none(false) = "symplectic_euler", py::arg("safety") = 0.8, py::arg("max_substeps") = 1000,
            py::arg("stepper_parameters") = ParameterValues{}, py::arg("parameters") = ParameterValues{},
            py::arg("budget") = 0., py::arg("catalog") = py::none(), py::arg("scheme") = py::none(),
            py::arg("scheme_parameters") = py::none(),

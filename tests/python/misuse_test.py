@@ -86,6 +86,23 @@ class Values(unittest.TestCase):
             with self.assertRaisesRegex(elastin.InputError, said):
                 act()
 
+    def test_none_is_no_body_stepper_or_load(self):
+        """Not even a null pointer."""
+        tissue = elastin.Simulation(LATTICE, "lattice", SOFT)
+        laboratory = elastin.Laboratory(LATTICE, experiment=TENSION, material=SOFT)
+        for act in (lambda: elastin.Simulation(None, "lattice", SOFT), lambda: elastin.Simulation(LATTICE, "lattice", SOFT, stepper=None),
+                    lambda: tissue.add_load(None), lambda: laboratory.simulation("lattice", stepper=None)):
+            with self.assertRaisesRegex(TypeError, "incompatible"):
+                act()
+
+    def test_arrays_of_a_body_are_named_as_its_arguments(self):
+        points = [[0, 0, 0], [1e-2, 0, 0], [0, 1e-2, 0], [0, 0, 1e-2]]
+        for given, said in (({}, "^radii: are needed"), ({"masses": [1] * 4}, "^radii: are needed"),
+                            ({"cells": {"tetrahedron4": [[0, 1, 2, 4]]}}, "^cells: tetrahedron4.0.: there is no molecule 4"),
+                            ({"cells": {"tet": [[0, 1, 2, 3]]}}, "^cells: unknown cell shape 'tet'")):
+            with self.assertRaisesRegex(elastin.InputError, said):
+                elastin.Body(points, **given)
+
     def test_masked_values_do_not_count_in_silence(self):
         ends, modulus = [[0, 1]], {"law": "yeoh", "terms": [1e3], "bulk_modulus": 1e9}
         places = numpy.ma.masked_array([[0.0, 0, 0], [1, 0, 0]], mask=[[0, 0, 0], [1, 0, 0]])

@@ -61,7 +61,7 @@ void set_blocks(const BodyArrays& arrays, Body& body) {
     for (int cell = 0; cell < block.size(); ++cell)
       for (const int molecule : block.cell(cell))
         if (molecule < 0 || molecule >= body.size())
-          throw InputError(row(name.c_str(), static_cast<std::size_t>(cell)) + ": there is no molecule " +
+          throw InputError("cells: " + row(name.c_str(), static_cast<std::size_t>(cell)) + ": there is no molecule " +
                            std::to_string(molecule) + "; allowed: 0 to " + std::to_string(body.size() - 1));
   }
   body.blocks = arrays.blocks;
@@ -140,6 +140,8 @@ Body make_body(const BodyArrays& arrays) {
   body.rest = arrays.positions;
   set_cells(arrays, body);
   set_connections(arrays, body);
+  if (arrays.radii.size() == 0 && shortest_connection(body) == 0)
+    throw InputError("radii: are needed, because there is no connection of which to take half the length");
   if (arrays.masses.size() == 0 || arrays.radii.size() == 0)
     set_matter(body, arrays.density.value_or(Material{}.density), arrays.thickness,
                arrays.radii.size() ? std::optional(arrays.radii.mean()) : std::nullopt);

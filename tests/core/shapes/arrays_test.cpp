@@ -96,5 +96,5 @@ TEST_CASE("Wrong arrays are refused by name, row and value", "[arrays]") {
           a.tetrahedra = {{0, 1, 2, 3}};
         }) == "tetrahedra[0]: is flat");
   CHECK(changed([](auto& a) { a.connections.clear(); }) ==
-        "give a radius: there is no connection of which to take half the length");
+        "radii: are needed, because there is no connection of which to take half the length");
 }
