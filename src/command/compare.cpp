@@ -61,7 +61,7 @@ struct CompareCommand {
                                      {"iterations", &iterations},
                                      {"seconds", &seconds},
                                      {"calibrate", &flag}})
-      if (!value->empty()) request.overrides.push_back(std::string("engines.") + key + "=" + *value);
+      if (!value->empty()) keys_into(request.overrides)(std::string("engines.") + key + "=" + *value);
     request.resume = continue_in(resumed, request.out);
     if (!shard.empty()) read_shard();
     const bool of_steppers = lab::compares_steppers(request);

@@ -30,7 +30,7 @@ struct PlotCommand {
     options.add("--stretch", "NUMBER", into(stretch, 1.001, 100.),
                 "plot material: the largest stretch, 1.001 to 100; the least is its inverse; default: 1.5");
     options
-        .add("--set", "KEY=VALUE", into(overrides),
+        .add("--set", "KEY=VALUE", keys_into(overrides),
              "plot material: set a key of the scenes: KEY.PATH=VALUE. May be repeated")
         .repeated = true;
   }

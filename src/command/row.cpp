@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <string_view>
 
+#include "config/scene_tree.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/parallel/threads.h"
 
@@ -15,12 +16,19 @@ namespace elastin::command {
 using namespace lab;
 namespace fs = std::filesystem;
 
+Take keys_into(std::vector<std::string>& overrides) {
+  return [&overrides](const std::string& text) {
+    overrides.push_back(text);
+    config::check_overrides(overrides);
+  };
+}
+
 void SceneOptions::add_to(Options& options, bool several) {
   takes_folders = several;
   options.argument("SCENE", into(scenes), several ? "Scene files (YAML), or folders of them" : "Scene file (YAML)",
                    true, several);
   options
-      .add("--set", "KEY=VALUE", into(overrides),
+      .add("--set", "KEY=VALUE", keys_into(overrides),
            "Set a key of the scene: KEY.PATH=VALUE; a plain number is SI. May be repeated")
       .repeated = true;
   options.add("--threads", "NUMBER", into(threads, 0, kMostThreads),

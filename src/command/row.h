@@ -36,6 +36,9 @@ Action declare(Options& options) {
 
 extern const CommandRow kRun, kCompare, kMerge, kVerify, kCheck, kIdentify, kList, kPlot, kLab, kExport, kNew;
 
+/// Adds KEY.PATH=VALUE; refuses one that replaces an earlier one.
+Take keys_into(std::vector<std::string>& overrides);
+
 /// Options of all commands that read scenes.
 struct SceneOptions {
   std::vector<std::string> scenes, overrides;

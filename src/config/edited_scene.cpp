@@ -3,6 +3,7 @@
 #include <yaml-cpp/yaml.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <optional>
@@ -68,22 +69,37 @@ void insert(const std::string& text, const YAML::Node& map, const std::string& l
 }
 
 /// Whether two texts say the same, whatever the order of keys in their maps.
-bool same(const YAML::Node& a, const YAML::Node& b) {
-  if (a.Type() != b.Type() || (a.IsScalar() && a.Scalar() != b.Scalar()) || a.size() != b.size()) return false;
+template <class SameWord>
+bool same(const YAML::Node& a, const YAML::Node& b, SameWord same_word) {
+  if (a.Type() != b.Type() || (a.IsScalar() && !same_word(a, b)) || a.size() != b.size()) return false;
   if (a.IsSequence())
     for (std::size_t i = 0; i < a.size(); ++i)
-      if (!same(a[i], b[i])) return false;
+      if (!same(a[i], b[i], same_word)) return false;
   if (a.IsMap())
     for (const auto& entry : a) {
       const YAML::Node other = b[entry.first.Scalar()];
-      if (!other.IsDefined() || !same(entry.second, other)) return false;
+      if (!other.IsDefined() || !same(entry.second, other, same_word)) return false;
     }
   return true;
 }
 
+/// The number that a single value is; none: it is a word or a formula of the place.
+std::optional<FormulaValue> number_of(const YAML::Node& node) {
+  try {
+    return node.IsScalar() ? std::optional(formula_value(node.Scalar(),
+                                                         [](const std::string& name) -> FormulaValue {
+                                                           throw InputError(name + " is no number");
+                                                         }))
+                           : std::nullopt;
+  } catch (const InputError&) {
+    return std::nullopt;
+  }
+}
+
 bool says(const std::string& text, const YAML::Node& wanted) {
   try {
-    return same(YAML::Load(text), wanted);
+    return same(YAML::Load(text), wanted,
+                [](const YAML::Node& a, const YAML::Node& b) { return a.Scalar() == b.Scalar(); });
   } catch (const YAML::Exception&) {
     return false;
   }
@@ -102,6 +118,15 @@ std::vector<std::string> extended_keys(const YAML::Node& scene, const SceneSourc
 }
 
 }  // namespace
+
+bool same_value(const YAML::Node& first, const YAML::Node& second) {
+  return same(first, second, [](const YAML::Node& a, const YAML::Node& b) {
+    const auto one = number_of(a), other = number_of(b);
+    if (!one || !other) return a.Scalar() == b.Scalar();
+    const bool alike = one->unit == other->unit || one->unit == dimension::none || other->unit == dimension::none;
+    return alike && std::abs(one->number - other->number) <= 1e-12 * std::abs(one->number);
+  });
+}
 
 std::string path_text(const std::string& path) {
   if (path.find_first_of(" ,:[]{}#&*!|>'\"%@`") == std::string::npos) return path;
@@ -177,19 +202,6 @@ std::string with_value(const std::string& text, const std::string& path, const s
 }
 
 namespace {
-
-/// The number that a single value is; none: it is a word or a formula of the place.
-std::optional<FormulaValue> number_of(const YAML::Node& node) {
-  try {
-    return node.IsScalar() ? std::optional(formula_value(node.Scalar(),
-                                                         [](const std::string& name) -> FormulaValue {
-                                                           throw InputError(name + " is no number");
-                                                         }))
-                           : std::nullopt;
-  } catch (const InputError&) {
-    return std::nullopt;
-  }
-}
 
 void add_numbers(const YAML::Node& node, const std::string& path, std::vector<std::string>& paths) {
   if (number_of(node)) paths.push_back(path);

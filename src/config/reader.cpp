@@ -42,7 +42,9 @@ Reader::Reader(std::shared_ptr<SceneFile> file, const YAML::Node& node, std::str
 SourceLocation Reader::location_of(const YAML::Node& node) const {
   const YAML::Mark mark = node.Mark();
   if (config::is_override(node) || mark.is_null()) return {"--set"};
-  return {file_->files[file_of(node)], mark.line + 1, mark.column + 1};
+  const std::string& file = file_->files[file_of(node)];
+  if (file.starts_with("--")) return {file};  // an option's value
+  return {file, mark.line + 1, mark.column + 1};
 }
 
 SourceLocation Reader::location() const {
@@ -210,6 +212,17 @@ std::vector<Reader> Reader::items() const {
     items.back().section_ = section_;
   }
   return items;
+}
+
+void Reader::refuse_repeated_items() const {
+  const std::vector<Reader> list = items();
+  for (std::size_t i = 0; i < list.size(); ++i)
+    for (std::size_t j = 0; j < i; ++j)
+      if (list[i].same_as(list[j])) {
+        const std::string one = list[j].line(), other = list[i].line();
+        fail(one == other ? "names " + one + " twice; leave one of them out"
+                          : "names " + one + " and " + other + ", which are the same; leave one of them out");
+      }
 }
 
 std::vector<Reader> Reader::items(std::size_t count) const {

@@ -79,6 +79,10 @@ class Reader {
   std::vector<std::pair<std::string, Reader>> entries() const;
   std::vector<Reader> items() const;
   std::vector<Reader> items(std::size_t count) const;
+  /// Whether it says the same as another value, whatever their units: 5 mm and 0.005 m.
+  bool same_as(const Reader& other) const { return same_value(node_, other.node_); }
+  /// Fails where two items of this list say the same.
+  void refuse_repeated_items() const;
 
   std::string text() const;
   /// The path of the file that this value names, from the folder of the file that it stands in. Throws InputError if

@@ -272,6 +272,24 @@ std::string present_path(const std::string& given) {
   return present;
 }
 
+bool replaces(const std::string& given, const std::string& given_other) {
+  const std::string key = present_path(given), other = present_path(given_other);
+  return other.starts_with(key) && (other.size() == key.size() || other[key.size()] == '.');
+}
+
+void check_overrides(const std::vector<std::string>& overrides) {
+  const auto key_of = [](const std::string& assignment) { return assignment.substr(0, assignment.find('=')); };
+  for (std::size_t i = 0; i < overrides.size(); ++i)
+    for (std::size_t j = 0; j < i; ++j) {
+      const std::string &later = overrides[i], &earlier = overrides[j];
+      if (!replaces(key_of(later), key_of(earlier))) continue;
+      const bool same_key = replaces(key_of(earlier), key_of(later));
+      throw InputError(same_key ? "'" + key_of(later) + "' is set twice, by " + earlier + " and by " + later +
+                                      "; leave one of them out"
+                                : later + " would replace " + earlier + ": let it come first");
+    }
+}
+
 std::string kind_of(const YAML::Node& node) {
   return node.IsMap() ? "a map of keys" : node.IsSequence() ? "a list" : node.IsScalar() ? "a single value" : "nothing";
 }

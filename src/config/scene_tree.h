@@ -28,6 +28,12 @@ void put_value(const YAML::Node& root, const std::string& path, const YAML::Node
                const SourceLocation& location);
 /// A path of keys with their names of today in the place of former ones.
 std::string present_path(const std::string& given);
+/// Whether a value of the key replaces what the other key has set: it is that key, or the map or list around it.
+bool replaces(const std::string& key, const std::string& other);
+/// Throws InputError where one of these "key.path=value" replaces what another one before it has set.
+void check_overrides(const std::vector<std::string>& overrides);
+/// Whether two values say the same, whatever their units and the order of keys: 5 mm and 0.005 m.
+bool same_value(const YAML::Node& a, const YAML::Node& b);
 /// Which item of a list a key means: its `name`, or its number from 0; none: no item.
 std::optional<std::size_t> item_of(const YAML::Node& list, const std::string& key);
 

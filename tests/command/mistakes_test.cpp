@@ -115,6 +115,22 @@ TEST_CASE("every option of every command states what it needs, and knows no opti
   }
 }
 
+TEST_CASE("a key is set once", "[command]") {
+  for (const std::string command :
+       {"run", "compare", "verify", "check", "identify", "lab", "export", "plot material"}) {
+    check_mistake(command + " a.yaml --set a.b=1 --set c=3 --set 'a.b=2 mm'",
+                  "--set: 'a.b' is set twice, by a.b=1 and by a.b=2 mm; leave one of them out\n");
+    check_mistake(command + " a.yaml --set a.b=1 --set a={}", "--set: a={} would replace a.b=1: let it come first\n");
+    check_mistake(command + " a.yaml --set time.integrator=xpbd --set time.stepper=newmark",
+                  "--set: 'time.stepper' is set twice, by time.integrator=xpbd and by time.stepper=newmark");
+  }
+  const std::string scene = ELASTIN_SOURCE_DIR "/scenes/tension/cube-27-face.yaml";
+  CHECK(say("check " + scene + " --set 'material={youngs_modulus: 1 kPa}' --set material.poissons_ratio=0.25").code ==
+        0);
+  check_mistake("compare " + scene + " --engines jolt --set engines.names=[mujoco]",
+                "'engines.names' is set twice, by engines.names=[mujoco] and by engines.names=[jolt]");
+}
+
 TEST_CASE("an option that would change nothing is refused", "[command]") {
   const std::string scene = ELASTIN_SOURCE_DIR "/scenes/tension/cube-27-face.yaml";
   for (const std::string option : {"--vary 'material.youngs_modulus=[1 kPa]'", "--strategies lattice", "--repeats 2",

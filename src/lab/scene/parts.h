@@ -69,8 +69,10 @@ std::vector<StepperChoice> read_steppers(const std::string& names, const Table<S
 StudyAxis read_axis(const std::string& text);
 
 /// Each combination of the axes' values, the last axis fastest: the value of each key. One empty combination
-/// without axes. Throws InputError where there are more than 100 000.
-std::vector<std::vector<std::pair<std::string, std::string>>> combinations(const std::vector<StudyAxis>& axes);
+/// without axes. Throws InputError where there are more than 100 000, and where a key replaces what another one before
+/// it, or one of the overrides ("key.path=value"), has set.
+std::vector<std::vector<std::pair<std::string, std::string>>> combinations(
+    const std::vector<StudyAxis>& axes, const std::vector<std::string>& overrides = {});
 
 struct Expectation;
 struct Scene;

@@ -1,5 +1,6 @@
 #include "lab/scene/parts.h"
 
+#include <algorithm>
 #include <cstdio>
 #include <memory>
 #include <sstream>
@@ -12,15 +13,33 @@ namespace {
 /// Keys of one axis go through their values side by side: so each has as many.
 StudyAxis axis_of(const Reader& reader) {
   StudyAxis axis;
-  for (const auto& [key, values] : reader.entries()) {
+  std::vector<std::vector<Reader>> rows;  // by value, as `axis.values`
+  const auto entries = reader.entries();
+  for (const auto& [key, values] : entries) {
+    if (values.is_text()) values.fail("expected a list, found a single value; write [" + values.text() + "]");
     const std::vector<Reader> items = values.items();
     if (items.empty()) values.fail("names no value; write a list of them");
     if (axis.values.empty()) axis.values.resize(items.size());
     if (items.size() != axis.values.size())
       values.fail("keys that change together have equally many values: " + std::to_string(items.size()) + " here, " +
                   std::to_string(axis.values.size()) + " of the one before");
-    for (std::size_t i = 0; i < items.size(); ++i) axis.values[i].emplace_back(key, items[i].line());
+    rows.resize(items.size());
+    for (std::size_t i = 0; i < items.size(); ++i) {
+      axis.values[i].emplace_back(key, items[i].line());
+      rows[i].push_back(items[i]);
+    }
   }
+  const auto line = [&](std::size_t row) {
+    return joined(axis.values[row], [](const auto& value) -> const std::string& { return value.second; });
+  };
+  constexpr std::size_t most = 200;  // values; more of them a program has written, and each pair would be compared
+  for (std::size_t i = 0; i < rows.size() && rows.size() <= most; ++i)
+    for (std::size_t j = 0; j < i; ++j)
+      if (std::equal(rows[i].begin(), rows[i].end(), rows[j].begin(),
+                     [](const Reader& a, const Reader& b) { return a.same_as(b); }))
+        entries.front().second.fail("values " + std::to_string(j + 1) + " and " + std::to_string(i + 1) +
+                                    " are the same, " + line(j) + (line(i) == line(j) ? "" : " and " + line(i)) +
+                                    "; leave one of them out (`repeats` runs everything again)");
   if (axis.values.empty())
     reader.fail("write keys with their values, for example {solver.linear_solver: [pcg, direct]}");
   return axis;
@@ -36,19 +55,19 @@ void check_runs(const std::vector<StudyAxis>& axes) {
   if (rows > most) throw InputError(text);
 }
 
-/// Whether a value of the key replaces what the other key has set: it is that key, or the map or list around it.
-bool replaces(const std::string& key, const std::string& other) {
-  return other.starts_with(key) && (other.size() == key.size() || other[key.size()] == '.');
-}
-
-/// Throws where a row would be named by values that it does not have, since those of a later key replace them.
-void check_keys(const std::vector<StudyAxis>& axes) {
+/// Throws where a row would be named by values that it does not have, since those of a later key replace them, and
+/// where such a key replaces what --set has set.
+void check_keys(const std::vector<StudyAxis>& axes, const std::vector<std::string>& overrides) {
   std::vector<std::string> before;
   for (const StudyAxis& axis : axes)
     for (const auto& [key, value] : axis.values.front()) {
+      for (const std::string& assignment : overrides)
+        if (config::replaces(key, assignment.substr(0, assignment.find('='))))
+          throw InputError("--set " + assignment + " changes nothing, because --vary or `study` changes '" + key +
+                           "'; leave one of them out");
       for (const std::string& other : before)
-        if (replaces(key, other))
-          throw InputError(key == other
+        if (config::replaces(key, other))
+          throw InputError(config::replaces(other, key)
                                ? "two of --vary and `study` change '" + key + "': write all its values in one list"
                                : "'" + key + "' would replace '" + other +
                                      "', which --vary or `study` changes "
@@ -63,11 +82,12 @@ StudyAxis read_axis(const std::string& text) {
   const std::string what = "--vary " + text;
   YAML::Node node;
   try {
-    node = YAML::Load(text);
-    const std::size_t equals = text.find('=');
-    if (!node.IsMap() && equals != std::string::npos) {
+    const std::size_t equals = text.find_first_of("={:");
+    if (equals != std::string::npos && text[equals] == '=') {
       node = YAML::Node(YAML::NodeType::Map);
       node[text.substr(0, equals)] = YAML::Load(text.substr(equals + 1));
+    } else {
+      node = YAML::Load(text);
     }
   } catch (const YAML::Exception& error) {
     throw InputError(SourceLocation{what}, "not valid YAML: " + error.msg);
@@ -88,7 +108,8 @@ Keys<Study> comparison_keys(const std::vector<StrategyChoice>& known) {
                      }),
           key::whole("repeats", &Study::repeats, 1, 1000, "how often everything runs, in turn"),
           key::wholes("threads", &Study::threads, 1, 4096, "numbers of threads: everything runs with each")
-              .otherwise("the command's"),
+              .otherwise("the command's")
+              .then([](const Reader& value, const Study&) { value.refuse_repeated_items(); }),
           Key<Study>({"own_reference", "word", "", "", "none",
                       "a strategy whose own values under refinement are extrapolated to the reference"},
                      [&known](const Reader& value, Study& study) {
@@ -121,10 +142,12 @@ Keys<StepperStudy> stepper_study_keys(const elastin::Table<StepperKind>& stepper
               .otherwise("1, 4, 16, 64")
               .then([](const Reader& value, const S& study) {
                 if (study.iterations.empty()) value.fail("names no number of iterations");
+                value.refuse_repeated_items();
               }),
           key::quantities("steps", &S::steps, dimension::time,
                           "time steps; the period is that of the loaded shape, by Rayleigh's quotient", kPositive)
-              .otherwise("1/25 and 1/100 of the period")};
+              .otherwise("1/25 and 1/100 of the period")
+              .then([](const Reader& value, const S&) { value.refuse_repeated_items(); })};
 }
 
 const Keys<EngineStudy>& engine_study_keys() {
@@ -150,9 +173,10 @@ Study read_study(const Reader& reader, const std::vector<StrategyChoice>& known)
   return comparison_keys(known).read(reader);
 }
 
-std::vector<std::vector<std::pair<std::string, std::string>>> combinations(const std::vector<StudyAxis>& axes) {
+std::vector<std::vector<std::pair<std::string, std::string>>> combinations(const std::vector<StudyAxis>& axes,
+                                                                           const std::vector<std::string>& overrides) {
   check_runs(axes);
-  check_keys(axes);
+  check_keys(axes, overrides);
   std::vector<std::vector<std::pair<std::string, std::string>>> all{{}};
   for (const StudyAxis& axis : axes) {
     std::vector<std::vector<std::pair<std::string, std::string>>> longer;

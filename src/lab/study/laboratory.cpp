@@ -3,6 +3,7 @@
 #include <limits>
 #include <utility>
 
+#include "config/scene_tree.h"
 #include "lab/export/engine_run.h"
 #include "lab/export/formats.h"
 #include "lab/report/comparison.h"
@@ -178,6 +179,7 @@ double LaboratoryResult::get(const std::string& name) const {
 Laboratory::Laboratory(const SceneSource& scene, const std::vector<std::string>& overrides, Catalog catalog,
                        const ExperimentCatalog& experiments)
     : impl_(new Impl{std::move(catalog), overrides, experiments, nullptr}) {
+  config::check_overrides(overrides);
   impl_->scene = load_scene(scene, impl_->catalog, overrides, kMostMolecules, experiments);
 }
 Laboratory::~Laboratory() = default;

@@ -40,7 +40,7 @@ ScenePlan plan_scene(const Request& request, const Catalog& catalog, const Scene
   plan.title = plan.scene->title;
   Study study = request.compare ? plan.scene->study : Study{};
   for (const std::string& axis : request.vary) study.axes.push_back(read_axis(axis));
-  plan.combinations = combinations(study.axes);
+  plan.combinations = combinations(study.axes, request.overrides);
   plan.threads = study.threads.empty() ? std::vector{0} : study.threads;
   plan.repeats = request.repeats > 0 ? request.repeats : study.repeats;
   for (const StrategyChoice& choice : chosen_strategies(request, catalog, *plan.scene))

@@ -170,8 +170,24 @@ TEST_CASE("axes of a study multiply, their keys go together", "[study]") {
   CHECK_THROWS_WITH(combinations({modulus, material}),
                     Contains("'material' would replace 'material.youngs_modulus'") && Contains("let it come first"));
   CHECK(combinations({material, modulus, read_axis("material.youngs=[1]")}).size() == 2);
+  CHECK_THROWS_WITH(combinations({read_axis("{a: [1, 2], a: [3, 4]}")}), Contains("change 'a'"));
+  CHECK_THROWS_WITH(combinations({read_axis("time.integrator=[newmark]"), read_axis("time.stepper=[xpbd]")}),
+                    Contains("change 'time.stepper'"));
+  CHECK_THROWS_WITH(combinations({modulus}, {"material.youngs_modulus=3"}),
+                    Contains("--set material.youngs_modulus=3 changes nothing"));
+  CHECK(combinations({modulus}, {"material={youngs_modulus: 1}", "material.youngs=2"}).size() == 2);
+  // Nothing runs twice under two names.
+  for (const std::string values : {"[5 mm, 5 mm]", "[5 mm, 7 mm, 0.005 m]", "[1.0, 1]", "[pcg, direct, pcg]",
+                                   "[{E: 1 kPa, nu: 0.3}, {nu: 0.30, E: 1000 Pa}]", "[[1, 2], [1, 2.0]]"})
+    CHECK_THROWS_WITH(read_axis("a=" + values), Contains("are the same") && Contains("leave one of them out"));
+  CHECK_THROWS_WITH(read_axis("a=[5 mm, 7 mm, 0.005 m]"),
+                    Contains("--vary a=[5 mm, 7 mm, 0.005 m]: a: values 1 and 3 are the same, 5 mm and 0.005 m; "));
+  CHECK(read_axis("a=[5 mm, 5 m, 5 kPa, pcg]").values.size() == 4);
+  CHECK(read_axis("{a: [1, 1], b: [2, 3]}").values.size() == 2);
   CHECK_THROWS_WITH(read_axis("{a: [1, 2], b: [1]}"), Contains("--vary") && Contains("equally many values: 1 here, 2"));
-  CHECK_THROWS_WITH(read_axis("a=1"), Contains("expected a list, found a single value"));
+  CHECK_THROWS_WITH(read_axis("a=1 kPa, 2 kPa"),
+                    "--vary a=1 kPa, 2 kPa: a: expected a list, found a single value; "
+                    "write [1 kPa, 2 kPa]");
   CHECK_THROWS_WITH(read_axis("pcg"), Contains("write KEY.PATH=[value"));
 }
 
