@@ -9,6 +9,7 @@
 #include "core/shapes/orders.h"
 #include "elastin/core/base/text.h"
 #include "elastin/core/forces/tangent.h"
+#include "elastin/core/model/parts.h"
 #include "lab/export/problem.h"
 #include "lab/run/cell_stress.h"
 
@@ -20,13 +21,12 @@ using Cell = ExportedBody::Cell;
 /// Its part's material, with the numbers of the middle of its nodes.
 Cell cell_of(const Specimen& specimen, const CellKind& kind, std::vector<int> nodes, std::size_t number,
              CellRange Part::*range) {
-  const Material& material = specimen.materials.empty()
-                                 ? specimen.material
-                                 : specimen.materials[material_of(specimen.body, static_cast<int>(number), range)];
+  const int which = specimen.materials.empty() ? 0 : material_of(specimen.body, static_cast<int>(number), range);
+  const Material& material = specimen.materials.empty() ? specimen.material : specimen.materials[which];
   Vector3 middle = Vector3::Zero();
   for (const int node : nodes) middle += specimen.body.rest.col(node) / static_cast<double>(nodes.size());
   const auto cell = [&](const Material& own) {
-    return Cell{&kind, std::move(nodes), own.youngs_modulus, own.poissons_ratio, own.density};
+    return Cell{&kind, std::move(nodes), own.youngs_modulus, own.poissons_ratio, own.density, which};
   };
   return material.field ? cell(local_material(material, middle)) : cell(material);
 }
@@ -51,18 +51,32 @@ std::vector<double> stiffness_of_tetrahedra(const Body& body) {
   return all;
 }
 
+/// The mass that each molecule has of its cells, by the materials alone [kg].
+VectorX masses_of_materials(const Specimen& specimen) {
+  const auto masses = [](const Body& body, const Material& material) -> VectorX {
+    return material.density * (body.blocks.empty()
+                                   ? lumped_mass(body.rest, body.triangles, body.tetrahedra, 1, material.thickness)
+                                   : lumped_volumes(body, material.thickness));
+  };
+  const Body& body = specimen.body;
+  if (specimen.materials.empty()) return masses(body, specimen.material);
+  VectorX all = VectorX::Zero(body.size());
+  for (const Part& part : body.parts) {
+    const PartAlone alone = part_alone(body, part);
+    all(alone.molecules) += masses(alone.body, specimen.materials[part.material]);
+  }
+  return all;
+}
+
 /// Gives cells the density of their molecules, which regions, images and masses of the body's own make another than the
-/// material's: mass over volume, in the mean of their nodes.
+/// material's: as many times that as their nodes have its mass, in the mean.
 void weigh(const Specimen& specimen, std::vector<Cell>& cells) {
   constexpr double rounding = 1e-9;
-  const Body& body = specimen.body;
-  const double thickness = specimen.material.thickness;
-  const VectorX volumes = body.blocks.empty() ? lumped_mass(body.rest, body.triangles, body.tetrahedra, 1, thickness)
-                                              : lumped_volumes(body, thickness);
+  const VectorX share = specimen.body.mass.cwiseQuotient(masses_of_materials(specimen));
   for (Cell& cell : cells) {
     double density = 0;
-    for (const int node : cell.nodes)
-      density += body.mass[node] / volumes[node] / static_cast<double>(cell.nodes.size());
+    for (const int node : cell.nodes) density += share[node] / static_cast<double>(cell.nodes.size());
+    density *= (specimen.materials.empty() ? specimen.material : specimen.materials[cell.material]).density;
     if (std::isfinite(density) && std::abs(density - cell.density) > rounding * density) cell.density = density;
   }
 }
@@ -99,7 +113,6 @@ void set_cells(const Specimen& specimen, ExportedBody& result) {
       if (body.cell_stiffness.size())
         result.cells.back().youngs_modulus *= body.cell_stiffness[static_cast<Eigen::Index>(i)];
     }
-  if (!body.parts.empty()) return;
   weigh(specimen, result.cells);
   weigh(specimen, result.tetrahedra);
 }

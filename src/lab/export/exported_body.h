@@ -17,6 +17,7 @@ struct ExportedBody {
     const CellKind* kind = nullptr;
     std::vector<int> nodes;
     double youngs_modulus = 0, poissons_ratio = 0, density = 0;  ///< [Pa], –, [kg/m³]
+    int material = 0;                                            ///< of those of the scene's bodies
   };
   std::string name, title, strategy;
   Positions positions;    ///< at rest [m]

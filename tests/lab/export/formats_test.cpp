@@ -349,6 +349,37 @@ TEST_CASE("Springs with a history are exported with what they are after all time
   }
 }
 
+TEST_CASE("cells of several bodies have the density of their own body and region", "[export]") {
+  const TemporaryFolder folder;
+  const auto exported = [&](const std::string& cells, const std::string& more) {
+    const auto scene = load_scene(
+        folder.write("two.yaml", "bodies:\n  - {name: a, " + cells +
+                                     ", material: {youngs_modulus: 5 kPa, poissons_ratio: 0.3, density: 2000 kg/m3}}\n"
+                                     "  - {name: b, at: [0, 0, 30 mm], " +
+                                     cells + more +
+                                     "}\nmaterial: {youngs_modulus: 10 kPa, poissons_ratio: 0.3, density: 1000 kg/m3}\n"
+                                     "stiffness: neo_hookean_log\nexperiment: {kind: loads}\n"),
+        kCatalog);
+    return exported_body(*scene, scene->stiffness);
+  };
+  const std::string kuhn = "tetrahedra: {kind: kuhn, cubes: [1, 1, 2], size: [10 mm, 10 mm, 20 mm]}";
+  double mass = 0;
+  const ExportedBody heavy = exported(kuhn, ", regions: [{from: [-1 m, -1 m, 10 mm], to: [1 m, 1 m, 1 m], mass: 4}]");
+  for (const ExportedBody::Cell& cell : heavy.tetrahedra) {
+    const double height = heavy.positions(2, cell.nodes).minCoeff();
+    if (height < 25e-3) CHECK(cell.density == Approx(2000));
+    if (height > 35e-3) CHECK(cell.density > 2000);
+    const auto at = [&](int corner) { return Vector3(heavy.positions.col(cell.nodes[corner])); };
+    mass += std::abs((at(1) - at(0)).cross(at(2) - at(0)).dot(at(3) - at(0))) / 6 * cell.density;
+  }
+  CHECK(mass == Approx(heavy.masses.sum()).epsilon(1e-9));
+  // The region has the molecules at 10 mm, where it begins: half of its body, and a quarter at its end.
+  CHECK(heavy.masses.sum() == Approx(2e-6 * (2000 + 1000 * 3.25)));
+  for (const std::string order : {"1}", "2}"})
+    for (const ExportedBody::Cell& cell : exported(kuhn.substr(0, kuhn.size() - 1) + ", order: " + order, "").cells)
+      CHECK((cell.density == 2000 || cell.density == 1000));
+}
+
 TEST_CASE("Regions are in what engines get of cells of every shape, their stiffness and their mass", "[export]") {
   const TemporaryFolder folder;
   const std::string region = "}, regions: [{from: [-1 m, -1 m, 5 mm], to: [1 m, 1 m, 1 m], stiffness: 3, mass: 2}",
