@@ -19,7 +19,6 @@ constexpr double kFarBeyond =
 constexpr double kTogether = 0.95;    // correlation that is named
 constexpr double kMisfit = 4;         // mean square of a test over that of the others, beyond which it is named
 constexpr double kBeyondNoise = 1.5;  // rms of differences over stated standard deviations, beyond which it is named
-constexpr double kRounding = 1e-6;    // rms of a test that is met
 constexpr double kNoFit = 0.3;        // rms of all residuals beyond which nothing is found
 constexpr int kStabilityPoints = 40;
 constexpr int kLinePoints = 80;
@@ -132,8 +131,8 @@ std::vector<TestAnswer> test_answers(const UnknownMaterial& unknown, const std::
     const DataTest& stated = *tests[i].stated;
     const VectorX& fitted = fit.predictions[i].values;
     answers.push_back({stated.name, stated.kind->name, tests[i].test->data(), fitted, stated.weight > 0,
-                       stated.residuals, tests[i].scale(), tests[i].moduli, relative_rms(tests[i], fitted),
-                       tests[i].noise, curve_of(unknown, fit, tests[i])});
+                       stated.residuals, tests[i].scale(), tests[i].constant, tests[i].moduli,
+                       relative_rms(tests[i], fitted), tests[i].noise, curve_of(unknown, fit, tests[i])});
   }
   return answers;
 }
@@ -277,27 +276,19 @@ void warn_of_places(const TestAnswer& test, std::vector<std::string>& warnings) 
                     test.name, together / alone));
 }
 
-/// Scatter changes its sign at every second point or so [Wald & Wolfowitz 1940]; intervals take residuals for scatter.
+/// Intervals take residuals for scatter.
 void warn_of_shape(const Answer& answer, std::vector<std::string>& warnings) {
   for (const TestAnswer& test : answer.tests) {
-    if (!test.counted || test.fitted.size() < 8 || test.relative_rms <= kRounding) continue;
+    if (!test.counted || test.fitted.size() < kFewest || test.relative_rms <= kRounding) continue;
     if (!test.data.axes.empty()) {
       warn_of_places(test, warnings);
       continue;
     }
-    const VectorX residual = test.fitted - test.data.y;
-    double above = 0, below = 0, runs = 1;
-    for (Eigen::Index i = 0; i < residual.size(); ++i) {
-      (residual[i] > 0 ? above : below) += 1;
-      if (i > 0 && (residual[i] > 0) != (residual[i - 1] > 0)) runs += 1;
-    }
-    const double n = above + below, mean = 2 * above * below / n + 1;
-    const double deviation = std::sqrt(std::max(0., (mean - 1) * (mean - 2) / (n - 1)));
-    if (deviation > 0 && runs < mean - 2.5 * deviation)
+    if (const SignChanges changes = sign_changes(test.fitted - test.data.y); changes.too_few())
       warnings.push_back(
           fmt::format("the misfit of {} has a shape: {:.0f} changes of sign where scatter has about "
                       "{:.0f}; the law lacks something, and the intervals take it for scatter",
-                      test.name, runs - 1, mean - 1));
+                      test.name, changes.count, changes.expected));
   }
 }
 

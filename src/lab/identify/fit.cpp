@@ -393,10 +393,14 @@ SearchEnd searched(const UnknownMaterial& unknown, Residuals& residuals, const F
 
 VectorX WeightedTest::scale() const {
   const VectorX& measured = test->data().y;
-  if (stated->residuals == ResidualScale::automatic)
-    return measured.unaryExpr([least = test->data().least_scale()](double y) { return std::hypot(y, least); });
+  const double largest = measured.cwiseAbs().maxCoeff();
   if (stated->residuals == ResidualScale::relative) return measured;
-  return VectorX::Constant(measured.size(), measured.cwiseAbs().maxCoeff());
+  if (stated->residuals == ResidualScale::absolute || std::isinf(constant))
+    return VectorX::Constant(measured.size(), largest);
+  // One that the scatter shows leaves the scale of the largest value as it is.
+  const double least = constant > 0 ? constant : test->data().least_scale(),
+               whole = constant > 0 ? std::hypot(1, constant / largest) : 1;
+  return measured.unaryExpr([=](double y) { return std::hypot(y, least) / whole; });
 }
 
 double WeightedTest::freedom(Eigen::Index unknowns) const {

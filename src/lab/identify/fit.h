@@ -31,6 +31,18 @@ Uncertainty uncertainty(const VectorX& residuals, const MatrixX& jacobian, const
 /// where there are too few residuals.                                                        [Hurvich & Tsai 1989]
 double small_sample_criterion(double squares, Eigen::Index residuals, Eigen::Index unknowns);
 
+/// Changes of sign along a row of differences, and how many of them scatter has.           [Wald & Wolfowitz 1940]
+struct SignChanges {
+  double count = 0, expected = 0, deviation = 0;
+  /// Whether the differences have a shape: they change their sign too seldom for scatter.
+  bool too_few() const { return deviation > 0 && count < expected - 2.5 * deviation; }
+};
+SignChanges sign_changes(const VectorX& differences);
+
+/// The s with which differences from measured values y most likely scatter as √(y² + s²): infinite where they scatter
+/// alike at all values, 0 where `least` is as good, by the likelihood ratio at 5 %.
+double scatter_constant(const VectorX& measured, const VectorX& differences, double least);
+
 /// The Σ r² that is left if one unknown is kept at a value and all others are fitted; none where there is no answer.
 using ProfileSquares = std::function<std::optional<double>(double value)>;
 
@@ -56,12 +68,17 @@ struct UnknownMaterial {
   bool plain = false;                    ///< whether the scene is in plain SI numbers
 };
 
+inline constexpr double kRounding = 1e-6;   ///< rms of a test that is met
+inline constexpr Eigen::Index kFewest = 8;  ///< readings whose differences show how they scatter
+
 /// One test with its weight.
 struct WeightedTest {
   const DataTest* stated = nullptr;
   std::unique_ptr<MeasuredTest> test;
   std::vector<WindowModulus> moduli = {};
   double noise = 1;  ///< of its differences over the scale, next to those of the other tests
+  /// Of automatic residuals, as their scatter shows it: see scatter_constant. 0: the data's least scale.
+  double constant = 0;
   /// What differences are over, by the test's ResidualScale.
   VectorX scale() const;
   /// Readings less what this number of unknowns may take of them.

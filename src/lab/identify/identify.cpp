@@ -8,6 +8,8 @@
 #include <cmath>
 #include <fstream>
 #include <iterator>
+#include <limits>
+#include <utility>
 
 #include "config/scene_text.h"
 #include "core/base/named.h"
@@ -374,6 +376,52 @@ bool weigh_by_noise(std::vector<WeightedTest>& tests, const Fit& fit) {
   return changed;
 }
 
+/// A search from where another one ended; its name among those of the same task.
+using SearchAgain = std::function<Fit(const Fit& from, const std::string& name)>;
+
+/// The fit with automatic residuals over what their scatter shows, so that intervals hold what they state whether
+/// readings scatter by a constant or in proportion. The scatter is seen from a fit over the largest values, which no
+/// small reading rules. Where the differences of a test have a shape, what is left is no scatter: all stays as it was.
+Fit fit_by_scatter(std::vector<WeightedTest>& tests, const Fit& before, const SearchAgain& search) {
+  constexpr int most = 6;
+  const double least = before.rough ? 1e-3 : kRounding;  // rms; of expensive equilibria less noise than nothing has
+  std::vector<std::size_t> seen;
+  const auto differences = [&](const Fit& fit, std::size_t i) -> VectorX {
+    return fit.predictions[i].values - tests[i].test->data().y;
+  };
+  for (std::size_t i = 0; i < tests.size(); ++i) {
+    const DataTest& stated = *tests[i].stated;
+    const MeasuredData& data = tests[i].test->data();
+    if (stated.kind->points) return before;  // those are weighed by their noise
+    if (stated.weight > 0 && stated.residuals == ResidualScale::automatic && data.y.size() >= kFewest &&
+        data.deviations.size() == 0 &&
+        differences(before, i).cwiseQuotient(tests[i].scale()).norm() >
+            least * std::sqrt(static_cast<double>(data.y.size())))
+      seen.push_back(i);
+  }
+  Fit fit = before;
+  bool scatters = !seen.empty();
+  for (int again = 0; again < most && scatters; ++again) {
+    bool changed = false;
+    for (const std::size_t i : seen) {
+      const MeasuredData& data = tests[i].test->data();
+      const double constant = again == 0 ? std::numeric_limits<double>::infinity()
+                                         : scatter_constant(data.y, differences(fit, i), data.least_scale());
+      changed |= std::exchange(tests[i].constant, constant) != constant;
+    }
+    if (!changed) break;
+    fit = search(fit, "scatter " + std::to_string(again));
+    scatters = fit.converged && std::all_of(seen.begin(), seen.end(), [&](std::size_t i) {
+                 return fit.predictions[i].values.size() == tests[i].test->data().y.size() &&
+                        !sign_changes(differences(fit, i)).too_few();
+               });
+  }
+  const bool as_before = std::all_of(seen.begin(), seen.end(), [&](std::size_t i) { return tests[i].constant == 0; });
+  if (scatters && !as_before) return fit;
+  for (const std::size_t i : seen) tests[i].constant = 0;
+  return before;
+}
+
 struct Fitted {
   UnknownMaterial unknown;
   Fit fit;
@@ -435,9 +483,12 @@ Answer identify_one(const IdentifyTask& task, const Catalog& catalog, const Iden
   std::vector<Fitted> all;
   const auto add = [&](const UnknownMaterial& unknown) {
     check_count(unknown, tests, task);
+    const std::string name = task.name + ", " + unknown.label + (strategy.empty() ? "" : ", " + strategy);
+    const auto key = [&](const std::string& which) {
+      return request.journal ? key_of(std::vector{content, unknown.label, strategy + which}) : "";
+    };
     FitOptions own_options = options;
-    const std::string key = request.journal ? key_of({content, unknown.label, strategy}) : "";
-    if (request.journal) own_options.known = request.journal->find(key);
+    if (request.journal) own_options.known = request.journal->find(key(""));
     Fit fit = fit_material(unknown, tests, own_options);
     constexpr int most = 4;
     const bool first = all.empty();  // the laws that are compared with it have the same weights
@@ -445,8 +496,21 @@ Answer identify_one(const IdentifyTask& task, const Catalog& catalog, const Iden
       own_options.known = fit, own_options.known->converged = false, own_options.starts = 1;
       fit = fit_material(unknown, tests, own_options);
     }
-    if (request.journal && !(own_options.known && own_options.known->converged))
-      request.journal->add(key, task.name + ", " + unknown.label + (strategy.empty() ? "" : ", " + strategy), fit);
+    const auto add_to_journal = [&](const std::string& which, const Fit& found) {
+      if (request.journal && !(own_options.known && own_options.known->converged))
+        request.journal->add(key(which), name, found);
+    };
+    add_to_journal("", fit);
+    if (first && fit.converged)
+      fit = fit_by_scatter(tests, fit, [&](const Fit& from, const std::string& which) {
+        own_options.known = request.journal ? request.journal->find(key(", " + which)) : std::nullopt;
+        if (!own_options.known) own_options.known = from, own_options.known->converged = false;
+        own_options.starts = 1;
+        Fit found = fit_material(unknown, tests, own_options);
+        add_to_journal(", " + which, found);
+        found.starts = from.starts, found.agreeing = from.agreeing, found.seconds += from.seconds;
+        return found;
+      });
     LawAnswer law = law_answer(make_answer(unknown, tests, fit, false));
     law.label = unknown.label;
     all.push_back({unknown, std::move(fit), std::move(law)});

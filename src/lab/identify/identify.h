@@ -33,6 +33,7 @@ struct TestAnswer {
   bool counted = true;  ///< false: predicted alone
   ResidualScale residuals = ResidualScale::automatic;
   VectorX scale;                                ///< what differences are over
+  double constant = 0;                          ///< of that, as WeightedTest has it
   std::vector<WindowModulus> moduli;            ///< by windows of the measured curve
   double relative_rms = 0;                      ///< of differences over the scale
   double noise = 1;                             ///< that the search took for these, next to those of the other tests

@@ -140,7 +140,10 @@ Json field_json(const FoundField& field) {
 std::string scale_text(const TestAnswer& test) {
   if (test.residuals == ResidualScale::absolute) return "the largest value";
   if (test.residuals == ResidualScale::relative) return "each value";
-  return "each value and " + readable(test.data.least_scale(), test.data.up->unit, 2);
+  if (std::isinf(test.constant)) return "the largest value, as they scatter";
+  return "each value and " +
+         readable(test.constant > 0 ? test.constant : test.data.least_scale(), test.data.up->unit, 2) +
+         (test.constant > 0 ? ", as they scatter" : "");
 }
 
 Table modulus_table(const Answer& answer) {

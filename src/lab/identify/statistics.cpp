@@ -90,6 +90,36 @@ double small_sample_criterion(double squares, Eigen::Index residuals, Eigen::Ind
   return n * std::log(squares / n) + 2 * k + 2 * k * (k + 1) / (n - k - 1);
 }
 
+SignChanges sign_changes(const VectorX& differences) {
+  double above = 0, below = 0;
+  SignChanges changes;
+  for (Eigen::Index i = 0; i < differences.size(); ++i) {
+    (differences[i] > 0 ? above : below) += 1;
+    if (i > 0 && (differences[i] > 0) != (differences[i - 1] > 0)) changes.count += 1;
+  }
+  const double n = above + below;
+  changes.expected = n > 0 ? 2 * above * below / n : 0;
+  changes.deviation = n > 1 ? std::sqrt(std::max(0., changes.expected * (changes.expected - 1) / (n - 1))) : 0;
+  return changes;
+}
+
+double scatter_constant(const VectorX& measured, const VectorX& differences, double least) {
+  constexpr double significant = 3.84 / 2;  // of χ² with one degree of freedom, beyond which 5 % lie
+  constexpr double finer = 1.8, most = 3;   // of the largest value; beyond it the scatter is alike
+  const double n = static_cast<double>(measured.size());
+  // −ln L, at the likeliest factor of the scatter.
+  const auto loss = [&](double s) {
+    if (std::isinf(s)) return n / 2 * std::log(differences.squaredNorm());
+    const VectorX scale = measured.unaryExpr([s](double y) { return std::hypot(y, s); });
+    return n / 2 * std::log(differences.cwiseQuotient(scale).squaredNorm()) + scale.array().log().sum();
+  };
+  double best = kInfinite, lowest = loss(kInfinite);
+  const double largest = measured.cwiseAbs().maxCoeff();
+  for (double s = least * finer; s < most * largest; s *= finer)
+    if (const double at = loss(s); at < lowest) best = s, lowest = at;
+  return loss(least) - lowest > significant ? best : 0;
+}
+
 double profile_end(double value, double step, double bound, double least_squares, double most_squares,
                    const ProfileSquares& squares, const ProfileEffort& effort) {
   // The root of the deviance is nearly linear in the unknown: 0 at the value, 1 at the end.

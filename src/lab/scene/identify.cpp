@@ -312,7 +312,7 @@ const Keys<IdentifySetup>& identify_map_keys() {
           &S::residuals,
           "differences are over each measured value (`relative`), over the largest one of the test (`absolute`), or "
           "over each value and 1 % of the largest, or a hundred times the noise of readings near zero, together "
-          "(`automatic`)"),
+          "(`automatic`); of 8 readings or more over as much more of the largest as their scatter shows"),
       Key<S>({"tests", "list of maps", "", "", "", "the tests, below"}, read_tests).needed(),
       Key<S>(
           {"unknowns", "list, or map", "", "", "all numbers of the law but `bulk_modulus`; of E and ν, E",

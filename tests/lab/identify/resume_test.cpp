@@ -1,6 +1,7 @@
 // Identification that is interrupted, goes on, and leaves scenes that work where they are put.
 
 #include <catch2/catch.hpp>
+#include <cmath>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
@@ -68,6 +69,36 @@ TEST_CASE("another scene, data or --set is another search", "[identify]") {
   CHECK(lines_after({.overrides = {"identify.residuals=absolute"}}) == 2);
   folder.write("data.csv", "stretch,nominal_stress [Pa]\n1.1,270\n1.2,520\n1.3,710\n1.4,901\n");
   CHECK(lines_after({}) == 3);
+}
+
+TEST_CASE("searches over what scatter shows are not done twice", "[identify]") {
+  const TemporaryFolder folder;
+  std::string data = "stretch,nominal_stress [Pa]\n";  // 300 Pa (λ − 1/λ²) and, by turns, 8 Pa more and less
+  for (int i = 1; i <= 12; ++i) {
+    const double stretch = 1 + 0.05 * i;
+    data += std::to_string(stretch) + "," +
+            std::to_string(300 * (stretch - 1 / (stretch * stretch)) + (i % 2 == 0 ? 8 : -8)) + "\n";
+  }
+  folder.write("data.csv", data);
+  const std::string scene = folder.write(
+      "scene.yaml", "material: {law: yeoh, terms: [100 Pa]}\nidentify: {tests: [{kind: uniaxial, file: data.csv}]}\n");
+  std::vector<double> values;
+  for (const bool again : {false, true}) {
+    FitJournal journal(folder.path("o"), again);
+    int iterations = 0;
+    const Answer answer =
+        identify(
+            scene, kCatalog,
+            {.progress = [&](const std::string& doing) { iterations += doing.find("iteration") != std::string::npos; },
+             .journal = &journal})
+            .front();
+    CHECK((iterations == 0) == again);
+    CHECK(std::isinf(answer.tests.front().constant));
+    CHECK(answer.starts == 8);
+    values.push_back(answer.numbers.front().value);
+    CHECK(lines_of(folder.path("o/fits.jsonl")).size() == 2);  // the whole search, and the one from its end
+  }
+  CHECK(values[0] == values[1]);
 }
 
 TEST_CASE("a line that is no search is named", "[identify]") {

@@ -49,3 +49,21 @@ TEST_CASE("the criterion for small samples prefers what is enough", "[identify]"
   CHECK(many == Approx(2).epsilon(0.02));  // Akaike's own
   CHECK(std::isinf(small_sample_criterion(1, 4, 2)));
 }
+
+TEST_CASE("how differences scatter is seen in them", "[identify]") {
+  // By turns above and below, of a constant size, of one in proportion, and of both together.
+  const VectorX y = VectorX::LinSpaced(40, 0.025, 1);
+  VectorX sign(40);
+  for (Eigen::Index i = 0; i < 40; ++i) sign[i] = i % 2 == 0 ? 0.01 : -0.01;
+  CHECK(std::isinf(scatter_constant(y, sign, 0.01)));
+  CHECK(scatter_constant(y, sign.cwiseProduct(y), 0.01) == 0);
+  const VectorX both = sign.cwiseProduct((y.array().square() + 0.04).sqrt().matrix());
+  CHECK(scatter_constant(y, both, 0.01) == Approx(0.2).epsilon(0.35));  // to a step of its search
+  CHECK(sign_changes(sign).count == 39);
+  CHECK_FALSE(sign_changes(sign).too_few());
+  // Of 20 above and 20 below: 20 changes with a deviation of √(20 · 19 / 39).
+  CHECK(sign_changes(sign).expected == 20);
+  CHECK(sign_changes(sign).deviation == Approx(std::sqrt(20. * 19 / 39)));
+  CHECK(sign_changes((y.array() - 0.5).matrix()).count == 1);
+  CHECK(sign_changes((y.array() - 0.5).matrix()).too_few());
+}
