@@ -54,6 +54,9 @@ const CommandRow& find_command(const std::string& word) {
   if (word.starts_with('-'))
     throw InputError("unknown option '" + word + "'" + suggestion(word, {"--help", "--version"}) +
                      "; the options of a command follow its name");
+  if (std::error_code ignored; std::filesystem::exists(word, ignored) || word.ends_with(".yaml"))
+    throw InputError("name a command before the scene: elastin run " + word + ", or one of " +
+                     joined(kCommands, &CommandRow::name));
   throw InputError("unknown command '" + word + "'" + suggestion(word, names_of(kCommands, &CommandRow::name)));
 }
 

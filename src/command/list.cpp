@@ -2,6 +2,7 @@
 #include <unistd.h>
 
 #include "command/row.h"
+#include "core/base/named.h"
 #include "elastin/core/base/error.h"
 #include "elastin/lab/experiment/experiment_catalog.h"
 #include "lab/scene/scene.h"
@@ -26,9 +27,19 @@ struct ListCommand {
     if (keys && !word.empty()) throw InputError("list: --keys lists all keys; leave out " + word);
     const std::string text = keys ? lab::key_reference(call.catalog, experiments)
                                   : lab::catalog_text(call.catalog, experiments, lab::colours_on(STDOUT_FILENO), word);
-    if (text.empty())
+    if (text.empty()) {
+      std::vector<std::string> names{"strategies", "steppers",    "solvers", "engines",
+                                     "loads",      "experiments", "measures"};
+      const auto add = [&](const std::vector<std::string>& more) {
+        names.insert(names.end(), more.begin(), more.end());
+      };
+      add(names_of(call.catalog.strategies()));
+      add(call.catalog.steppers.names()), add(call.catalog.linear_solvers.names()), add(call.catalog.loads.names());
+      add(names_of(experiments.experiments()));
+      const std::string near = nearest_name(word, names);
       throw InputError("list: no strategy, stepper, solver, load, experiment, key or measure has '" + word +
-                       "' in it; elastin list prints all");
+                       "' in it; " + (near.empty() ? "" : "did you mean '" + near + "'? ") + "elastin list prints all");
+    }
     fmt::print("{}", text);
     return 0;
   }

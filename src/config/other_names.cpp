@@ -121,6 +121,7 @@ constexpr Pair kInstead[]{
     {"bulkmodulus", "give E and ν: youngs_modulus: = 3 * K * (1 - 2 * nu), with K and nu under `values`"},
     {"grips", "write fixed_grip: clamped, loaded_grip: clamped; sliding grips are the default"},
     {"grip", "write fixed_grip: clamped, loaded_grip: clamped; sliding grips are the default"},
+    {"gravity", "weight is a load at the top level: loads: [{gravity: [0, 0, -9.81 m/s2]}]"},
     {"incompressible", "write poissons_ratio: 0.499 and stiffness: neo_hookean+volume"},
     {"fixed", kStays},
     {"fix", kStays},

@@ -54,6 +54,13 @@ TEST_CASE("a mistake on the command line is answered from that command's options
            {"merge", "FOLDER is missing; write elastin merge FOLDER... [OPTIONS]\n"},
            {"plot --x a", "FILE is missing; write elastin plot FILE... [OPTIONS]\n"},
            {"list strategies steppers", "'steppers' is one argument too many; write elastin list [WORD] [OPTIONS]\n"},
+           {"list stepers",
+            "list: no strategy, stepper, solver, load, experiment, key or measure has 'stepers' in it; did you "
+            "mean 'steppers'? elastin list prints all\n"},
+           {"list newmrk",
+            "list: no strategy, stepper, solver, load, experiment, key or measure has 'newmrk' in it; did you "
+            "mean 'newmark'? "},
+           {"bar.yaml", "name a command before the scene: elastin run bar.yaml, or one of run, compare, "},
            {"list qqq", "list: no strategy, stepper, solver, load, experiment, key or measure has 'qqq' in it; "},
            {"plot a.yaml", "a.yaml: plot draws CSV files, and this is a scene: elastin run a.yaml --out out writes "},
            {"new strip organ", "'organ' is one argument too many; write elastin new [SPECIMEN] [OPTIONS]\n"},
@@ -112,6 +119,20 @@ TEST_CASE("every option of every command states what it needs, and knows no opti
           INFO(command << ' ' << name);
           CHECK_THAT(offered, !Contains(name + ",") && !Contains(name + "\n"));
         }
+  }
+}
+
+TEST_CASE("a section of the list is named by its title", "[command]") {
+  for (const auto& [word, row] : {std::pair{"steppers", "velocity_verlet"},
+                                  {"Loads", "stokes_drag"},
+                                  {"strategies", "van_gelder"},
+                                  {"solvers", "multigrid"},
+                                  {"experiments", "torsion"},
+                                  {"measures", "reaction_balance"}}) {
+    INFO(word);
+    const Said said = say(std::string("list ") + word);
+    CHECK(said.code == 0);
+    CHECK_THAT(said.out, Contains(row));
   }
 }
 

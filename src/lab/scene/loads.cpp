@@ -82,6 +82,16 @@ elastin::Table<LoadKind> scene_loads(const Catalog& catalog) {
   return loads;
 }
 
+/// The first load that has all of these keys; "" where there is none.
+std::string load_with(const elastin::Table<LoadKind>& loads, const std::vector<std::string>& keys) {
+  for (const auto& load : loads)
+    if (!keys.empty() && std::all_of(keys.begin(), keys.end(), [&](const std::string& key) {
+          return find_named(load->parameters, key) != nullptr;
+        }))
+      return load->name;
+  return "";
+}
+
 SceneLoad read_load(Reader reader, const elastin::Table<LoadKind>& loads, const Body& body, const Material& material,
                     const Matrix3& rotation) {
   const std::vector<std::string> keys = reader.keys();
@@ -101,6 +111,13 @@ SceneLoad read_load(Reader reader, const elastin::Table<LoadKind>& loads, const 
     names += (names.empty() ? "" : ", ") + load->name;
   }
   const auto in_time = reader.find("in_time");
+  if (found.empty()) {
+    std::vector<std::string> own = keys;
+    std::erase(own, "in_time");
+    if (const std::string meant = load_with(loads, own); !meant.empty())
+      reader.fail("a load is named before its own keys: write " + meant + ": {" +
+                  joined(own, [](const std::string& key) { return key + ": …"; }) + "}");
+  }
   reader.finish();
   if (found.size() != 1) reader.fail("a load is one of " + names + "; write each as an item of its own");
   const Reader value = found.front().first;

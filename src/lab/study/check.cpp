@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <map>
 
@@ -275,6 +276,22 @@ void add_parameters(const Descriptor& row, Table& parameters) {
   for (const ParameterInfo& info : row.parameters) add_key(row.name, key_of(info), parameters);
 }
 
+/// Whether a title has a word, whatever its capitals.
+bool has_word(const std::string& title, const std::string& word) {
+  std::string own;
+  for (const char letter : title + " ") {
+    if (std::isalpha(static_cast<unsigned char>(letter))) {
+      own += letter;
+      continue;
+    }
+    if (std::equal(own.begin(), own.end(), word.begin(), word.end(),
+                   [](unsigned char a, unsigned char b) { return std::tolower(a) == std::tolower(b); }))
+      return true;
+    own.clear();
+  }
+  return false;
+}
+
 Table parameter_table() { return Table({"parameter", "type", "unit", "range", "default", "meaning"}); }
 
 /// Each measure with the experiments of which its text is true; "" of every run.
@@ -300,8 +317,10 @@ std::vector<std::pair<MeasureInfo, std::string>> described_measures(const Experi
 std::string catalog_text(const Catalog& catalog, const ExperimentCatalog& experiments, bool colours,
                          const std::string& word) {
   std::string out;
+  bool whole = word.empty();  // a table whose title has the word stays whole, with the tables that belong to it
   const auto add = [&](const std::string& title, Table table) {
-    if (!word.empty()) table.keep_rows_with(word);
+    if (!word.empty() && !title.empty() && !title.starts_with("Their")) whole = has_word(title, word);
+    if (!whole) table.keep_rows_with(word);
     if (table.empty()) return;
     out += (out.empty() ? "" : "\n") + (title.empty() ? "" : painted(title, Tone::bold, colours) + "\n") +
            table.text(colours);

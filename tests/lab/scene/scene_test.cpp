@@ -288,6 +288,26 @@ TEST_CASE("a key under the name of older scenes is refused with its new name", "
   CHECK(config::meant_key("hold", {"kind", "move", "fix"}) == "fix");  // of a press
 }
 
+TEST_CASE("a load without its name, or under the experiment, is said to have a place of its own", "[scene]") {
+  const TemporaryFolder folder;
+  const std::string body =
+                        "body: {lattice: {kind: cubic, molecules: [3, 3, 3], spacing: 1 mm}}\n"
+                        "material: {youngs_modulus: 5 kPa}\nstiffness: uniform\n",
+                    test = "experiment: {kind: tension, axis: z, displacement: 0.1 mm}\nloads: [{";
+  for (const auto& [text, message] : std::vector<std::pair<std::string, std::string>>{
+           {test + "molecules: [1], force: [1 mN, 0, 0]}]\n",
+            "loads[0]: a load is named before its own keys: write point: {molecules: …, force: …}"},
+           {test + "force: [1 mN, 0, 0], in_time: {step: {}}, molecules: {side: z}}]\n",
+            "write point: {force: …, molecules: …}"},
+           {test + "acceleration: [0, 0, -9.81 m/s2]}]\n", "write gravity: {acceleration: …}"},
+           {test + "weight: 3 N}]\n", "loads[0]: unknown key 'weight'"},
+           {"experiment: {kind: motion, gravity: [0, 0, -9.81 m/s2]}\ntime: {duration: 1 s}\n",
+            "unknown key 'gravity'; weight is a load at the top level: loads: [{gravity: "}}) {
+    INFO(text);
+    CHECK_THAT(refusal(folder.write("slip.yaml", body + text)), Contains(message));
+  }
+}
+
 TEST_CASE("a value that cannot be is named with what can", "[scene]") {
   check_slips({
       // Missing and wrong units. Plain numbers are taken only where no value of the file has a unit.
