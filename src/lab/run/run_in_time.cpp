@@ -330,7 +330,11 @@ class TimedRun {
     const bool lost = open && !experiment_.slow() && !contact_damps_;
     if (open && (from_nothing || lost)) {
       const TimeOptions& chosen = *options_.time;  // of a budget the clock says how many
-      const std::string effort = chosen.stepper && !(chosen.budget > 0) ? (*chosen.stepper)->effort : "";
+      std::string effort = chosen.stepper && !(chosen.budget > 0) ? (*chosen.stepper)->effort : "";
+      if (!effort.empty()) {  // a number of 0: as many as it takes
+        const StepperKind& stepper = **chosen.stepper;
+        if (complete_values(stepper.name, stepper.parameters, chosen.parameters).at(effort) == 0) effort.clear();
+      }
       run_.warnings.push_back((from_nothing ? "the steps make energy from nothing: " + number(made, 2) + " J where"
                                             : "the steps lose energy: " + number(drift, 2) + " J are missing where") +
                               " at most " + number(largest, 2) +

@@ -16,6 +16,7 @@
 using namespace elastin;
 using namespace elastin::lab;
 using Catch::Matchers::Contains;
+using Catch::Matchers::EndsWith;
 
 namespace {
 
@@ -623,7 +624,7 @@ TEST_CASE("steps that lose energy are named, implicit ones too, and what contact
     return all;
   };
   CHECK_THAT(warnings(run_of(swings + "time: {duration: 0.3 s, frames: 30, stepper: backward_euler, step: 2 ms}\n")),
-             Contains("the steps lose energy"));
+             Contains("the steps lose energy") && EndsWith("take shorter steps\n"));  // they take as many as it needs
   // Where a step takes a number of iterations, more of them may help as well.
   for (const auto& [stepper, effort] : {std::pair{"xpbd", "iterations"}, {"block_descent", "sweeps"}})
     CHECK_THAT(warnings(run_of(swings + "time: {duration: 0.3 s, frames: 30, step: 2 ms, stepper: " + stepper + "}\n")),
