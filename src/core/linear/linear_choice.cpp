@@ -55,11 +55,11 @@ FactorCost factor_cost_of(const Body& body, const std::vector<Support>& supports
   return factor_cost(body.size(), pairs);
 }
 
-class MultigridOrDirect final : public LinearSolver, public KeepsCoarsePicture {
+class MultigridOrDirect final : public LinearSolver, public KeepsWay {
  public:
   const char* name() const override { return (plain_ ? plain_ : direct_ ? direct_ : multigrid_)->name(); }
   void forget() override {
-    dynamic_cast<KeepsCoarsePicture&>(*multigrid_).forget();
+    dynamic_cast<KeepsWay&>(*multigrid_).forget();
     plain_.reset(), direct_.reset(), cost_.reset(), indefinite_ = false;
   }
 
@@ -70,7 +70,7 @@ class MultigridOrDirect final : public LinearSolver, public KeepsCoarsePicture {
       body_ = &tangent.model().body(), supports_ = &supports;
       const LinearResult result = multigrid_->solve(tangent, supports, rhs, tolerance, x);
       if (!direct_) return result;
-      dynamic_cast<KeepsCoarsePicture&>(*multigrid_).forget();
+      dynamic_cast<KeepsWay&>(*multigrid_).forget();
       before = result.iterations;
       if (before == 0) plain_ = make_pcg(plain_iterations());
     }
@@ -113,6 +113,11 @@ class MultigridOrDirect final : public LinearSolver, public KeepsCoarsePicture {
 };
 
 }  // namespace
+
+bool factor_is_quicker(const Body& body, const std::vector<Support>& supports, double products) {
+  const FactorCost cost = factor_cost_of(body, supports);
+  return cost.numbers < kMostNumbers && cost.products < products * body.size();
+}
 
 std::unique_ptr<LinearSolver> make_multigrid_or_direct() { return std::make_unique<MultigridOrDirect>(); }
 

@@ -48,14 +48,6 @@ class Multigrid {
   bool thin_ = false, searches_ = false;
 };
 
-/// A solver that keeps its grid hierarchy of one stiffness for the ones after it, while it serves.
-class KeepsCoarsePicture {
- public:
-  virtual ~KeepsCoarsePicture() = default;
-  /// Where another problem begins: its answer must not hang on what was solved before.
-  virtual void forget() = 0;
-};
-
 /// Whether a search with this number of iterations to come, at its pace, is given up for another solver.
 using GivesUp = std::function<bool(double to_come)>;
 

@@ -69,7 +69,7 @@ bool is_costly(const Tangent& tangent) {
          tangent.positions() != model.body().rest;
 }
 
-class Pcg final : public LinearSolver, public KeepsCoarsePicture {
+class Pcg final : public LinearSolver, public KeepsWay {
  public:
   explicit Pcg(bool multigrid, GivesUp gives_up = {}) : multigrid_(multigrid), gives_up_(std::move(gives_up)) {}
   explicit Pcg(int most_iterations) : multigrid_(false), most_(most_iterations) {}

@@ -42,7 +42,9 @@ LinearSolver& solver_of(const LinearMethod& method, bool chosen, bool symmetric,
   static const LinearMethod unsymmetric = "bicgstab";
   const LinearMethod& used = symmetric || !method->needs_symmetry ? method : unsymmetric;
   if (cached.solver && cached.method == used) return *cached.solver;
-  cached.solver = chosen && used->name == "multigrid" ? make_multigrid_or_direct() : used->make();
+  cached.solver = chosen && used->name == "multigrid"                ? make_multigrid_or_direct()
+                  : used->name != method->name && method->factorises ? make_bicgstab_by_factor()
+                                                                     : used->make();
   cached.method = used;
   return *cached.solver;
 }
@@ -125,7 +127,7 @@ bool may_buckle(const Problem& problem, const Positions& positions) {
 }  // namespace
 
 void CachedSolver::forget() {
-  if (auto* keeps = dynamic_cast<KeepsCoarsePicture*>(solver.get())) keeps->forget();
+  if (auto* keeps = dynamic_cast<KeepsWay*>(solver.get())) keeps->forget();
 }
 
 bool is_interrupted(const StaticOptions& options, StaticResult& result) {
@@ -151,7 +153,12 @@ LinearResult solve_linear(const Tangent& tangent, const std::vector<Support>& su
   const int molecules = tangent.model().body().size();
   const LinearChoice choice = choose_linear_solver(tangent, options.method, tolerance);
   used.reason = choice.reason;
-  const bool symmetric = tangent.model().symmetric();
+  // Iterations may do on half of a law's stiffness, a factor does not.
+  const bool symmetric = tangent.model().symmetric() && (tangent.model().has_energy() || !choice.method->factorises);
+  if (!symmetric && choice.method->needs_symmetry) {
+    used.reason = "the stiffness is not symmetric";
+    if (options.method->make) used.reason += ", as `" + choice.method->name + "` needs it";
+  }
   LinearSolver* solver = &solver_of(choice.method, !options.method->make, symmetric, cached);
   LinearResult result = solver->solve(tangent, supports, rhs, tolerance, solution);
   std::unique_ptr<LinearSolver> other_solver;
