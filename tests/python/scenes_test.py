@@ -109,7 +109,8 @@ class Messages(unittest.TestCase):
     def test_what_is_no_scene(self):
         self.assertIn("scene: is a int; allowed: the path of a file, a dict, or a Body", self.said(5))
         self.assertIn("scene['body']: is a set", self.said({"body": {1, 2}}))
-        self.assertIn("scene: a key must be a word, not 5", self.said({5: 1}))
+        self.assertIn("scene: a key must be a word, not None", self.said({None: 1}))
+        self.assertIn("unknown key '5'", self.said({5: 1}))
         self.assertIn("scene['title']: has no value", self.said({**CUBE_AS_DICT, "title": None}).replace(" title:", ""))
 
     def test_text_is_text(self):

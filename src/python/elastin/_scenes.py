@@ -37,6 +37,8 @@ class Held:
             self._line(place, before + "{")
             last = len(value) - 1
             for number, (key, item) in enumerate(value.items()):
+                if isinstance(key, numbers.Integral) and not isinstance(key, bool):
+                    key = str(key)  # a label of an image
                 if not isinstance(key, str) or not key:
                     raise InputError(f"{place}: a key must be a word, not {key!r}")
                 self._write(item, f"{place}[{key!r}]", f"{json.dumps(key, ensure_ascii=False)}: ",
