@@ -111,9 +111,9 @@ class BiCgStab final : public LinearSolver, public KeepsWay {
 
  private:
   static constexpr int kPatience = 200;
-  static constexpr int kTried = 50;  ///< iterations between two looks at how many are to come
+  static constexpr int kTried = 25;  ///< iterations between two looks at how many are to come
   static constexpr double kTrusted = 10;
-  static constexpr double kProducts = 12;  ///< of a factorisation that take as long as an iteration of a molecule
+  static constexpr double kProducts = 100;  ///< of a factorisation that take as long as an iteration of a molecule
 
   /// Whether there is a factor.
   bool factorise(const Tangent& tangent, const std::vector<Support>& supports) {

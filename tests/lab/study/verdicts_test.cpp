@@ -154,7 +154,7 @@ TEST_CASE("verdicts: an expected stop passes, an unexpected answer or stop fails
   CHECK_THAT(verdict_of("standard", "{measure: storage_modulus, value: 9 kPa, tolerance: 1 %, source: me}"),
              Contains("failed") && Contains("storage_modulus not measured"));
   CHECK_THROWS_WITH(verdict_of("standard", "{measure: poissons_ratio, value: 0, tolerance: 1 %, source: me}"),
-                    Contains("bar.yaml:8:10") && Contains("of 0 it allows nothing: give `absolute`"));
+                    Contains("bar.yaml:9:10") && Contains("of 0 it allows nothing: give `absolute`"));
   CHECK_THAT(verdict_of("neo_hookean", right), Contains("failed"));
   CHECK_THAT(verdict_of("standard", ""), Contains("no expectation") && Contains("0 of 1 passed, 1 not judged\n"));
   CHECK_THAT(verdict_of("neo_hookean", ""), Contains("failed") && Contains("needs tetrahedra"));
