@@ -13,7 +13,7 @@ void HostSupports::fix(int molecule, const Matrix3& free, const Vector3& positio
   }
   Fixed& fixed = entry_of(molecule);
   Support& now = support(fixed);
-  now.free = free;
+  now.free = without_rounding(free);
   now.displacement = fixed.displacement = position - model_.body().rest.col(molecule);
   now.velocity.setZero();
   fixed.next.reset();

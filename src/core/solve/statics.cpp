@@ -221,6 +221,7 @@ const char* name_of(Outcome outcome) {
 namespace {
 
 StaticResult find_equilibrium(Model& model, State& state, const StaticOptions& options, LastSolve* last) {
+  for (Support& support : model.supports) support.free = without_rounding(support.free);
   model.declare_history(state);
   model.begin_step(state, std::numeric_limits<double>::infinity());
   if (last) last->begin(model);

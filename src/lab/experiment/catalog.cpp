@@ -119,7 +119,7 @@ void fix_in_planes(const Body& body, const std::vector<Vector3>& normals, FixedM
       if (std::abs(height[molecule]) > near) continue;
       any = true;
       Matrix3& free = fixed.try_emplace(molecule, Matrix3::Identity()).first->second;
-      free -= (free * normal * normal.transpose()).eval();
+      free = without_rounding(free - free * normal * normal.transpose());
     }
     if (!any_over(body, any))
       throw InputError("symmetry: no molecule lies in one of the planes, which go through the origin");

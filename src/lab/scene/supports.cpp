@@ -7,7 +7,7 @@ namespace {
 /// Takes a direction from those in which a molecule is free.
 void fix_along(const Vector3& direction, Matrix3& free) {
   const Vector3 left = free * direction;
-  if (left.norm() > 1e-9) free -= left * left.transpose() / left.squaredNorm();
+  if (left.norm() > 1e-9) free = without_rounding(free - left * left.transpose() / left.squaredNorm());
 }
 
 struct SupportSetup {

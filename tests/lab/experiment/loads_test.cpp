@@ -1,5 +1,6 @@
 // Loads and supports of one's own, and what is read off named sets.
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 
@@ -160,4 +161,48 @@ TEST_CASE("loads on faces and sets that are read are checked", "[loads][experime
   CHECK_THAT(answer("experiment: {kind: loads, moved: [{molecules: [0], displacement: [1 mm, 0, 0]}, {molecules: [0], "
                     "displacement: [1 mm, 0, 0]}]}\n"),
              Contains("moved twice"));
+}
+
+TEST_CASE("what is fixed in all directions stays so in a turned scene", "[loads][experiment]") {
+  const std::string text =
+      "experiment: {kind: loads, read: [{name: end, molecules: {side: x}}, {name: held, molecules: {side: -x}}]}\n"
+      "loads: [{traction: {traction: [0, 0, -10 Pa], on: {side: z}}}]\n";
+  const std::string fixes[] = {"supports: [{molecules: {side: -x}}]\n",
+                               "supports: [{molecules: {side: -x}, fix: [x, y, z]}]\n"};
+  const Measures straight = measured(text + fixes[0]);
+  for (const std::string& fix : fixes)
+    for (const std::string axis : {"x", "y", "z", "[1, 2, 3]"})
+      for (const std::string angle : {"0.3 rad", "0.7 rad", "1 rad", "2 rad"}) {
+        INFO(fix << axis << ' ' << angle);
+        const Measures turned = measured(text + fix + "rotate: {axis: " + axis + ", angle: " + angle + "}\n");
+        CHECK(turned.get("end_displacement") == Approx(straight.get("end_displacement")).epsilon(1e-6));
+        CHECK(std::abs(turned.get("held_displacement")) < 1e-12);
+      }
+}
+
+TEST_CASE("damping stays as it is while a motion in time scales what moves", "[loads][experiment]") {
+  // The end of a spring moves as U sin(w0 t); a mass with damping a m of its own velocity follows by U w0/a.
+  const auto own =
+      load_scene(SceneSource::of_text(
+                     "a.yaml",
+                     "body: {molecules: [[0 m, 0 m, 0 m], [10 cm, 0 m, 0 m]], connections: [[0, 1]], radius: 1 cm}\n"
+                     "material: {youngs_modulus: 10 kPa, density: 1000 kg/m3}\n"
+                     "stiffness: {strategy: uniform, constant: 100 N/m}\n"
+                     "loads: [{rayleigh: {mass: 20 1/s}}]\n"
+                     "experiment:\n  kind: motion\n  in_time: {sine: {frequency: 17.794 Hz}}\n"
+                     "  fixture: {kind: loads, read: [{name: end, molecules: [1]}], "
+                     "moved: [{molecules: [0], displacement: [0.1 mm, 0, 0]}]}\n"
+                     "time: {duration: 0.8 s, stepper: newmark, step: 0.5 ms, frames: 800}\n"),
+                 kCatalog);
+  const double w0 = std::sqrt(100 / own->specimen.body.mass[1]);
+  REQUIRE(w0 == Approx(2 * M_PI * 17.794).epsilon(1e-3));
+  RunOptions options{.statics = own->statics};
+  options.time = own->time;
+  const Run run = run_strategy(own->specimen, *own->experiment, own->stiffness, options);
+  INFO(run.cause);
+  REQUIRE(run.outcome == Outcome::converged);
+  double most = 0;
+  for (const CurvePoint& row : run.curve)
+    if (row.time > 0.7) most = std::max(most, std::abs(row.measures.get("end_x")));
+  CHECK(most == Approx(0.1e-3 * w0 / 20).epsilon(0.02));
 }

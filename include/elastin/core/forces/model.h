@@ -21,6 +21,12 @@ struct Support {
   Vector3 velocity = Vector3::Zero();      ///< [m/s] in the fixed directions, of a support that moves in time
 };
 
+/// A projector on free directions, of which rounding may have left a little where there are none: nothing, then.
+inline Matrix3 without_rounding(const Matrix3& free) {
+  constexpr double rounding = 1e-9;
+  return free.cwiseAbs().maxCoeff() < rounding ? Matrix3(Matrix3::Zero()) : free;
+}
+
 /// A body with everything that acts on it. The body must outlive the model. On a process's share of a body
 /// (Body::share) it has the elements that this process computes: energies and forces are summed over the processes,
 /// unless it has complete_rows().

@@ -138,7 +138,8 @@ class LoadsRig final : public StaticRig {
   LoadsRig(const Loads& experiment, Model& model) : setup_(experiment.setup_), body_(experiment.body_), model_(model) {
     const contact::Contact* contact = contact_of(model);
     for (std::unique_ptr<Load>& load : model.extract_loads()) {
-      if (static_cast<const Load*>(contact) == load.get())
+      if (static_cast<const Load*>(contact) == load.get() ||
+          !load->acts_at_rest())  // damping and drag stay as they are
         model.add(std::move(load));
       else
         model.add(std::make_unique<ScaledLoad>(std::move(load), factor_));
@@ -146,7 +147,7 @@ class LoadsRig final : public StaticRig {
     for (const MovedSet& set : setup_.moved) {
       Matrix3 free = Matrix3::Identity();
       for (const Vector3& direction : set.directions) free -= direction * direction.transpose();
-      if (set.directions.empty()) free.setZero();
+      free = set.directions.empty() ? Matrix3(Matrix3::Zero()) : without_rounding(free);
       for (const int molecule : set.molecules) model.supports.push_back({molecule, free});
     }
   }
