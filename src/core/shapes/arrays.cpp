@@ -6,6 +6,7 @@
 #include <limits>
 #include <string>
 
+#include "core/base/dense.h"
 #include "core/geometry/hull_volume.h"
 #include "core/shapes/surfaces.h"
 #include "elastin/core/base/error.h"
@@ -165,6 +166,17 @@ double shortest_connection(const Body& body) {
   return shortest;
 }
 
+namespace {
+
+/// Along the principal axis in which the molecules' places spread least [m].
+double thinnest_extent(const Positions& places) {
+  const Positions arms = places.colwise() - places.rowwise().mean();
+  const VectorX heights = arms.transpose() * symmetric_eigen3(arms * arms.transpose()).vectors.col(0);
+  return heights.maxCoeff() - heights.minCoeff();
+}
+
+}  // namespace
+
 void set_matter(Body& body, double density, double thickness, std::optional<double> radius) {
   body.assumed_density = 0;
   double shortest = shortest_connection(body);
@@ -182,6 +194,7 @@ void set_matter(Body& body, double density, double thickness, std::optional<doub
   if (bare && !body.share) {  // shares are made of lattices along the axes alone, which fill their outline
     const double hull = hull_volume(body.rest);
     if (!(std::abs(hull - volume) <= 1e-9 * volume)) volume = hull;
+    if (thinnest_extent(body.rest) < r) volume = 0;  // a rope or a net, whose hull says nothing of it
   }
   if (!(volume > 0)) volume = static_cast<double>(molecules_of_whole(body)) * std::pow(2 * r, 3);
   set_matter(body, r, density, thickness, volume);

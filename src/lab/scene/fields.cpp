@@ -266,7 +266,8 @@ Keys<RegionSetup> keys_of_region() {
           .otherwise("the material's")
           .place(&S::ratio_place),
       key::quantity("density", &S::density, dimension::density, "density there", kPositive).otherwise("the material's"),
-      key::later({"constants", "map", "", "", "the material's", "numbers of the law there by their names, `c1`"},
+      key::later({"constants", "map", "", "", "the material's",
+                  "numbers of the law there by their names, `c1`, and its `terms`"},
                  &S::constants)};
 }
 
@@ -300,7 +301,7 @@ void add_regions(const Reader& list, const MaterialLaw* law, const Material& mat
   std::vector<RegionSetup> setups;
   for (const Reader& item : list.items()) setups.push_back(keys_of_region().read(item, {Matrix3::Identity(), &body}));
   const auto regions = std::make_shared<const MaterialRegions>(body, std::move(setups));
-  std::map<const RegionSetup*, std::map<std::string, double>> constants;
+  std::map<const RegionSetup*, LawConstants> constants;
   for (const RegionSetup& setup : regions->setups()) {
     const bool moduli = !law || law->from_moduli;
     if (setup.modulus_place && (material.curve || material.fibre))
@@ -308,13 +309,22 @@ void add_regions(const Reader& list, const MaterialLaw* law, const Material& mat
     for (const auto& place : {setup.modulus_place, setup.ratio_place})
       if (place && !moduli) place->fail("follows from the constants of the law; write `constants`");
     if (!setup.constants) continue;
-    if (!law || law->parameters.empty()) setup.constants->fail("are those of a `law`, and the material has none");
+    if (!law || (law->parameters.empty() && law->columns.empty()))
+      setup.constants->fail("are those of a `law`, and the material has none");
     for (const auto& [key, value] : setup.constants->entries()) {
+      if (key == "terms" && !law->columns.empty()) {
+        for (const Reader& item : value.items()) constants[&setup].terms.push_back(read_term(item, law->columns));
+        if (const int count = static_cast<int>(constants[&setup].terms.size()); count < 1 || count > law->most_terms)
+          value.fail("has " + counted(count, "term") + "; allowed: 1 to " + std::to_string(law->most_terms));
+        continue;
+      }
       std::vector<ParameterInfo> numbers = law->parameters;
       std::erase_if(numbers, [](const ParameterInfo& own) { return own.kind == ValueKind::direction; });
       const ParameterInfo* info = find_named(numbers, key);
-      if (!info) value.fail("is no number of " + law->name + suggestion(key, names_of(numbers)));
-      constants[&setup][key] = value.quantity(info->unit, {info->low, info->high, info->above_low});
+      std::vector<std::string> names = names_of(numbers);
+      if (!law->columns.empty()) names.push_back("terms");
+      if (!info) value.fail("is no number of " + law->name + suggestion(key, names));
+      constants[&setup].numbers[key] = value.quantity(info->unit, {info->low, info->high, info->above_low});
     }
   }
   multiply_stiffness(
@@ -328,8 +338,10 @@ void add_regions(const Reader& list, const MaterialLaw* law, const Material& mat
     const RegionSetup* region = regions->at(place);
     if (!region) return;
     if (region->poissons_ratio) own.poissons_ratio = *region->poissons_ratio;
-    if (const auto found = constants.find(region); found != constants.end())
-      for (const auto& [name, value] : found->second) own.law->numbers[name] = value;
+    const auto found = constants.find(region);
+    if (found == constants.end()) return;
+    for (const auto& [name, value] : found->second.numbers) own.law->numbers[name] = value;
+    if (!found->second.terms.empty()) own.law->terms = found->second.terms;
   });
 }
 

@@ -225,16 +225,6 @@ Keys<ActiveFibre> active_keys() {
                  })};
 }
 
-/// A law's term: a number, or a list of them.
-std::vector<double> read_term(const Reader& item, const std::vector<ParameterInfo>& columns) {
-  if (columns.size() == 1) return {read_parameter(item, columns.front())};
-  std::vector<double> term;
-  const std::vector<Reader> values = item.items(columns.size());
-  for (std::size_t column = 0; column < columns.size(); ++column)
-    term.push_back(read_parameter(values[column], columns[column]));
-  return term;
-}
-
 /// "list of pairs": the terms of a law.
 SceneKey key_of_terms(const MaterialLaw& law) {
   SceneKey key{"terms", "", "", "", "needed", ""};
@@ -400,7 +390,11 @@ Keys<MaterialSetup> all_material_keys(const Table<MaterialLaw>& laws) {
              [](const Reader& value, S& material) {
                material.curve = spring_curve(value, value.quantity(dimension::none, kPositive), material);
              }),
-      key::quantity("density", &S::density, dimension::density, "mass over volume ρ", kPositive),
+      key::quantity(
+          "density", &S::density, dimension::density,
+          "mass over volume ρ: of cells, or without them of the convex hull; of lines, ropes and nets that are "
+          "thinner than a molecule's radius of cubes as wide as each",
+          kPositive),
       key::quantity("thickness", &S::thickness, dimension::length, "thickness of a membrane at rest", kPositive)
           .otherwise("needed for triangles"),
       Key<S>(
@@ -425,6 +419,15 @@ Keys<MaterialSetup> all_material_keys(const Table<MaterialLaw>& laws) {
 }
 
 }  // namespace
+
+std::vector<double> read_term(const Reader& item, const std::vector<ParameterInfo>& columns) {
+  if (columns.size() == 1) return {read_parameter(item, columns.front())};
+  std::vector<double> term;
+  const std::vector<Reader> values = item.items(columns.size());
+  for (std::size_t column = 0; column < columns.size(); ++column)
+    term.push_back(read_parameter(values[column], columns[column]));
+  return term;
+}
 
 Material read_material(Reader reader, const Table<MaterialLaw>& laws, const Material* base) {
   reader.set_section("material");

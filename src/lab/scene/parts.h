@@ -123,6 +123,8 @@ Key<MeshFile> mesh_file_key(std::string text);
 Key<MeshFile> length_unit_key();
 /// A number in the range of a parameter, SI.
 double read_parameter(const Reader& reader, const ParameterInfo& info);
+/// A law's term: a number, or a list of them.
+std::vector<double> read_term(const Reader& item, const std::vector<ParameterInfo>& columns);
 /// The keys of all parameters that rows of a table have. A map has those of the row that it has chosen; `chosen` gets
 /// it from the setup, or null.
 template <class Setup, class Rows, class Chosen>

@@ -29,6 +29,19 @@ std::string refusal(const BodyArrays& arrays) {
 
 }  // namespace
 
+TEST_CASE("a rope weighs what its molecules do, straight or not", "[arrays]") {
+  for (const double off : {0., 1e-6, 1e-3, 3e-3}) {
+    BodyArrays rope;
+    rope.positions.setZero(3, 9);
+    for (int i = 0; i < 9; ++i) {
+      rope.positions.col(i) = Vector3(0.0125 * i, off * (i % 2), off * (i % 3 == 1));
+      if (i > 0) rope.connections.push_back({i - 1, i});
+    }
+    rope.radii = VectorX::Constant(9, 0.005);
+    CHECK(make_body(rope).mass.isApprox(VectorX::Constant(9, 1000 * 1e-6), 1e-12));
+  }
+}
+
 TEST_CASE("A body from arrays", "[arrays]") {
   BodyArrays arrays = corner();
   const Body body = make_body(arrays);

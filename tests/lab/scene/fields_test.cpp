@@ -118,6 +118,16 @@ TEST_CASE("a region of all cells is the material that it names", "[scene][fields
   CHECK(measured(folder, law("c1: 2 kPa, c2: 1 kPa", ", fields: {regions: [" + all + "constants: {c1: 6 kPa}}]}"),
                  "elongation") ==
         Approx(measured(folder, law("c1: 6 kPa, c2: 1 kPa", ""), "elongation")).epsilon(1e-8));
+  const auto yeoh = [&](const std::string& terms, const std::string& rest) {
+    return bar_of(kBodies[0], "law: yeoh, terms: " + terms + ", bulk_modulus: 50 kPa" + rest, "yeoh");
+  };
+  const auto in_region = [&](const std::string& constants) {
+    return yeoh("[1 kPa, 200 Pa]", ", fields: {regions: [" + all + "constants: {" + constants + "}}]}");
+  };
+  CHECK(measured(folder, in_region("terms: [4 kPa, 800 Pa, 10 Pa]"), "elongation") ==
+        Approx(measured(folder, yeoh("[4 kPa, 800 Pa, 10 Pa]", ""), "elongation")).epsilon(1e-8));
+  CHECK_THROWS_WITH(scene_of(folder, in_region("c_1: 4 kPa")), Contains("is no number of yeoh") && Contains("terms"));
+  CHECK_THROWS_WITH(scene_of(folder, in_region("terms: []")), Contains("has 0 terms; allowed: 1 to 6"));
   CHECK_THAT(
       refusal("youngs_modulus: 10 kPa, poissons_ratio: 0, fields: {regions: [" + all + "constants: {c1: 1 Pa}}]}"),
       Contains("are those of a `law`"));

@@ -30,8 +30,9 @@ Body make_body(const BodyArrays& arrays);
 double shortest_connection(const Body& body);
 
 /// Sets radii and masses where a body says nothing but a density [kg/m³]: half the shortest connection; cells lumped
-/// (triangles with their `thickness` [m]), and without cells an equal share of the convex hull or, where that is flat,
-/// of cubes as wide as the molecules. Throws InputError where there is no connection to take a radius from.
+/// (triangles with their `thickness` [m]), and without cells an equal share of the convex hull or, where that is
+/// thinner than a molecule's radius, as of ropes and nets, of cubes as wide as the molecules. Throws InputError where
+/// there is no connection to take a radius from.
 void set_matter(Body& body, double density, double thickness, std::optional<double> radius = {});
 
 }  // namespace elastin
