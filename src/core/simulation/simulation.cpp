@@ -78,6 +78,8 @@ std::string fixed_topology(const Strategy& strategy, const Material& material) {
     return "'" + strategy.name + "' has fitted its volume term to the body as it was";
   if (material.fibre && strategy.kind != StrategyKind::cell_law)
     return "the fibres among springs have sections that belong to the body as it was";
+  if (material.bending_rigidity > 0)
+    return "a sheet with bending stiffness has hinges that belong to the body as it was";
   return "";
 }
 

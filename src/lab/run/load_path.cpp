@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "contact/distance.h"
+#include "core/model/faces.h"
 #include "elastin/core/base/text.h"
 #include "elastin/core/forces/tension.h"
 #include "elastin/core/model/rest.h"
@@ -236,6 +237,11 @@ bool note_solve(const StaticResult& solved, const std::string& where, Run& run) 
   if (solved.outcome == Outcome::converged) return true;
   run.outcome = solved.outcome;
   run.cause = solved.cause + where;
+  if (solved.outcome == Outcome::limit_reached && solved.left_saddle)
+    run.cause +=
+        "; it buckles on the way: `solver.method: implicit` finds where it comes to rest, `solver.displacements: "
+        "small` "
+        "leaves it straight, and `material.bending` keeps a sheet flat";
   return false;
 }
 
@@ -469,7 +475,8 @@ void note_compression(const Model& model, const Positions& positions, const Mate
       text, sizeof text,
       "%d of %d triangles in compression (most: triangle %d at %.4g, %.4g, %.4g m, %.3g Pa): a membrane would "
       "wrinkle there; `wrinkling: drop` leaves compression out",
-      found.triangles, all, found.worst, at.x(), at.y(), at.z(), found.tension / material.thickness);
+      found.triangles, all, found.worst, at.x(), at.y(), at.z(),
+      found.tension / thicknesses(model.body(), material.thickness)[static_cast<std::size_t>(found.worst)]);
   run.warnings.push_back(text);
 }
 

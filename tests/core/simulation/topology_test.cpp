@@ -2,9 +2,11 @@
 
 #include <catch2/catch.hpp>
 
+#include "core/shapes/surfaces.h"
 #include "core/simulation/tissues.h"
 #include "core/solve/stable_step.h"
 #include "elastin/core/base/error.h"
+#include "elastin/core/shapes/arrays.h"
 #include "elastin/core/simulation/saved_state.h"
 
 using namespace elastin;
@@ -194,6 +196,13 @@ TEST_CASE("what cannot follow a cut refuses it, and nothing changes", "[topology
   Simulation prony(tissue_cube(4), built_in_catalog().find("prony:lattice"), relaxing);
   CHECK_THROWS_WITH(prony.cut(kMiddle), Contains("the history 'law0' cannot follow"));
   CHECK_FALSE(prony.cut(CutSurface::plane({1, 0, 0}, {1, 0, 0})).changed);
+
+  Body sheet = rectangular_sheet({0.02, 0.015}, {4, 3}, SheetPattern::one_way);
+  set_matter(sheet, 1000, 1e-3);
+  Material bends{.youngs_modulus = 1e5, .poissons_ratio = 0.3};
+  bends.thickness = 1e-3, bends.bending_rigidity = 1e-5;
+  Simulation plate(sheet, built_in_catalog().find("neo_hookean_membrane"), bends);
+  CHECK_THROWS_WITH(plate.cut(CutSurface::plane({0.01, 0, 0}, {1, 0, 0})), Contains("with bending stiffness"));
 
   Simulation loaded = hanging("lattice");
   step(loaded, 3);

@@ -4,6 +4,7 @@
 
 #include <catch2/catch.hpp>
 
+#include "lab/run/specimen.h"
 #include "lab/scene/scene.h"
 #include "support/temporary_folder.h"
 
@@ -323,4 +324,23 @@ TEST_CASE("a plate that buckles within the first load step says so", "[statics][
   CHECK(buckles("kind: biaxial, axis: x, across: y, strain: [-2 %, 0.1 %]") > 0);
   CHECK(buckles("kind: tension, axis: x, strain: 20 %") == 0);
   CHECK(buckles("kind: compression, axis: x, strain: 30 %", "[5, 5, 5]") == 0);
+}
+
+TEST_CASE("a sheet of springs that buckles under a force and never rests says what keeps it flat", "[load_path]") {
+  const TemporaryFolder folder;
+  const std::string text =
+      "title: A sheet of springs\nbody: {sheet: {size: [30 mm, 20 mm], squares: [6, 4], pattern: crossed}}\n"
+      "material: {youngs_modulus: 100 kPa, poissons_ratio: 0.3333, thickness: 1 mm}\nstiffness: calibrated:uniform\n"
+      "experiment: {kind: tension, axis: x, force: 2 mN}\n";
+  const auto run_with = [&](const std::string& more) {
+    const auto scene = load_scene(folder.write("scene.yaml", text + more), built_in_catalog());
+    prepare(scene->specimen, scene->stiffness.strategy);
+    return run_strategy(scene->specimen, *scene->experiment, scene->stiffness, {.statics = scene->statics});
+  };
+  const Run buckled = run_with("solver: {newton_limit: 40}\n");
+  CHECK(buckled.outcome == Outcome::limit_reached);
+  CHECK_THAT(buckled.cause, Contains("`solver.displacements: small` leaves it straight"));
+  const Run flat = run_with("solver: {displacements: small}\n");
+  CHECK(flat.outcome == Outcome::converged);
+  CHECK(flat.measures.get("effective_modulus") == Approx(100e3).epsilon(0.02));
 }

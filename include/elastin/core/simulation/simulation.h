@@ -218,8 +218,8 @@ class Simulation {
   /// all that comes of it, host forces are shared out as its mass, couplings stay with what keeps its number. Contact,
   /// colours, hierarchies and matrices are made again, so the next step takes longer; points of contact forget where
   /// they stuck. Throws InputError as elastin::cut, and changes nothing, where something cannot follow: a law or load
-  /// with a history, springs with fibres, calibrated:RULE+volume, supports that Model::drive moves, and what was added
-  /// to model() directly.
+  /// with a history, springs with fibres, sheets with bending stiffness, calibrated:RULE+volume, supports that
+  /// Model::drive moves, and what was added to model() directly.
   TopologyReport cut(const CutSurface& surface);
   /// Parts it where it is strained above `strain` > 0; see elastin::tear. As cut.
   TopologyReport tear(double strain);

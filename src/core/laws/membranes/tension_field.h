@@ -50,7 +50,7 @@ struct TensionField {
 
   /// Newton's method for ∂w/∂C₂ = 0, kept between the present width, where it is negative, and even stretch, where it
   /// is not.
-  Principal at_natural_width(double first, double second) const {
+  [[gnu::noinline]] Principal at_natural_width(double first, double second) const {
     double low = std::max(second, 1e-9 - 1), high = first;
     double width = std::clamp(1 / std::sqrt(1 + first) - 1, low, high);
     Principal now = at(first, width);
