@@ -38,36 +38,6 @@ VectorX triangle_thirds(const Body& body, const std::vector<int>& molecules, con
   return areas(molecules);
 }
 
-/// The length, seen along `direction`, of each side that bounds a surface of triangles or quadrilaterals and is in the
-/// face, shared out as a uniform load along it is: halves, of second order 1/6, 4/6, 1/6.
-VectorX side_shares(const Body& body, const std::vector<int>& molecules, const Vector3& direction) {
-  std::vector<char> among(body.size(), 0);
-  for (const int molecule : molecules) among[molecule] = 1;
-  std::map<std::array<int, 2>, std::pair<int, int>> sides;  // its cells, and the node in its middle, −1 without one
-  const auto note_sides = [&](std::span<const int> nodes, std::size_t corners) {
-    for (std::size_t i = 0; i < corners; ++i) {
-      const int a = nodes[i], b = nodes[(i + 1) % corners];
-      if (!among[a] || !among[b]) continue;
-      auto& [cells, middle] = sides[{std::min(a, b), std::max(a, b)}];
-      ++cells, middle = nodes.size() > corners ? nodes[corners + i] : -1;
-    }
-  };
-  if (!has_blocks(body, 2))
-    for (const auto& triangle : body.triangles) note_sides(triangle, 3);
-  for (const CellBlock& block : body.blocks)
-    for (int cell = 0; block.kind->dimensions == 2 && cell < block.size(); ++cell)
-      note_sides(block.cell(cell), static_cast<std::size_t>(block.kind->corners));
-  VectorX lengths = VectorX::Zero(body.size());
-  for (const auto& [ends, side] : sides) {
-    const auto [cells, middle] = side;
-    if (cells != 1 || (middle >= 0 && !among[middle])) continue;
-    const double length = direction.cross(body.rest.col(ends[1]) - body.rest.col(ends[0])).norm();
-    for (const int end : ends) lengths[end] += length / (middle < 0 ? 2 : 6);
-    if (middle >= 0) lengths[middle] += length * 4 / 6;
-  }
-  return lengths(molecules);
-}
-
 /// Half of the way to the next place on each side along a line, for each point; points at one place share it alike.
 std::vector<double> tributary_lengths(const Points2& points) {
   std::vector<double> lengths(static_cast<std::size_t>(points.cols()), 0);
@@ -143,6 +113,49 @@ std::pair<Points2, std::size_t> seen_together(const Body& body, const std::vecto
 
 }  // namespace
 
+std::vector<double> thicknesses(const Body& body, double whole) {
+  std::vector<double> all(body.triangles.size(), whole);
+  for (const Part& part : body.parts)
+    if (part.thickness > 0) std::fill_n(all.begin() + part.triangles.first, part.triangles.count, part.thickness);
+  return all;
+}
+
+VectorX side_areas(const Body& body, const std::vector<int>& molecules, const Vector3& direction, double thickness) {
+  std::vector<char> among(body.size(), 0);
+  for (const int molecule : molecules) among[molecule] = 1;
+  struct Side {
+    int cells = 0, middle = -1;  // a node, −1 without one
+    double thickness = 0;
+  };
+  std::map<std::array<int, 2>, Side> sides;
+  const auto note_sides = [&](std::span<const int> nodes, std::size_t corners, double of_cell) {
+    for (std::size_t i = 0; i < corners; ++i) {
+      const int a = nodes[i], b = nodes[(i + 1) % corners];
+      if (!among[a] || !among[b]) continue;
+      Side& side = sides[{std::min(a, b), std::max(a, b)}];
+      ++side.cells, side.middle = nodes.size() > corners ? nodes[corners + i] : -1, side.thickness = of_cell;
+    }
+  };
+  const std::vector<double> own = thicknesses(body, thickness);  // of triangles, and of those in blocks
+  std::size_t triangle = 0;
+  if (!has_blocks(body, 2))
+    for (; triangle < body.triangles.size(); ++triangle) note_sides(body.triangles[triangle], 3, own[triangle]);
+  for (const CellBlock& block : body.blocks)
+    for (int cell = 0; block.kind->dimensions == 2 && cell < block.size(); ++cell) {
+      note_sides(block.cell(cell), static_cast<std::size_t>(block.kind->corners), own[triangle]);
+      triangle += simplices_of(*block.kind, block.cell(cell)).size();
+    }
+  VectorX lengths = VectorX::Zero(body.size());
+  for (const auto& [ends, side] : sides) {
+    const int middle = side.middle;
+    if (side.cells != 1 || (middle >= 0 && !among[middle])) continue;
+    const double length = side.thickness * direction.cross(body.rest.col(ends[1]) - body.rest.col(ends[0])).norm();
+    for (const int end : ends) lengths[end] += length / (middle < 0 ? 2 : 6);
+    if (middle >= 0) lengths[middle] += length * 4 / 6;
+  }
+  return lengths(molecules);
+}
+
 Eigen::Matrix<double, 3, 2> across(const Vector3& axis) {
   int least = 0;
   axis.cwiseAbs().minCoeff(&least);
@@ -206,7 +219,7 @@ Face face_of(const Body& body, std::vector<int> molecules, const Vector3& direct
       return face;
     }
   }
-  if (any_over(body, !body.triangles.empty()) && share_as(side_shares(body, face.molecules, direction)) > 0)
+  if (any_over(body, !body.triangles.empty()) && share_as(side_areas(body, face.molecules, direction, 1)) > 0)
     return face;
   const std::vector<double> parts = line ? tributary_lengths(layer) : tributary_areas(layer, outline);
   // Molecules behind each other, of a grip with a depth, have the same part of the face, each the whole of it.

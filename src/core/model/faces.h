@@ -7,6 +7,9 @@
 
 namespace elastin {
 
+/// Of each triangle that of its part [m], or `whole` where the part has none of its own.
+std::vector<double> thicknesses(const Body& body, double whole);
+
 /// Two directions that span the plane across an axis, as columns.
 Eigen::Matrix<double, 3, 2> across(const Vector3& axis);
 
@@ -20,7 +23,8 @@ struct Face {
   std::vector<int> molecules;
   double area = 0;  ///< of their hull, seen along the direction [m²]; 0 where they lie on a line
   /// What part of the area each carries, sum 1: a third of its triangles on the face where the body has tetrahedra (the
-  /// consistent load of linear cells), else the part of the hull nearest to it; equal parts where there is no area.
+  /// consistent load of linear cells), of triangles alone half of the sides next to it times their thickness, else the
+  /// part of the hull nearest to it, on a line half of the way to the next ones.
   /// On a process's share of a body 0 for ghosts: the sum over all processes is 1.
   VectorX share;
   /// Mean outward normal, where the end is no plane across the direction and was found by its sides; else zero.
@@ -36,6 +40,11 @@ Face end_face(const Body& body, const Vector3& direction, double depth);
 
 /// These molecules, ascending, as a face that is seen along `direction` (unit).
 Face face_of(const Body& body, std::vector<int> molecules, const Vector3& direction);
+
+/// Of the sides that bound a surface of triangles or quadrilaterals and are in a face of these molecules: length as
+/// seen along `direction` times the thickness of the part, or of the whole [m²], shared out as a uniform load along it
+/// is: halves, of second order 1/6, 4/6, 1/6. One a molecule.
+VectorX side_areas(const Body& body, const std::vector<int>& molecules, const Vector3& direction, double thickness);
 
 /// Middle of a face: mean position of its molecules by share [m].
 Vector3 middle_of(const Body& body, const Face& face, const Positions& positions);

@@ -12,6 +12,7 @@
 #include "elastin/core/model/parts.h"
 #include "lab/export/problem.h"
 #include "lab/run/cell_stress.h"
+#include "lab/run/section.h"
 
 namespace elastin::lab {
 namespace {
@@ -268,7 +269,7 @@ ExportedBody exported_body(const Scene& scene, const StrategyChoice& choice) {
   if (start.positions != specimen.body.rest) result.start = start.positions;
   result.masses = specimen.body.mass;
   result.radii = specimen.body.radius;
-  result.thickness = specimen.material.thickness;
+  result.thickness = mean_thickness(specimen.body, specimen.material.thickness);
   result.notes = run.warnings;
   set_connections(specimen.body, run.constants, result);
   set_cells(specimen, result);

@@ -141,6 +141,11 @@ bool fill(const Body& body, const CellList& cells) {
   return !any_over(body, std::find(met.begin(), end, 0) != end);
 }
 
+bool has_own_thickness(const Body& body) {
+  return any_over(body, std::any_of(body.parts.begin(), body.parts.end(),
+                                    [](const Part& part) { return part.thickness > 0 && part.triangles.count > 0; }));
+}
+
 double hull_area(const Body& body, const Eigen::Matrix<double, 3, 2>& plane, const VectorX& heights, double from,
                  double to) {
   const double near = 1e-9 * (largest_over(body, heights.maxCoeff()) - least_over(body, heights.minCoeff()));
@@ -194,18 +199,32 @@ Section find_section(const Body& body, const Vector3& axis, double from, double 
     for (const auto& cube : body.cubes)
       for (const auto& t : kTetrahedraOfCube)
         if (counts(cube)) add_cell({cube[t[0]], cube[t[1]], cube[t[2]], cube[t[3]]}, body.rest, heights, slabs);
-  } else if (thickness > 0 && fill(body, body.triangles)) {
-    for (const auto& triangle : body.triangles) {
+  } else if ((thickness > 0 || has_own_thickness(body)) && fill(body, body.triangles)) {
+    const std::vector<double> own = thicknesses(body, thickness);
+    for (std::size_t number = 0; number < own.size(); ++number) {
+      const auto& triangle = body.triangles[number];
       if (!counts(triangle)) continue;
       const auto& [a, b, c] = triangle;
       const Vector3 first = body.rest.col(b) - body.rest.col(a), second = body.rest.col(c) - body.rest.col(a);
-      slabs.add(std::array{heights[a], heights[b], heights[c]}, thickness * first.cross(second).norm() / 2);
+      slabs.add(std::array{heights[a], heights[b], heights[c]}, own[number] * first.cross(second).norm() / 2);
     }
   } else {
     return hull_section(body, axis, heights, from, to);
   }
   sum_over(body, slabs.volumes());
   return slabs.section();
+}
+
+double mean_thickness(const Body& body, double thickness) {
+  if (!has_own_thickness(body)) return thickness;
+  const std::vector<double> own = thicknesses(body, thickness);
+  double volume = 0, area = 0;
+  for (std::size_t number = 0; number < own.size(); ++number) {
+    const auto& [a, b, c] = body.triangles[number];
+    const double part = Vector3(body.rest.col(b) - body.rest.col(a)).cross(body.rest.col(c) - body.rest.col(a)).norm();
+    area += part, volume += own[number] * part;
+  }
+  return volume / area;
 }
 
 double shear_modulus(const Material& material) { return material.youngs_modulus / (2 * (1 + material.poissons_ratio)); }

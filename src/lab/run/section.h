@@ -15,10 +15,13 @@ struct Section {
 };
 
 /// The section between the heights `from` and `to` [m] along the unit axis, from < to. Volume over length of what fills
-/// the body: its tetrahedra, else its cubes, else its triangles times `thickness` [m]. Where some molecule belongs to
-/// no such cell it is the hull of the molecules seen along the axis. The variation is that of ten slabs, or, for the
-/// hull, of slabs at least two mean connections thick.
+/// the body: its tetrahedra, else its cubes, else its triangles times `thickness` [m] or that of their part. Where some
+/// molecule belongs to no such cell it is the hull of the molecules seen along the axis. The variation is that of ten
+/// slabs, or, for the hull, of slabs at least two mean connections thick.
 Section find_section(const Body& body, const Vector3& axis, double from, double to, double thickness);
+
+/// The mean over the area of a surface whose parts may have a thickness of their own [m]; `thickness` of the others.
+double mean_thickness(const Body& body, double thickness);
 
 /// G = E / (2 (1 + ν)) [Pa].
 double shear_modulus(const Material& material);

@@ -75,6 +75,7 @@ void read_one(Reader item, const elastin::Table<MaterialLaw>& laws, Specimen& sp
     part.material = static_cast<int>(specimen.materials.size());
     specimen.materials.push_back(std::move(material));
   }
+  part.thickness = (own ? specimen.materials.back() : specimen.material).thickness;
   setup.name_place->located([&] { add_part(specimen.body, body, std::move(part)); });
 }
 

@@ -3,6 +3,7 @@
 
 #include "core/model/faces.h"
 #include "elastin/core/base/error.h"
+#include "elastin/core/model/share.h"
 #include "lab/scene/parts.h"
 
 namespace elastin::lab {
@@ -13,19 +14,33 @@ constexpr const char* kFace = "face";
 /// The row that stands on the ends of an experiment.
 LoadKind face() {
   constexpr double infinity = std::numeric_limits<double>::infinity();
-  LoadKind load{{kFace, "a dead traction on the end of a body, in proportion to the molecules' shares of it", "", {}}};
+  LoadKind load{
+      {kFace,
+       "a dead traction on the end of a body or the edge of a sheet, in proportion to the molecules' shares of it",
+       "",
+       {}}};
   load.parameters = {
       {"side", dimension::none, -1, 1, NAN, "outward normal of the end", false, ValueKind::direction, true},
       {"traction", dimension::pressure, -infinity, infinity, NAN, "force over area at rest", false, ValueKind::vector,
        true}};
   load.check = [](const Body& body, const LoadValues& values) {
-    if (!(end_face(body, values.vectors.at("side"), 0).area > 0))
+    if (!(end_face(body, values.vectors.at("side"), 0).area > 0) && body.triangles.empty())
       throw InputError("the molecules on this side span no area");
   };
-  load.add = [](Model& model, const LoadValues& values, const Material*) {
-    const Face end = end_face(model.body(), values.vectors.at("side"), 0);
-    model.add(std::make_unique<PointLoads>(model.body(), end.molecules,
-                                           end.area * values.vectors.at("traction") * end.share.transpose()));
+  load.add = [](Model& model, const LoadValues& values, const Material* material) {
+    const Body& body = model.body();
+    const Vector3 side = values.vectors.at("side");
+    const Face end = end_face(body, side, 0);
+    double area = end.area;
+    if (!any_over(body, !body.tetrahedra.empty()) && any_over(body, !body.triangles.empty())) {
+      const VectorX own = side_areas(body, end.molecules, side, material ? material->thickness : 0);
+      const auto owned = std::count_if(end.molecules.begin(), end.molecules.end(),
+                                       [&](int molecule) { return molecule < owned_molecules(body); });
+      area = sum_over(body, own.head(owned).sum());  // which come first
+    }
+    if (!(area > 0)) throw InputError("face: the edge of a sheet needs `material.thickness`");
+    model.add(std::make_unique<PointLoads>(body, end.molecules,
+                                           area * values.vectors.at("traction") * end.share.transpose()));
   };
   load.of_shares = true;
   return load;

@@ -119,3 +119,41 @@ TEST_CASE("a sheet has its material's modulus under a force as under a displacem
                            std::to_string(1e6 * pulled.measures.get("elongation")) + " um}\n");
   CHECK(moved.measures.get("force") == Approx(10e-3).epsilon(1e-5));
 }
+
+TEST_CASE("sheets that are bodies with a thickness of their own have its section", "[membrane]") {
+  const auto bodies = [](const std::string& first, const std::string& second, const std::string& at) {
+    const std::string sheet = "sheet: {size: [30 mm, 20 mm], squares: [6, 4]}, ";
+    return "title: Two sheets\nmaterial: {youngs_modulus: 100 kPa, poissons_ratio: 0, thickness: 1 mm}\n"
+           "stiffness: neo_hookean_membrane\nbodies:\n  - {name: a, " +
+           sheet + "material: {thickness: " + first + "}}\n  - {name: b, " + sheet + "at: " + at +
+           ", material: {thickness: " + second +
+           "}}\nties: [{between: [a, b], within: 0.1 mm}]\nsolver: {displacements: small}\n";
+  };
+  // End to end, both of 3 mm; side by side of 1 and 3 mm, whose mean section is 20 mm * 4 mm.
+  for (const auto& [text, section] : {std::pair(bodies("3 mm", "3 mm", "[30 mm, 0, 0]"), 60e-6),
+                                      std::pair(bodies("1 mm", "3 mm", "[0, 20 mm, 0]"), 80e-6)})
+    for (const std::string load : {"strain: 0.1 %", "force: 6 mN"}) {
+      INFO(text << load);
+      const Run run = run_of(text + "experiment: {kind: tension, axis: x, " + load + "}\n");
+      CHECK(run.outcome == Outcome::converged);
+      CHECK(run.measures.get("effective_modulus") == Approx(100e3).epsilon(1e-6));
+      CHECK(run.measures.get("stress") == Approx(run.measures.get("force") / section).epsilon(1e-6));
+    }
+}
+
+TEST_CASE("the edge of a sheet bears a traction, and a sheet is sheared over its own section", "[membrane]") {
+  const std::string sheet =
+      "title: A sheet\nbody: {sheet: {size: [30 mm, 20 mm], squares: [5, 3], pattern: crossed}}\n"
+      "material: {youngs_modulus: 100 kPa, poissons_ratio: 0.3, thickness: 2 mm}\nstiffness: neo_hookean_membrane\n"
+      "solver: {displacements: small}\n";
+  const Run pulled = run_of(sheet +
+                            "supports: [{molecules: {side: -x}, fix: [x]}, {molecules: [0], fix: [y]}]\n"
+                            "loads: [{face: {side: x, traction: [100 Pa, 0, 0]}}]\n"
+                            "experiment: {kind: loads, read: [{name: end, molecules: {side: x}}, "
+                            "{name: held, molecules: {side: -x}}]}\n");
+  // 100 Pa of 100 kPa on 30 mm, uniform over the edge.
+  CHECK(pulled.measures.get("end_x") == Approx(30e-6).epsilon(1e-8));
+  CHECK(pulled.measures.get("held_reaction_x") == Approx(-100 * 20e-3 * 2e-3).epsilon(1e-8));
+  const Run sheared = run_of(sheet + "experiment: {kind: shear, axis: y, direction: x, strain: 0.1 %}\n");
+  CHECK(sheared.measures.get("stress") == Approx(sheared.measures.get("force") / (30e-3 * 2e-3)).epsilon(1e-9));
+}

@@ -63,8 +63,9 @@ struct Part {
   /// Molecules of other parts that ties have made its own too, ascending: one and the same molecule in both where they
   /// met, or one that is fixed to this part where it is rigid.
   std::vector<int> shared;
-  bool rigid = false;  ///< bone: its molecules, the shared ones too, never move against each other
-  int material = 0;    ///< number in the list of materials that belongs to the body
+  bool rigid = false;    ///< bone: its molecules, the shared ones too, never move against each other
+  int material = 0;      ///< number in the list of materials that belongs to the body
+  double thickness = 0;  ///< [m] of its triangles; 0: that of the whole body
   CellRange triangles, tetrahedra, cubes;
   CellRange blocks;                     ///< of Body::blocks; every block belongs to one part
   std::optional<VoronoiCells> voronoi;  ///< of the part alone; as Body::voronoi

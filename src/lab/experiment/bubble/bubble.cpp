@@ -16,6 +16,7 @@
 #include "elastin/core/forces/tension.h"
 #include "lab/experiment/keys.h"
 #include "lab/run/common_measures.h"
+#include "lab/run/section.h"
 
 namespace elastin::lab {
 namespace {
@@ -51,7 +52,7 @@ VectorX fit(const std::vector<double>& x, const std::vector<double>& values, int
 class Bubble final : public StaticExperiment {
  public:
   Bubble(const Body& body, const BubbleSetup& setup, const Material& material)
-      : body_(body), setup_(setup), thickness_(material.thickness), rim_(rim_of(body.triangles)) {
+      : body_(body), setup_(setup), thickness_(mean_thickness(body, material.thickness)), rim_(rim_of(body.triangles)) {
     if (rim_.empty()) throw InputError("a bubble needs a disc of triangles with a rim to hold");
     for (const int molecule : rim_) centre_ += body.rest.col(molecule) / static_cast<double>(rim_.size());
     for (const auto& triangle : body.triangles) axis_ += area_vector(body.rest, triangle);
@@ -68,7 +69,7 @@ class Bubble final : public StaticExperiment {
     for (int molecule = 0; molecule < body.size(); ++molecule)
       rest_radius_.push_back((body.rest.col(molecule) - centre_).norm() / radius_);
     pole_ = static_cast<int>(std::min_element(rest_radius_.begin(), rest_radius_.end()) - rest_radius_.begin());
-    stiffness_ = material.youngs_modulus * material.thickness;
+    stiffness_ = material.youngs_modulus * thickness_;
     poissons_ratio_ = material.poissons_ratio;
   }
 

@@ -9,6 +9,7 @@
 #include "elastin/core/base/error.h"
 #include "lab/experiment/keys.h"
 #include "lab/run/common_measures.h"
+#include "lab/run/section.h"
 
 namespace elastin::lab {
 namespace {
@@ -40,7 +41,7 @@ constexpr double kLongestGrowth = 0.25;
 class Inflation final : public StaticExperiment {
  public:
   Inflation(const Body& body, const InflationSetup& setup, const Material& material)
-      : body_(body), setup_(setup), thickness_(material.thickness) {
+      : body_(body), setup_(setup), thickness_(mean_thickness(body, material.thickness)) {
     if (body.triangles.empty()) throw InputError("inflation needs a body with triangles");
     if (!(thickness_ > 0)) throw InputError("inflation needs a membrane: give material.thickness");
     fix_in_planes(body, setup.symmetry, fixed_);

@@ -33,7 +33,7 @@ class Shear final : public Driven {
     const double low = least_over(body, rise_.minCoeff()), high = largest_over(body, rise_.maxCoeff());
     rise_.array() -= low;
     const auto choose_section = [&](double from, double to) {
-      const double section = find_section(body, setup.axis, from, to, 0).area;
+      const double section = find_section(body, setup.axis, from, to, setup.thickness).area;
       area_ = setup.cross_section > 0 ? setup.cross_section : section;
       note_stated_section(body, setup.axis, setup.cross_section, section, findings_);
       if (!(area_ > 0)) throw InputError("the body's molecules span no cross-section: give cross_section");
@@ -193,6 +193,7 @@ ExperimentInfo shear_row() {
                       "whether two rigid plates carry the shear, or the whole surface follows it"),
           cross_section_key(&S::cross_section), grip_keys<S>(), load_steps_key(&S::load_steps)},
       [](const ExperimentContext& context, S setup) {
+        setup.thickness = context.material.thickness;
         if (setup.angle != 0) setup.strain = std::tan(setup.angle);
         return make_shear(context.body, setup, context.rotation);
       });

@@ -13,6 +13,7 @@ struct ShearSetup : GripSetup {
   double angle = 0;   ///< [rad] whose tan is the strain, where that is given so
   Sides sides = Sides::free;
   double cross_section = 0;  ///< [m²]; 0 = that of the cells, see find_section
+  double thickness = 0;      ///< [m] of the body's triangles; 0 = they have no volume
   int load_steps = 1;
 };
 
