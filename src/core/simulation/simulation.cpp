@@ -481,7 +481,7 @@ Simulation::Impl::Added Simulation::Impl::load_of(std::shared_ptr<const LoadKind
   return {[kind, checked = checked_values(*kind, body, values), of = material](Model& its) {
             elastin::add_load(its, *kind, checked, of ? &*of : nullptr);
           },
-          kind};
+          std::move(kind)};
 }
 
 Simulation::Impl::Added& Simulation::Impl::load(LoadId id) {

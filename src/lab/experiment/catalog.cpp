@@ -95,10 +95,9 @@ std::unique_ptr<Experiment> read_experiment(Reader reader, const ExperimentConte
 
 std::unique_ptr<const StaticExperiment> read_fixture(const Reader& reader, const ExperimentContext& context) {
   std::unique_ptr<const Experiment> fixture = read_experiment(reader, context);
-  const StaticExperiment* at_rest = fixture->at_rest();
-  if (!at_rest) reader.fail("must be an experiment at rest; " + fixture->name() + " runs through time itself");
-  fixture.release();
-  return std::unique_ptr<const StaticExperiment>(at_rest);
+  if (!fixture->at_rest())
+    reader.fail("must be an experiment at rest; " + fixture->name() + " runs through time itself");
+  return std::unique_ptr<const StaticExperiment>(fixture.release()->at_rest());
 }
 
 std::string timed_experiment_names(const ExperimentCatalog& catalog) {
