@@ -206,3 +206,27 @@ TEST_CASE("damping stays as it is while a motion in time scales what moves", "[l
     if (row.time > 0.7) most = std::max(most, std::abs(row.measures.get("end_x")));
   CHECK(most == Approx(0.1e-3 * w0 / 20).epsilon(0.02));
 }
+
+TEST_CASE("what is towed at a constant speed feels no damping between its molecules", "[loads][experiment]") {
+  const auto own =
+      load_scene(SceneSource::of_text(
+                     "a.yaml",
+                     "body: {molecules: [[0 m, 0 m, 0 m], [10 cm, 0 m, 0 m]], connections: [[0, 1]], radius: 1 cm}\n"
+                     "material: {youngs_modulus: 10 kPa, density: 1000 kg/m3}\n"
+                     "stiffness: {strategy: uniform, constant: 100 N/m}\n"
+                     "loads: [{rayleigh: {stiffness: 4 ms}}]\n"
+                     "experiment:\n  kind: motion\n  in_time: {table: [[0 s, 0], [2 s, 1]]}\n"
+                     "  fixture: {kind: loads, read: [{name: end, molecules: [1]}, {name: base, molecules: [0]}], "
+                     "moved: [{molecules: [0], displacement: [20 mm, 0, 0]}]}\n"
+                     "time: {duration: 1 s, stepper: newmark, step: 1 ms, frames: 100}\n"),
+                 kCatalog);
+  RunOptions options{.statics = own->statics};
+  options.time = own->time;
+  const Run run = run_strategy(own->specimen, *own->experiment, own->stiffness, options);
+  INFO(run.cause);
+  REQUIRE(run.outcome == Outcome::converged);
+  const Measures& end = run.curve.back().measures;
+  CHECK(end.get("base_x") == Approx(10e-3).epsilon(1e-6));
+  // With the damping of its own velocity it would lag by 4 ms * 10 mm/s = 40 um.
+  CHECK(std::abs(end.get("end_x") - end.get("base_x")) < 0.1e-6);
+}

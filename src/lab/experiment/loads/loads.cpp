@@ -160,6 +160,13 @@ class LoadsRig final : public StaticRig {
         model_.supports[support++].displacement = factor * set.displacement;
   }
 
+  void set_load_rate(double rate) override {
+    std::size_t support = 0;
+    for (const MovedSet& set : setup_.moved)
+      for (std::size_t i = 0; i < set.molecules.size(); ++i)
+        model_.supports[support++].velocity = rate * set.displacement;
+  }
+
   void release() override { set_load(0); }
 
   Measures measure(const Start&, const State& state, const StaticOptions&, StaticResult& solved) const override {
