@@ -115,8 +115,35 @@ CellNodes::CellNodes(const Body& body) {
     for (int cell = 0; cell < block.size(); ++cell) cells_.push_back(block.cell(cell));
 }
 
+namespace {
+
+/// Calls visit(number, entry) for the numbers of a kept state.
+template <class State, class Visit>
+void visit_kept(State& state, const Visit& visit) {
+  constexpr std::array<std::array<int, 2>, 6> entries{{{0, 0}, {1, 1}, {2, 2}, {0, 1}, {0, 2}, {1, 2}}};
+  for (std::size_t k = 0; k < entries.size(); ++k) {
+    const auto [i, j] = entries[k];
+    visit(k, state.strain(i, j), state.strain(j, i));
+    visit(k + entries.size(), state.stress(i, j), state.stress(j, i));
+  }
+}
+
+}  // namespace
+
+void keep_states(Snapshot& shot) {
+  shot.kept_states.reserve(shot.states_of_laws.size());
+  for (const CellState& state : shot.states_of_laws) {
+    auto& kept = shot.kept_states.emplace_back();
+    visit_kept(state, [&](std::size_t k, double entry, double) { kept.at(k) = static_cast<float>(entry); });
+  }
+  shot.states_of_laws = std::vector<CellState>();  // frees the memory, as {} does not
+}
+
 std::vector<CellState> cell_states(const Body& body, const Snapshot& shot) {
   std::vector<CellState> states = shot.states_of_laws;
+  for (const auto& kept : shot.kept_states)
+    visit_kept(states.emplace_back(),
+               [&](std::size_t k, double& entry, double& mirrored) { entry = mirrored = double{kept.at(k)}; });
   const bool of_law = !states.empty();
   states.resize(OwnSimplices(body).size() + cells_in_blocks(body));
   const VectorX& densities = of_law ? shot.other_force_densities : shot.force_densities;

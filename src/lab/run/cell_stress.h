@@ -34,6 +34,9 @@ class CellNodes {
 ///                                                                           [Hardy 1982; Admal & Tadmor 2010]
 std::vector<CellState> cell_states(const Body& body, const Snapshot& shot);
 
+/// Has the states of laws in single precision, a third of the memory.
+void keep_states(Snapshot& shot);
+
 /// Largest principal stretch less 1.
 double largest_strain(const CellState& cell);
 /// Von Mises' equivalent stress, in the unit of the stress.

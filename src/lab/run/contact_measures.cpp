@@ -86,9 +86,9 @@ Snapshot snapshot_of(const Model& model, const State& state, double at, int numb
   });
   if (shown > 0) {
     shot.states_of_laws = std::move(states);
-    shot.other_force_densities = std::move(others);
-    shot.elastic_forces = model.elastic_forces(state.positions);
+    if (!others.isZero(0)) shot.other_force_densities = std::move(others);
   }
+  if (!model.nodal_laws().empty()) shot.elastic_forces = model.elastic_forces(state.positions);
   if (const contact::Contact* contact = contact_of(model)) {
     contact::ContactReport report = contact->report(state);
     shot.contact_forces = std::move(report.forces);
@@ -102,6 +102,7 @@ void keep_snapshot(const Model& model, const State& state, double at, int number
   if (!options.keep_snapshots) return;
   if (options.last_snapshot) run.snapshots.clear();
   run.snapshots.push_back(snapshot_of(model, state, at, number));
+  if (!options.last_snapshot) keep_states(run.snapshots.back());
   if (!model.body().share) return;
   Positions& forces = run.snapshots.back().elastic_forces;
   forces = model.elastic_forces(state.positions);

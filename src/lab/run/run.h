@@ -1,4 +1,5 @@
 #pragma once
+#include <array>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -97,7 +98,9 @@ struct Snapshot {
   std::vector<contact::Pose> obstacles = {};   ///< where they were
   std::vector<CellState> states_of_laws = {};  ///< of all cells as CellNodes has them; empty: no law has any
   VectorX other_force_densities = {};          ///< [N/m]; where there are such states, those that are in none of them
-  Positions elastic_forces = {};               ///< [N]; the same
+  Positions elastic_forces = {};               ///< [N]; where some are found at the nodes of cells
+  /// The same states of a snapshot that is kept with others, in their place: strain and stress, 00 11 22 01 02 12 each.
+  std::vector<std::array<float, 12>> kept_states = {};
 };
 
 /// What another program says of a run that it made.

@@ -1,6 +1,7 @@
 // The last state of a run as images.
 
 #include "lab/report/image_fields.h"
+#include "lab/run/cell_stress.h"
 
 #include <catch2/catch.hpp>
 #include <cstring>
@@ -117,7 +118,7 @@ TEST_CASE("image out: of labels that are bodies of hexahedra, whose states are a
                          "{image: {file: a.nrrd, length_unit: mm, labels: {1: {}, 3: {material: {law: neo_hookean_log, "
                          "youngs_modulus: 10 kPa, poissons_ratio: 0}}}}}");
   REQUIRE(ran.scene->specimen.body.parts.size() == 2);
-  const std::vector<CellState>& states = ran.run.snapshots.back().states_of_laws;
+  const std::vector<CellState> states = cell_states(ran.scene->specimen.body, ran.run.snapshots.back());
   REQUIRE(states.size() == 2 * 4 * 6);
   for (const CellState& state : states) CHECK(state.strain(2, 2) == Approx(0.22).epsilon(1e-5));
 }
