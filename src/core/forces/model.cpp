@@ -141,15 +141,16 @@ void Model::set_rest(double part) const {
 }
 
 void Model::measure_rest_force() const {
-  constexpr double kStrain = 1e-3, kRounding = 1e-9;  // strains: of the comparison, and below which stress is rounding
+  constexpr double most_strain = 1e-3,
+                   rounding = 1e-9;  // strains: of the comparison, and below which stress is rounding
   const Positions& rest = body_->rest;
   if (rest.cols() == 0) return;
   const Positions forces = elastic_forces(rest),
-                  more = elastic_forces(rest + kStrain * (rest.colwise() - Vector3(rest.col(0)))) - forces;
+                  more = elastic_forces(rest + most_strain * (rest.colwise() - Vector3(rest.col(0)))) - forces;
   const int owned = owned_molecules(*body_);
   std::array<double, 2> squares{forces.leftCols(owned).squaredNorm(), more.leftCols(owned).squaredNorm()};
   sum_over(*body_, squares);
-  if (squares[0] > std::pow(kRounding / kStrain, 2) * squares[1])
+  if (squares[0] > std::pow(rounding / most_strain, 2) * squares[1])
     rest_force_ = std::max(rest_force_, std::sqrt(squares[0]));
 }
 
