@@ -36,6 +36,15 @@ Measures measured(const std::string& rest) {
   return run.measures;
 }
 
+Run run_in_time(const Scene& own) {
+  RunOptions options{.statics = own.statics};
+  options.time = own.time;
+  Run run = run_strategy(own.specimen, *own.experiment, own.stiffness, options);
+  INFO(run.cause);
+  REQUIRE(run.outcome == Outcome::converged);
+  return run;
+}
+
 const std::string kLeft = "supports: [{molecules: {side: -x}}]\n";
 
 /// A quarter of a tube of radii 5 and 7 and height 1 on curved hexahedra of second order.
@@ -196,11 +205,7 @@ TEST_CASE("damping stays as it is while a motion in time scales what moves", "[l
                  kCatalog);
   const double w0 = std::sqrt(100 / own->specimen.body.mass[1]);
   REQUIRE(w0 == Approx(2 * M_PI * 17.794).epsilon(1e-3));
-  RunOptions options{.statics = own->statics};
-  options.time = own->time;
-  const Run run = run_strategy(own->specimen, *own->experiment, own->stiffness, options);
-  INFO(run.cause);
-  REQUIRE(run.outcome == Outcome::converged);
+  const Run run = run_in_time(*own);
   double most = 0;
   for (const CurvePoint& row : run.curve)
     if (row.time > 0.7) most = std::max(most, std::abs(row.measures.get("end_x")));
@@ -220,11 +225,7 @@ TEST_CASE("what is towed at a constant speed feels no damping between its molecu
                      "moved: [{molecules: [0], displacement: [20 mm, 0, 0]}]}\n"
                      "time: {duration: 1 s, stepper: newmark, step: 1 ms, frames: 100}\n"),
                  kCatalog);
-  RunOptions options{.statics = own->statics};
-  options.time = own->time;
-  const Run run = run_strategy(own->specimen, *own->experiment, own->stiffness, options);
-  INFO(run.cause);
-  REQUIRE(run.outcome == Outcome::converged);
+  const Run run = run_in_time(*own);
   const Measures& end = run.curve.back().measures;
   CHECK(end.get("base_x") == Approx(10e-3).epsilon(1e-6));
   // With the damping of its own velocity it would lag by 4 ms * 10 mm/s = 40 um.
