@@ -1,5 +1,8 @@
 #include "elastin/core/forces/loads.h"
 
+#include <algorithm>
+#include <cmath>
+#include <functional>
 #include <numbers>
 #include <utility>
 
@@ -84,39 +87,49 @@ class QuadraticDrag final : public Load {
   VectorX factor_;
 };
 
-class Varying final : public Load {
+class Varying final : public ScaledLoad {
  public:
-  Varying(std::unique_ptr<Load> load, TimeFunction function) : load_(std::move(load)), function_(std::move(function)) {}
-  void add_forces(const State& state, Positions& forces) const override {
-    whole_.setZero(3, forces.cols());
-    load_->add_forces(state, whole_);
-    forces += function_.value(state.time) * whole_;
-  }
-  double energy(const State& state) const override { return function_.value(state.time) * load_->energy(state); }
-  bool changes() const override { return load_->changes(); }
-  void add_change(const State& state, const Positions& motion, const Positions& change,
-                  Positions& forces) const override {
-    whole_.setZero(3, forces.cols());
-    load_->add_change(state, motion, change, whole_);
-    forces += function_.value(state.time) * whole_;
-  }
-  void visit_blocks(const State& state, double velocity_weight, const BlockVisitor& visit) const override {
-    const double factor = function_.value(state.time);
-    const auto scaled = [&](int a, int b, const Matrix3& block) { visit(a, b, factor * block); };
-    load_->visit_blocks(state, velocity_weight, std::ref(scaled));
-  }
+  Varying(std::unique_ptr<Load> load, TimeFunction function)
+      : ScaledLoad(std::move(load)), function_(std::move(function)) {}
   bool steady() const override { return function_.constant() && load_->steady(); }
-  bool acts_at_rest() const override { return load_->acts_at_rest(); }
-  std::vector<HistoryBlock> history() const override { return load_->history(); }
-  void commit_step(State& state) const override { load_->commit_step(state); }
 
  private:
-  std::unique_ptr<Load> load_;
+  double factor(double time) const override { return function_.value(time); }
   TimeFunction function_;
-  mutable Positions whole_;  // of the load that varies: a step must not allocate memory
 };
 
 }  // namespace
+
+void ScaledLoad::add_forces(const State& state, Positions& forces) const {
+  whole_.setZero(3, forces.cols());
+  load_->add_forces(state, whole_);
+  forces += factor(state.time) * whole_;
+}
+void ScaledLoad::add_change(const State& state, const Positions& motion, const Positions& sped,
+                            Positions& forces) const {
+  whole_.setZero(3, forces.cols());
+  load_->add_change(state, motion, sped, whole_);
+  forces += factor(state.time) * whole_;
+}
+void ScaledLoad::visit_blocks(const State& state, double velocity_weight, const BlockVisitor& visit) const {
+  const double scale = factor(state.time);
+  const auto scaled = [&](int a, int b, const Matrix3& block) { visit(a, b, scale * block); };
+  load_->visit_blocks(state, velocity_weight, std::ref(scaled));
+}
+std::vector<WideTerm> ScaledLoad::wide_terms(const State& state) const {
+  std::vector<WideTerm> terms = load_->wide_terms(state);
+  for (WideTerm& term : terms) term.factor *= factor(state.time);
+  return terms;
+}
+void ScaledLoad::add_resistance(const State& state, Positions& forces) const {
+  whole_.setZero(3, forces.cols());
+  load_->add_resistance(state, whole_);
+  forces += factor(state.time) * whole_;
+}
+double ScaledLoad::square_frequency(const State& state, double ahead) const {
+  const double most = std::max(std::abs(factor(state.time)), std::abs(factor(state.time + ahead)));
+  return most * load_->square_frequency(state, ahead);
+}
 
 std::unique_ptr<Load> make_varying(std::unique_ptr<Load> load, TimeFunction function) {
   return std::make_unique<Varying>(std::move(load), std::move(function));

@@ -4,6 +4,8 @@
 #include <cmath>
 
 #include "core/forces/floor.h"
+#include "core/forces/pressure.h"
+#include "core/shapes/surfaces.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/forces/loads.h"
 #include "support/bodies.h"
@@ -51,6 +53,27 @@ TEST_CASE("a load in time is its own times the factor of the moment", "[time][lo
   CHECK(varying->energy(state) == Approx(0.25 * plain->energy(state)));
   CHECK_FALSE(varying->steady());
   CHECK(make_varying(make_gravity(body, {1, 2, 3}), {})->steady());
+}
+
+TEST_CASE("a load in time says what it is, and its blocks and wide terms are its change", "[time][loads]") {
+  const Body ball = sphere(1, SphereMesh::icosahedron, 2), sheet = elastin::testing::sheet(0.001);
+  const auto wind = make_varying(std::make_unique<Pressure>(sheet, constant_pressure(70), Vector3::Zero(), false),
+                                 TimeFunction::ramp(4));
+  CHECK_FALSE(wind->has_energy());
+  CHECK(make_varying(make_mass_damping(ball, 3), TimeFunction::ramp(4))->resists());
+  const auto gas = make_varying(std::make_unique<Pressure>(ball, enclosed_gas(400, 1, 90), Vector3::Zero(), false),
+                                TimeFunction::ramp(4));
+  CHECK(gas->has_energy());
+  State state = state_at_rest(ball);
+  state.positions = deformed(ball, 0.01);
+  state.time = 1;
+  const Positions motion = random_motion(ball, 6);
+  Positions change = Positions::Zero(3, ball.size()), blocks = change;
+  gas->add_change(state, motion, motion, change);
+  gas->visit_blocks(state, 0, [&](int a, int b, const Matrix3& part) { blocks.col(a) -= part * motion.col(b); });
+  for (const WideTerm& wide : gas->wide_terms(state))
+    blocks -= wide.factor * wide.direction.cwiseProduct(motion).sum() * wide.direction;
+  CHECK((change - blocks).norm() < 1e-12 * change.norm());
 }
 
 TEST_CASE("a floor's force is the slope of its energy, and its tangent the slope of its force", "[floor][loads]") {

@@ -1,6 +1,7 @@
 #pragma once
 #include <functional>
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "elastin/core/forces/time_function.h"
@@ -90,6 +91,41 @@ class PointLoads final : public Load {
   Positions forces_;
   double factor_ = 1;
   bool steady_ = true;
+};
+
+/// A load times a factor, which may change with time and between steps. All else it says of itself stays.
+class ScaledLoad : public Load {
+ public:
+  explicit ScaledLoad(std::unique_ptr<Load> load) : load_(std::move(load)) {}
+  void add_forces(const State& state, Positions& forces) const override;
+  double energy(const State& state) const override { return factor(state.time) * load_->energy(state); }
+  bool changes() const override { return load_->changes(); }
+  void add_change(const State& state, const Positions& change_of_positions, const Positions& change_of_velocities,
+                  Positions& change_of_forces) const override;
+  void visit_blocks(const State& state, double velocity_weight, const BlockVisitor& visit) const override;
+  std::vector<WideTerm> wide_terms(const State& state) const override;
+  bool has_energy() const override { return load_->has_energy(); }
+  bool steady() const override { return load_->steady(); }
+  bool acts_at_rest() const override { return load_->acts_at_rest(); }
+  bool resists() const override { return load_->resists(); }
+  void add_resistance(const State& state, Positions& forces) const override;
+  bool feels_velocity() const override { return load_->feels_velocity(); }
+  bool symmetric() const override { return load_->symmetric(); }
+  std::vector<HistoryBlock> history() const override { return load_->history(); }
+  void commit_step(State& state) const override { load_->commit_step(state); }
+  bool update_multipliers(State& state) const override { return load_->update_multipliers(state); }
+  double max_step_fraction(const State& from, const State& to) const override {
+    return load_->max_step_fraction(from, to);
+  }
+  double square_frequency(const State& state, double ahead) const override;
+
+ protected:
+  /// At a time [s].
+  virtual double factor(double time) const = 0;
+  std::unique_ptr<Load> load_;
+
+ private:
+  mutable Positions whole_;  // of the load alone: a step must not allocate memory
 };
 
 /// A load times a function of the state's time. Its potential energy is that of the moment; it is not steady unless the

@@ -66,38 +66,12 @@ MeasureList loads_measures(const std::vector<ReadSet>& sets) {
 }
 
 /// A load of the scene, as large as the experiment has it now.
-class ScaledLoad final : public Load {
+class GrowingLoad final : public ScaledLoad {
  public:
-  ScaledLoad(std::unique_ptr<Load> load, const double& factor) : load_(std::move(load)), factor_(factor) {}
-  bool changes() const override { return load_->changes(); }
-  bool has_energy() const override { return load_->has_energy(); }
-  bool steady() const override { return load_->steady(); }
-  bool acts_at_rest() const override { return load_->acts_at_rest(); }
-  bool feels_velocity() const override { return load_->feels_velocity(); }
-  bool symmetric() const override { return load_->symmetric(); }
-  void add_forces(const State& state, Positions& forces) const override {
-    Positions own = Positions::Zero(3, forces.cols());
-    load_->add_forces(state, own);
-    forces += factor_ * own;
-  }
-  double energy(const State& state) const override { return factor_ * load_->energy(state); }
-  void add_change(const State& state, const Positions& dx, const Positions& dv, Positions& change) const override {
-    Positions own = Positions::Zero(3, change.cols());
-    load_->add_change(state, dx, dv, own);
-    change += factor_ * own;
-  }
-  void visit_blocks(const State& state, double velocity_weight, const BlockVisitor& visit) const override {
-    load_->visit_blocks(state, velocity_weight,
-                        [&](int a, int b, const Matrix3& block) { visit(a, b, factor_ * block); });
-  }
-  std::vector<WideTerm> wide_terms(const State& state) const override {
-    std::vector<WideTerm> terms = load_->wide_terms(state);
-    for (WideTerm& term : terms) term.factor *= factor_;
-    return terms;
-  }
+  GrowingLoad(std::unique_ptr<Load> load, const double& factor) : ScaledLoad(std::move(load)), factor_(factor) {}
 
  private:
-  std::unique_ptr<Load> load_;
+  double factor(double) const override { return factor_; }
   const double& factor_;
 };
 
@@ -142,7 +116,7 @@ class LoadsRig final : public StaticRig {
           !load->acts_at_rest())  // damping and drag stay as they are
         model.add(std::move(load));
       else
-        model.add(std::make_unique<ScaledLoad>(std::move(load), factor_));
+        model.add(std::make_unique<GrowingLoad>(std::move(load), factor_));
     }
     for (const MovedSet& set : setup_.moved) {
       Matrix3 free = Matrix3::Identity();
