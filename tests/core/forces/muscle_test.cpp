@@ -125,6 +125,24 @@ TEST_CASE("a muscle that is held pulls with T f A/lambda, in cells of every shap
   }
 }
 
+TEST_CASE("a muscle takes its constants from the material again when the rest changes", "[muscle][rest]") {
+  for (const auto& [name, body] : solids()) {
+    INFO(name);
+    Body grown = body;
+    grown.unstressed = std::make_shared<const Rest>(
+        Rest{[](const Vector3&, const Vector3&) { return Matrix3(1.05 * Matrix3::Identity()); }});
+    const Material material = muscle();
+    Model model(body), of_grown(grown);
+    model.add(make_muscle(body, material));
+    of_grown.add(make_muscle(grown, material));
+    const Positions positions = deformed(body, 1e-3);
+    const Positions plain = model.elastic_forces(positions);
+    of_grown.set_rest(1);
+    of_grown.set_rest(0);
+    CHECK((of_grown.elastic_forces(positions) - plain).norm() <= 1e-12 * plain.norm());
+  }
+}
+
 TEST_CASE("active forces are those of an energy, with its tangent", "[muscle]") {
   for (const auto& [name, body] : solids()) {
     INFO(name);

@@ -522,7 +522,7 @@ constexpr bool has_closed_form() {
 /// body must outlive it.
 template <int dimensions, class Law>
 ElasticTerms make_cells(const Body& body, const Material& material, const Law& law) {
-  const AnyAtWork<dimensions> any = [&](const Material& own) {
+  const AnyAtWork<dimensions> any = [law](const Material& own) {  // kept: constants may change with the rest
     return AnyPoint<dimensions>(detail::at_work<dimensions>(law, own));
   };
   if (has_blocks(body, dimensions)) return make_blocks<dimensions>(body, material, any);
