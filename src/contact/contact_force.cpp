@@ -33,6 +33,7 @@ ContactForce::ContactForce(const Body& body, const ContactOptions& options, cons
   BodyFindings findings = inspect(body);
   pieces_ = findings.pieces;
   for (const Obstacle& obstacle : options_.obstacles) {
+    if (!obstacle.motion) pose_of(obstacle, 0);
     half_thickness_.push_back(half_thickness(obstacle.shape));
     moves_ |= static_cast<bool>(obstacle.motion);
     has_friction_ |= friction_of(obstacle) > 0;
@@ -55,6 +56,13 @@ ContactForce::ContactForce(const Body& body, const ContactOptions& options, cons
     largest_square_frequency_ =
         std::max(largest_square_frequency_,
                  options_.stiffness * area_[molecule] / body_.mass[molecule] * (pairs ? 4 : 1) * damped * damped);
+}
+
+Pose ContactForce::pose_of(const Obstacle& obstacle, double time) const {
+  const Pose pose = obstacle.at(moment_.value_or(time));
+  if (!std::isfinite(pose.turn.sum() + pose.position.sum() + pose.velocity.sum() + pose.spin.sum()))
+    throw InputError("obstacle '" + obstacle.name + "' is nowhere: a number of its pose is not finite");
+  return pose;
 }
 
 void ContactForce::add_forces(const State& state, Positions& forces) const {

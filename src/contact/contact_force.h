@@ -45,7 +45,7 @@ struct ContactSetting {
   double mass = 0;                     ///< reduced, of the two that touch [kg]
   double damping_ratio = 0;            ///< of the normal motion, from the restitution
   double friction = 0;                 ///< μ
-  double onset = 0;                    ///< depth over which damping sets in [m]
+  double onset = 0;                    ///< largest depth over which damping sets in [m]
   double multiplier = 0;               ///< [N]
   double adhesion = 0, range = 0;      ///< work of adhesion [J], and the gap at which it ends [m]
   Vector3 slip = Vector3::Zero();      ///< from the anchor, tangential or not [m]
@@ -56,8 +56,9 @@ struct ContactSetting {
 inline constexpr double kSlipDampingRatio = 0.2;
 
 /// Penalty, damping and friction of one touch. The normal force is N = max(0, λ − k g − c w ġ), w growing from 0 to 1
-/// over the onset's depth; friction is −k s − c ṡ of the elastic slip s while that is within μN, else μN against it.
-/// Sets everything but sample, target, position and sides. @param geometry normal, gap and turning
+/// over the onset's depth, or a part of |ġ| √(m/k) where that is less; friction is −k s − c ṡ of the elastic slip s
+/// while that is within μN, else μN against it. Sets everything but sample, target, position and sides. @param geometry
+/// normal, gap and turning
 void set_response(const ContactPoint& geometry, const ContactSetting& setting, ContactResponse& response);
 
 /// Damping ratio ζ ≥ 0 at which a mass on a linear spring and dashpot that only press leaves as fast as `restitution`
@@ -108,7 +109,7 @@ class ContactForce final : public Contact {
   }
   std::vector<Pose> poses(double time) const override {
     std::vector<Pose> all;
-    for (const Obstacle& obstacle : options_.obstacles) all.push_back(obstacle.at(moment_.value_or(time)));
+    for (const Obstacle& obstacle : options_.obstacles) all.push_back(pose_of(obstacle, time));
     return all;
   }
 
@@ -127,6 +128,8 @@ class ContactForce final : public Contact {
     return spheres_ ? search_.samples()[number - pieces_].piece : number;
   }
 
+  /// Throws InputError where a number of it is not finite.
+  Pose pose_of(const Obstacle& obstacle, double time) const;
   void set_poses(double time) const;
   double farthest(const Positions& from, const Positions& to) const;
   double obstacle_displacement(const Positions& positions, const std::vector<Pose>& from,
@@ -180,7 +183,7 @@ class ContactForce final : public Contact {
   mutable std::vector<MoleculePressure> pressures_, next_pressures_;  // sorted by (molecule, target)
   mutable std::vector<ContactResponse> responses_;
   mutable Positions cached_positions_, cached_velocities_;
-  mutable double cached_time_ = 0;
+  mutable std::vector<Pose> cached_poses_;
   mutable std::vector<ContactHistory> cached_memory_, next_history_;
 };
 

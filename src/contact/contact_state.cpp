@@ -23,7 +23,7 @@ Vector3 ContactForce::sample_position(const State& state, int sample) const {
 
 void ContactForce::set_poses(double time) const {
   poses_.clear();
-  for (const Obstacle& obstacle : options_.obstacles) poses_.push_back(obstacle.at(moment_.value_or(time)));
+  for (const Obstacle& obstacle : options_.obstacles) poses_.push_back(pose_of(obstacle, time));
 }
 
 void ContactForce::anchor(const State& state, const ContactPoint& contact_point, const Vector3& at,
@@ -72,7 +72,9 @@ const std::vector<ContactResponse>& ContactForce::responses(const State& state) 
 }
 
 bool ContactForce::same_as_cached(const State& state) const {
-  if (moves_ && state.time != cached_time_) return false;
+  if (moves_)  // a host may move an obstacle while the time stands still
+    for (std::size_t i = 0; i < cached_poses_.size(); ++i)
+      if (pose_of(options_.obstacles[i], state.time) != cached_poses_[i]) return false;
   const int count = static_cast<int>(watched_.size());
   for (int i = 0; i < count; ++i)
     if (state.positions.col(watched_[i]) != cached_positions_.col(i)) return false;
@@ -91,7 +93,7 @@ void ContactForce::store(const State& state) const {
     cached_positions_.col(i) = state.positions.col(watched_[i]);
     if (resists()) cached_velocities_.col(i) = state.velocities.col(watched_[i]);
   }
-  cached_time_ = state.time;
+  cached_poses_ = poses_;
   cached_memory_ = state.contact_history;
   cached_ = true;
 }

@@ -123,11 +123,15 @@ void Simulation::Impl::make_model() {
 void Simulation::Impl::find_bound() {
   const auto saved_couplings = std::exchange(couplings, {});
   const auto saved_supports = std::exchange(model.supports, {});
+  // Tools are where they were added: the bound is the same however late in a run it is found.
+  const auto saved_tools = tools->all;
+  for (std::size_t i = 0; i < tools->first.size(); ++i) tools->all[i] = {tools->first[i], std::nullopt};
   // Somebody waits for the step after a cut: it does with a bound.
   stable = original ? bounded_stable_step(model, state_at_rest(body)) : find_stable_step(model, state_at_rest(body));
   model.begin_step(work, work.time);
   couplings = saved_couplings;
   model.supports = saved_supports;
+  tools->all = saved_tools;
   const auto& [frequency, rate, added_square, added_rate] = restored;
   constexpr double rounding = 1 - 1e-9;
   if (frequency * frequency + added_square < rounding * stable->frequency * stable->frequency ||

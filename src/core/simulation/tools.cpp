@@ -44,7 +44,8 @@ Pose Tools::pose(ToolId number, double time) const {
 }
 
 ToolId Simulation::add_tool(const Pose& pose) {
-  impl_->tools->all.push_back({checked(pose), std::nullopt});
+  impl_->tools->first.push_back(checked(pose));
+  impl_->tools->all.push_back({impl_->tools->first.back(), std::nullopt});
   return static_cast<ToolId>(impl_->tools->all.size());
 }
 

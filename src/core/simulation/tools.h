@@ -8,6 +8,7 @@ namespace elastin {
 /// What the host moves, and between which times it does.
 struct Tools {
   std::vector<Tool> all;
+  std::vector<Pose> first;    ///< as they were added
   double start = 0, end = 0;  ///< of the step in progress, or the last one [s]
 
   /// The tool's pose at a time.

@@ -38,3 +38,36 @@ TEST_CASE("simulation: a body on a rough floor goes on bitwise identically after
     CHECK(tissue.positions() == reached);
   }
 }
+
+TEST_CASE("simulation: with a tool that rubs, steps are the same bits in a fresh simulation, and if forces are read") {
+  for (const StepperMethod method : {"symplectic_euler", "velocity_verlet", "newmark"}) {
+    CAPTURE(method->name);
+    const auto place = [](int step) { return Vector3(2e-3 + 2e-6 * step, 2e-3, 8.02e-3 - 5e-6 * step); };
+    const auto make = [&] {
+      Simulation tissue = simulation_of(tissue_cube(4), method);
+      for (int i = 0; i < tissue.body().size(); ++i)
+        if (tissue.body().rest(2, i) == 0) tissue.fix(i);
+      ContactOptions options;
+      options.stiffness = default_contact_stiffness(tissue.body(), kTissue.youngs_modulus);
+      options.friction = 0.4, options.restitution = 0.5;
+      options.obstacles.push_back(
+          {"ball", shape::Sphere{1e-3}, {}, tissue.tool_motion(tissue.add_tool({.position = place(0)}))});
+      tissue.model().add(make_contact(tissue.body(), options));
+      return tissue;
+    };
+    const auto run = [&](Simulation& tissue, int from, int to, bool reads) {
+      for (int step = from; step < to; ++step) {
+        tissue.move_tool(1, place(step + 1));
+        REQUIRE(tissue.step(1e-3).outcome == Outcome::converged);
+        if (reads) forces_on_obstacles(tissue);
+      }
+    };
+    Simulation quiet = make(), read = make(), later = make();
+    run(quiet, 0, 60, false), run(read, 0, 60, true);
+    CHECK(quiet.positions() == read.positions());
+    CHECK(forces_on_obstacles(quiet).front().second.norm() > 0);
+    later.restore(quiet.save());
+    run(quiet, 60, 90, false), run(later, 60, 90, true);
+    CHECK(quiet.positions() == later.positions());
+  }
+}

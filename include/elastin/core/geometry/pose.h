@@ -11,6 +11,7 @@ struct Pose {
   Vector3 spin = Vector3::Zero();      ///< [1/s]
   Vector3 to_world(const Vector3& own) const { return turn * own + position; }
   Vector3 to_own(const Vector3& world) const { return turn.transpose() * (world - position); }
+  bool operator==(const Pose&) const = default;
   /// Of the material point that is there now [m/s].
   Vector3 velocity_at(const Vector3& world) const { return velocity + spin.cross(world - position); }
 };
