@@ -9,8 +9,9 @@
 namespace elastin {
 namespace {
 
-bool resists(const Load& load) { return load.resists(); }
+/// All that it does is work from outside, what it resists too: a belt that drags gives and takes energy by one force.
 bool drives(const Load& load) { return load.acts_at_rest() && !load.steady(); }
+bool resists(const Load& load) { return load.resists() && !drives(load); }
 
 template <class Which>
 bool any_load(const Model& model, Which which) {
@@ -47,7 +48,8 @@ Ledger::Border Ledger::border(const Model& model, const State& state) const {
     forces.resisting = none;
     if (!model.viscosity().empty())
       model.gather(state.positions, model.viscous_force_densities(state), forces.resisting);
-    for (const auto& load : model.loads()) load->add_resistance(state, forces.resisting);
+    for (const auto& load : model.loads())
+      if (resists(*load)) load->add_resistance(state, forces.resisting);
   }
   if (any_load(model, drives)) {
     forces.driving = none;
