@@ -121,7 +121,7 @@ class BlockDescent final : public Implicit {
       if (mixes && sweep % 2 == 0) pair_start_ = next.positions;
       if (outer_.vary() && sweep > 0) {
         set_velocities(model, kinematics, next);
-        outer_.update(model, next);
+        outer_.update(model, next, kinematics.weights);
       }
       const bool chebyshev = options_.spectral_radius > 0;
       if (chebyshev) before_ = next.positions;

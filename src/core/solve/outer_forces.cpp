@@ -10,7 +10,16 @@ void OuterForces::begin(const Model& model, const State& state, const Weights& w
   const auto& loads = model.loads();
   const bool vary = !model.viscosity().empty() ||
                     std::any_of(loads.begin(), loads.end(), [](const auto& load) { return load->changes(); });
-  blocks_.assign(model.body().size(), Matrix3::Zero());
+  viscous_.assign(model.body().size(), Matrix3::Zero());
+  if (!model.viscosity().empty()) add_viscous_blocks(model, state, weights);
+  vary_ = true;
+  update(model, state, weights);
+  vary_ = vary;
+}
+
+void OuterForces::update(const Model& model, const State& state, const Weights& weights) {
+  if (!vary_) return;
+  blocks_ = viscous_;
   const auto add = [this](int a, int b, const Matrix3& block) {
     Matrix3& own = blocks_[a];
     if (a == b)
@@ -19,16 +28,7 @@ void OuterForces::begin(const Model& model, const State& state, const Weights& w
       own.diagonal().array() += block.norm();
   };
   const Load::BlockVisitor visit = std::ref(add);
-  if (vary)
-    for (const auto& load : loads) load->visit_blocks(state, weights.velocity, visit);
-  if (!model.viscosity().empty()) add_viscous_blocks(model, state, weights);
-  vary_ = true;
-  update(model, state);
-  vary_ = vary;
-}
-
-void OuterForces::update(const Model& model, const State& state) {
-  if (!vary_) return;
+  for (const auto& load : model.loads()) load->visit_blocks(state, weights.velocity, visit);
   positions_ = state.positions;
   forces_.setZero(3, model.body().size());
   model.add_other_forces(state, forces_, workspace_);
@@ -64,8 +64,8 @@ void OuterForces::add_viscous_blocks(const Model& model, const State& state, con
     const auto& [a, b] = connections.ends[c];
     const Vector3 d = state.positions.col(b) - state.positions.col(a);
     const Matrix3 block = 4 * std::max(0., slopes_[c]) * d * d.transpose();
-    blocks_[a] += block;
-    blocks_[b] += block;
+    viscous_[a] += block;
+    viscous_[b] += block;
   }
 }
 

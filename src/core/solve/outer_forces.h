@@ -15,8 +15,9 @@ class OuterForces {
  public:
   /// Blocks and forces at a state, of a step with these weights. Allocates nothing but in its first call.
   void begin(const Model& model, const State& state, const Weights& weights);
-  /// Updates the forces at this state, where they change with it.
-  void update(const Model& model, const State& state);
+  /// The same where they change with the state, but for the blocks of internal damping: contact that sets in meanwhile
+  /// would be met by forces alone, and forces without a block throw molecules far.
+  void update(const Model& model, const State& state, const Weights& weights);
 
   bool vary() const { return vary_; }
   const Positions& forces() const { return forces_; }        ///< [N]
@@ -28,7 +29,7 @@ class OuterForces {
   void add_viscous_blocks(const Model& model, const State& state, const Weights& weights);
   bool vary_ = false;
   Positions forces_, positions_;
-  std::vector<Matrix3> blocks_;
+  std::vector<Matrix3> blocks_, viscous_;
   VectorX slopes_, squared_lengths_, rates_;
   Workspace workspace_;
 };

@@ -115,7 +115,8 @@ class Xpbd final : public Implicit {
     for (int iteration = 0; iteration < options_.iterations; ++iteration) {
       if (iteration > 0 && outer_.vary()) {
         set_velocities(model, kinematics, next);
-        outer_.update(model, next);
+        outer_.update(model, next, kinematics.weights);
+        set_inverses(model, weight);
       }
       if (iteration == 0 || outer_.vary() || options_.balanced)
         balance_molecules(next.positions, weight, iteration > 0);
