@@ -22,6 +22,8 @@ constexpr double kSmallestSubstep = 1. / 1024;
 constexpr double kTransposedTolerance = 1e-13;
 constexpr int kTransposedRounds = 30;
 
+constexpr const char* kOpened = "a contact that pushed has opened within a step, which has no derivative there";
+
 template <class Vectors>
 double largest_square(const Vectors& vectors) {
   return vectors.colwise().squaredNorm().maxCoeff();
@@ -42,6 +44,71 @@ void set_push(const Model& model, const State& state, Push& push) {
   }
   push.elastic = push.forces - push.elastic;
   keep_free(model.supports, push.forces);
+}
+
+/// A load that a balance within a step takes as it is at the step's end, times a factor. That end lies beyond what the
+/// balance seeks: x₀ + (x − x₀)/share.
+class AtEnd final : public Load {
+ public:
+  AtEnd(std::unique_ptr<Load> own, const State& start, double share, double factor)
+      : load(std::move(own)), start_(start), share_(share), factor_(factor) {}
+  void add_forces(const State& state, Positions& forces) const override {
+    sum_.setZero(3, forces.cols());
+    load->add_forces(end_of(state), sum_);
+    forces += factor_ * sum_;
+  }
+  double energy(const State& state) const override { return factor_ * share_ * load->energy(end_of(state)); }
+  bool changes() const override { return true; }
+  void add_change(const State& state, const Positions& motion, const Positions& sped,
+                  Positions& forces) const override {
+    sum_.setZero(3, forces.cols());
+    load->add_change(end_of(state), motion, sped, sum_);
+    forces += factor_ / share_ * sum_;
+  }
+  void visit_blocks(const State& state, double velocity_weight, const BlockVisitor& visit) const override {
+    const auto scaled = [&](int a, int b, const Matrix3& block) { visit(a, b, factor_ / share_ * block); };
+    load->visit_blocks(end_of(state), velocity_weight, std::ref(scaled));
+  }
+  std::vector<WideTerm> wide_terms(const State& state) const override {
+    std::vector<WideTerm> terms = load->wide_terms(end_of(state));
+    for (WideTerm& term : terms) term.factor *= factor_ / share_;
+    return terms;
+  }
+  bool has_energy() const override { return load->has_energy(); }
+  bool steady() const override { return load->steady(); }
+  bool resists() const override { return load->resists(); }
+  bool feels_velocity() const override { return load->feels_velocity(); }
+  bool symmetric() const override { return load->symmetric(); }
+  std::vector<HistoryBlock> history() const override { return load->history(); }
+  bool update_multipliers(State& state) const override {
+    if (share_ == 1) return load->update_multipliers(state);
+    State end = end_of(state);
+    if (!load->update_multipliers(end)) return false;
+    state.carry_over(end);
+    return true;
+  }
+
+  std::unique_ptr<Load> load;
+
+ private:
+  const State& end_of(const State& state) const {
+    if (share_ == 1) return state;
+    end_.carry_over(state);
+    end_.positions = start_.positions + (state.positions - start_.positions) / share_;
+    end_.velocities = start_.velocities + (state.velocities - start_.velocities) / share_;
+    end_.time = start_.time + (state.time - start_.time) / share_;
+    return end_;
+  }
+  const State& start_;
+  double share_, factor_;
+  mutable State end_;
+  mutable Positions sum_;
+};
+
+/// Takes the accelerations that a push gives out of those.
+void take_out(const Push& push, const VectorX& mass, Positions& accelerations) {
+  for (int i = 0; i < mass.size(); ++i)
+    if (!push.forces.col(i).isZero(0)) accelerations.col(i) -= push.forces.col(i) / mass[i];
 }
 
 }  // namespace
@@ -123,70 +190,75 @@ void Implicit::set_first_guess(const Model& model, const State& state, double dt
   apply_supports(model, next_.positions);
 }
 
-/// Newmark's method gives half of the force at a step's beginning to the whole of it, also where something parts within
-/// the step: contact would push on through the air, and give back more than was put in. Where it does, the step is
-/// solved again without the pushes on molecules that have separated, which takes energy and never gives any; so [Kane
-/// et al. 1999], but for contact that lasts, which stays of order 2.
-StaticResult Implicit::balance_parted(Model& model, const State& state, double dt) {
-  set_kinematics(state, state.accelerations, dt);
-  set_first_guess(model, state, dt);
-  const bool may_part = newmark() && std::any_of(model.loads().begin(), model.loads().end(), may_push);
-  if (may_part) {
-    set_push(model, state, push_);
-    pushed_ = push_;  // room for both, before any step needs it
-    withheld_ = state.accelerations;
-  }
-  StaticResult solved = balance(model, next_, kinematics_);
-  if (!may_part || !any_over(model.body(), !push_.forces.isZero(0))) return solved;
-  for (const double share : {0., 0.5})  // first what has separated, then what has nearly
-    while (solved.outcome == Outcome::converged && withhold_pushes(model, state, share)) {
-      set_kinematics(state, withheld_, dt);
-      set_first_guess(model, state, dt);
-      const StaticResult again = balance(model, next_, kinematics_);
-      solved.outcome = again.outcome, solved.cause = again.cause;
-      solved.newton_iterations += again.newton_iterations;
-      solved.linear_iterations += again.linear_iterations;
-    }
-  return solved;
+PushesAtEnd::PushesAtEnd(Model& model, const State& start, double share, double factor) : model_(model) {
+  for (auto& load : model.extract_loads())
+    model.add(may_push(load) ? std::make_unique<AtEnd>(std::move(load), start, share, factor) : std::move(load));
 }
 
-/// If the step has made energy: takes the pushes at its beginning out of `withheld_` where no more than a `share` of
-/// them is left at its end. Whether there were any. Pushes of free bodies on each other go together: action without
-/// reaction would change their momentum.
-bool Implicit::withhold_pushes(const Model& model, const State& state, double share) {
-  set_push(model, next_, pushed_);
+PushesAtEnd::~PushesAtEnd() {
+  for (auto& load : model_.extract_loads()) {
+    auto* at_end = dynamic_cast<AtEnd*>(load.get());
+    model_.add(at_end ? std::move(at_end->load) : std::move(load));
+  }
+}
+
+/// Contact that opens within a step would push on through the air by half of the force at a step's beginning, and what
+/// is met within one would be pushed back from where it never was held: both give back more than was put in. A step
+/// that makes energy so is to be solved again with pushes as they are at its end alone, which takes energy and never
+/// gives any [Kane et al. 1999]. Contact that lasts stays of order 2.
+std::optional<double> Implicit::made_by_pushes(const Model& model, const State& from, const State& to, double share) {
+  if (std::none_of(model.loads().begin(), model.loads().end(), may_push)) return {};
+  set_push(model, from, push_);
+  set_push(model, to, pushed_);
   const Body& body = model.body();
-  std::array<double, 3> energies{ordered_sum(owned_molecules(body),
-                                             [&](int i) {
-                                               return (push_.elastic.col(i) + pushed_.elastic.col(i))
-                                                          .dot(next_.positions.col(i) - state.positions.col(i)) /
-                                                      2;
-                                             }),
-                                 push_.energy, pushed_.energy};
-  sum_over(body, energies);
-  const auto [work, before_step, after_step] = energies;
-  const double made = work + after_step - before_step;
-  if (!(made > 1e-9 * std::max(std::abs(before_step), std::abs(after_step)))) return false;
-  const auto has_parted = [&](int i) {
-    const double before = push_.forces.col(i).norm();
-    return before > 0 && !(pushed_.forces.col(i).norm() > share * before);
-  };
-  bool any = false;
-  Eigen::Vector4d sums = Eigen::Vector4d::Zero();  // of the pushes, and of their sizes
+  if (!any_over(body, !push_.forces.isZero(0) || (share != 1 && !pushed_.forces.isZero(0)))) return {};
+  if (share != 1) {
+    within_.carry_over(to);
+    within_.positions = from.positions + share * (to.positions - from.positions);
+    within_.velocities = from.velocities + share * (to.velocities - from.velocities);
+    within_.time = from.time + share * (to.time - from.time);
+    set_push(model, within_, push_within_);
+  }
+  std::array<double, 3> energies{0, push_.energy, pushed_.energy};
+  bool opens = false;
   for (int i = 0; i < owned_molecules(body); ++i) {
-    any |= has_parted(i);
-    sums.head<3>() += push_.forces.col(i), sums[3] += push_.forces.col(i).norm();
+    const Vector3 motion = to.positions.col(i) - from.positions.col(i);
+    const double before = push_.forces.col(i).norm(), after = pushed_.forces.col(i).norm();
+    if (share == 1) {
+      energies[0] += (push_.elastic.col(i) + pushed_.elastic.col(i)).dot(motion) / 2;
+      opens |= before > 0 && !(after > before / 2);
+    } else {
+      energies[0] += push_within_.elastic.col(i).dot(motion);
+      opens |= before + after > 0 && !(push_within_.forces.col(i).norm() > 0.4 * std::max(before, after));
+    }
   }
-  sum_over(body, {sums.data(), 4});
-  const bool together = any_over(body, any) && sums.head<3>().norm() < 1e-9 * sums[3];
-  bool found = false;
-  for (int i = 0; i < body.size(); ++i) {
-    if (push_.forces.col(i).isZero(0) || !(together || has_parted(i))) continue;
-    withheld_.col(i) -= push_.forces.col(i) / body.mass[i];
-    push_.forces.col(i).setZero(), push_.elastic.col(i).setZero();
-    found = true;
+  sum_over(body, energies);
+  const auto [work, energy_before, energy_after] = energies;
+  if (!any_over(body, opens)) return {};
+  const double size = std::max(std::abs(energy_before), std::abs(energy_after));
+  return work + energy_after - energy_before - 1e-9 * size;
+}
+
+StaticResult Implicit::balance_at_end(Model& model, const State& state, double dt) {
+  set_kinematics(state, state.accelerations, dt);
+  set_first_guess(model, state, dt);
+  const StaticResult solved = balance(model, next_, kinematics_);
+  if (!newmark() || solved.outcome != Outcome::converged || !(made_by_pushes(model, state, next_, 1) > 0.))
+    return solved;
+  withheld_ = state.accelerations;
+  take_out(push_, model.body().mass, withheld_);
+  set_kinematics(state, withheld_, dt);
+  set_first_guess(model, state, dt);
+  StaticResult again;
+  {
+    const PushesAtEnd at_end(model, state, 1, 2);  // in full: of the end's force Newmark's method takes half
+    again = balance(model, next_, kinematics_);
   }
-  return any_over(body, found);
+  set_push(model, next_, pushed_);
+  take_out(pushed_, model.body().mass, next_.accelerations);
+  again.newton_iterations += solved.newton_iterations;
+  again.linear_iterations += solved.linear_iterations;
+  return again;
 }
 
 /// Brings `next_` from within the step, where it is in balance, to the step's end.
@@ -203,6 +275,17 @@ void Implicit::go_on_to_end(const Model& model, const State& state, double dt) {
 /// A step that is balanced within: y = x₀ + α_f (x₁ − x₀) is sought, on which the velocities and accelerations there
 /// depend linearly, so that it is one of three weights as well.                              [Chung & Hulbert 1993]
 StaticResult Implicit::balance_within(Model& model, const State& state, double dt) {
+  const StaticResult solved = balance_once_within(model, state, dt);
+  if (solved.outcome != Outcome::converged || !(made_by_pushes(model, state, next_, shares_.forces) > 0.))
+    return solved;
+  const PushesAtEnd at_end(model, state, shares_.forces, 1);
+  StaticResult again = balance_once_within(model, state, dt);
+  again.newton_iterations += solved.newton_iterations;
+  again.linear_iterations += solved.linear_iterations;
+  return again;
+}
+
+StaticResult Implicit::balance_once_within(Model& model, const State& state, double dt) {
   const double share = shares_.forces;
   ends_ = model.supports;
   for (Support& support : model.supports) {
@@ -231,7 +314,7 @@ StaticResult Implicit::balance_within(Model& model, const State& state, double d
 void Implicit::try_step(Model& model, State& state, double dt, StepResult& result) {
   if (model.drive) model.drive(state.time + dt, model.supports);
   model.begin_step(state, state.time + dt);
-  const StaticResult solved = within() ? balance_within(model, state, dt) : balance_parted(model, state, dt);
+  const StaticResult solved = within() ? balance_within(model, state, dt) : balance_at_end(model, state, dt);
   result.newton_iterations += solved.newton_iterations;
   result.linear_iterations += solved.linear_iterations;
   const bool cut_short = kinematics_.cut_short && solved.outcome == Outcome::limit_reached;
@@ -241,6 +324,7 @@ void Implicit::try_step(Model& model, State& state, double dt, StepResult& resul
     return;
   }
   if (!within()) balance_as_one(model);
+  hold_accelerations(model);
   if (model.max_step_fraction(state, next_) < 1) {
     result.outcome = Outcome::limit_reached;
     result.cause = "something would be passed through within a step";
@@ -255,6 +339,13 @@ void Implicit::try_step(Model& model, State& state, double dt, StepResult& resul
   const double factor = newmark() ? std::max(std::abs(beta_ - 1. / 6), 1. / 12) : 0.5;
   result.error = factor * dt * dt * std::sqrt(change);
   std::swap(state, next_);
+}
+
+/// What is held keeps no acceleration: Newmark's formula would have it swing for ever about that of the prescribed
+/// motion, and hand it to the body when it is let go.
+void Implicit::hold_accelerations(const Model& model) {
+  for (const Support& support : model.supports)
+    next_.accelerations.col(support.molecule) = support.free * next_.accelerations.col(support.molecule);
 }
 
 /// What iterations leave unbalanced of a free body's whole force would add up over the steps: the body moves as one to
@@ -317,6 +408,7 @@ void ImplicitByNewton::transpose(Model& model, const State& from, const State& t
   Positions of_x = free(slopes.positions), of_v = free(slopes.velocities), of_a = free(slopes.accelerations);
   Positions start_x = Positions::Zero(3, of_x.cols()), start_v = start_x, start_a = start_x;
   if (within()) {
+    if (made_by_pushes(model, from, to, share)) throw InputError(kOpened);
     at.positions = from.positions + share * (to.positions - from.positions);
     at.time = from.time + share * dt;
     of_a += dt * gamma_ * of_v;
@@ -330,7 +422,7 @@ void ImplicitByNewton::transpose(Model& model, const State& from, const State& t
   at.accelerations = kinematics_.accelerations + weights.acceleration * (at.positions - kinematics_.start);
   const Positions reached = from.accelerations + of_inertia * (to.accelerations - from.accelerations);
   if (free(at.accelerations - reached).norm() > 1e-6 * (reached.norm() + weights.acceleration * at.positions.norm()))
-    throw InputError("a contact that pushed has opened within a step, which has no derivative there");
+    throw InputError(kOpened);
   TransposedForces forces(model);
   forces.begin(from, at.time, at, dt);
   workspace_.tangent = std::make_unique<Tangent>(model, at, weights);

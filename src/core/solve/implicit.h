@@ -1,4 +1,6 @@
 #pragma once
+#include <optional>
+
 #include "core/solve/newton.h"
 #include "core/solve/steppers.h"
 #include "core/solve/transposed_step.h"
@@ -11,6 +13,19 @@ struct Push {
   Positions forces;   ///< [N]
   Positions elastic;  ///< of them, those that come from the energy [N]
   double energy = 0;  ///< [J]
+};
+
+/// Makes loads that may push count as they are at a step's end, while it lives: of a balance at a `share` of the step
+/// from `start`, times a factor.
+class PushesAtEnd {
+ public:
+  PushesAtEnd(Model& model, const State& start, double share, double factor);
+  ~PushesAtEnd();
+  PushesAtEnd(const PushesAtEnd&) = delete;
+  PushesAtEnd& operator=(const PushesAtEnd&) = delete;
+
+ private:
+  Model& model_;
 };
 
 /// How far within a step its balance is: the end's shares in positions, velocities and forces, and in accelerations;
@@ -47,6 +62,10 @@ class Implicit : public Stepper, public HasEffort {
   bool newmark() const { return beta_ > 0; }
   bool within() const { return shares_.forces != 1 || shares_.inertia != 1; }
 
+  /// Energy [J], above rounding, that contact has made in a step in which it opens or sets in; none in any other step.
+  /// Its forces are those at this share of the step; of share 1 Newmark's, half of the beginning's and the end's.
+  std::optional<double> made_by_pushes(const Model& model, const State& from, const State& to, double share);
+
   StaticOptions newton_;
   NewtonWorkspace workspace_;
   double beta_, gamma_;
@@ -55,19 +74,21 @@ class Implicit : public Stepper, public HasEffort {
 
  private:
   void advance(Model& model, State& state, double dt, double smallest, StepResult& result);
-  StaticResult balance_parted(Model& model, const State& state, double dt);
-  bool withhold_pushes(const Model& model, const State& state, double share);
+  StaticResult balance_at_end(Model& model, const State& state, double dt);
   void set_first_guess(const Model& model, const State& state, double dt);
   void balance_as_one(const Model& model);
+  void hold_accelerations(const Model& model);
   StaticResult balance_within(Model& model, const State& state, double dt);
+  StaticResult balance_once_within(Model& model, const State& state, double dt);
   void go_on_to_end(const Model& model, const State& state, double dt);
 
   // Kept from one step to the next, so that steps allocate no memory.
   State next_, before_;
   std::vector<Support> ends_;  // of the step's supports
   Positions forces_;
-  Push push_, pushed_;  // at the step's beginning and end
-  Positions withheld_;  // the accelerations at its beginning without the pushes of what has separated
+  Push push_, pushed_, push_within_;  // at the step's beginning, at its end, and where its balance is
+  State within_;
+  Positions withheld_;  // the accelerations at its beginning without what pushes
 };
 
 /// Those that Newton's method balances. One that ends after a number of iterations has the derivatives of a balanced

@@ -177,6 +177,30 @@ TEST_CASE("simulation: what is moved goes there at one speed, and is pulled by w
   }
 }
 
+TEST_CASE("simulation: what was caught stays where it is let go, and what was carried goes on as fast") {
+  for (const StepperMethod& method : kSteppers)
+    for (const int held : {1, 2, 9, 10})
+      for (const double speed : {0., 1.}) {
+        INFO(method->name << ", held for " << held << " steps, carried at " << speed << " m/s");
+        Simulation tissue = simulation_of(tissue_cube(3), method);
+        const int molecules = tissue.body().size();
+        Positions velocities = Positions::Zero(3, molecules);
+        velocities.row(0).setConstant(1 - speed);
+        tissue.set_velocities(velocities);
+        run(tissue, 2);
+        for (int i = 0; i < molecules; ++i) tissue.fix(i);
+        for (int step = 0; step < held; ++step) {
+          for (int i = 0; i < molecules; ++i)
+            tissue.move_to(i, tissue.positions().col(i) + Vector3(speed * kStep, 0, 0));
+          run(tissue, 1);
+        }
+        for (int i = 0; i < molecules; ++i) tissue.release(i);
+        run(tissue, 5);
+        CHECK(tissue.velocities().row(0).maxCoeff() == Approx(speed).margin(1e-6));
+        CHECK(tissue.velocities().row(0).minCoeff() == Approx(speed).margin(1e-6));
+      }
+}
+
 TEST_CASE("simulation: a molecule with another support is taken over, moved and released") {
   Simulation tissue = simulation_of(tissue_cube(3));
   tissue.model().supports = {{0}, {1}, {2}};

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/forces/floor.h"
 #include "core/shapes/surfaces.h"
 #include "core/solve/energies.h"
 #include "elastin/core/simulation/catalog.h"
@@ -99,6 +100,25 @@ TEST_CASE("energy_momentum under weight, with supports, and with damping", "[ste
   for (int step = 0; step < 400; ++step)
     REQUIRE(stepper->advance(*block.model, block.state, 0.02).outcome == Outcome::converged);
   CHECK(block.energies().kinetic < 1e-6 * most);
+}
+
+TEST_CASE("energy_momentum comes to rest under weight on a floor", "[steppers][floor]") {
+  Body body = cubic_lattice({4, 3, 3}, 0.01, {true, true, false});
+  set_matter(body, 0.005, 1000, 0, 12e-6);
+  body.rest.row(2).array() += 0.005;
+  Model model(body);
+  model.add(built_in_catalog().find("lattice").make(body, Material{.youngs_modulus = 1e5, .poissons_ratio = 0.25}, {}));
+  model.add(make_gravity(body, {0, 0, -9.81}));
+  model.add(make_mass_damping(body, 40));
+  model.add(make_floor(body, {.point = {0, 0, 0}, .normal = {0, 0, 1}, .stiffness = 1e4}));
+  State state = state_at_rest(body);
+  const auto stepper = make_stepper({"energy_momentum"});
+  for (int step = 0; step < 1500; ++step) {
+    const StepResult result = stepper->advance(model, state, 5e-4);
+    INFO("step " << step << ": " << result.cause);
+    REQUIRE(result.outcome == Outcome::converged);
+  }
+  CHECK(state.velocities.norm() < 1e-4);
 }
 
 TEST_CASE("energy_momentum refuses what has no energy to keep", "[steppers]") {

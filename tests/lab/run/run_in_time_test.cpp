@@ -104,6 +104,23 @@ TEST_CASE("a load that jumps, and a body at rest, make no energy from nothing", 
     }
 }
 
+TEST_CASE("supports may jump: the body comes to the equilibrium about where they are", "[time]") {
+  for (const std::string stepper : {"newmark", "backward_euler", "generalized_alpha", "energy_momentum"})
+    for (const std::string in_time :
+         {"", ", in_time: {step: {at: 20 ms}}", ", in_time: {table: [[0 s, 0.5], [9 ms, 1]]}"}) {
+      INFO(stepper << in_time);
+      const Run run = run_of(
+          "body: {tetrahedra: {kind: kuhn, cubes: [2, 1, 2], size: [2 cm, 1 cm, 2 cm]}}\n"
+          "material: {youngs_modulus: 10 kPa, poissons_ratio: 0.3, density: 1000 kg/m3}\nstiffness: "
+          "st_venant_kirchhoff\n"
+          "loads: [{rayleigh: {mass: 100 1/s}}]\n"
+          "experiment: {kind: motion, fixture: {kind: tension, axis: z, strain: 0.01 %}" +
+          in_time + "}\ntime: {duration: 0.3 s, frames: 3, step: 1 ms, stepper: " + stepper + "}\n");
+      CHECK(run.cause == "");
+      CHECK(measured(run, "effective_modulus") == Approx(1e4).epsilon(1e-3));
+    }
+}
+
 TEST_CASE("a load put on at once swings to twice its displacement at rest", "[time]") {
   const Run run = run_of(kOscillator +
                          "experiment: {kind: release, load: applied, fixture: {kind: tension, axis: x, force: 0.1 N, "
