@@ -9,6 +9,9 @@ namespace {
 /// Of the onset: what just touches has stiffness though it has no force yet, or Newton would not see it.
 constexpr double kNearness = 1e-6;
 
+/// Of the depth to which an undamped impact leads: over it damping sets in.
+constexpr double kOnset = 0.02;
+
 /// e of a damping ratio: the touch ends when the force has fallen to zero, before the spring is at rest.
 double restitution_of(double ratio) {
   if (ratio < 1) {
@@ -74,16 +77,21 @@ void set_response(const ContactPoint& geometry, const ContactSetting& setting, C
   response.pressing = response.elastic;
   if (!(setting.multiplier + k * depth >= -kNearness * k * setting.onset)) return;
   const double full = 2 * setting.damping_ratio * std::sqrt(k * setting.mass), speed = n.dot(setting.velocity);
-  const double onset = std::clamp(depth / setting.onset, 0., 1.), c = full * onset;
-  response.pressing = response.elastic - c * speed;
-  if (response.pressing <= 0 && c > 0) {  // it leaves faster than the spring pushes
+  // The damping sets in over no more than a part of the depth to which this speed leads, or slow impacts would have
+  // none.
+  const double of_speed = kOnset * std::abs(speed) * std::sqrt(setting.mass / k),
+               over = std::min(setting.onset, of_speed);
+  const bool inside = depth > 0 && depth < over;
+  const double onset = inside ? depth / over : depth > 0 ? 1 : 0;
+  response.pressing = response.elastic - full * onset * speed;
+  if (response.pressing <= 0 && full * onset > 0) {  // it leaves faster than the spring pushes
     response.pressing = 0;
     return;
   }
   // How the onset grows with the depth while the sample comes in.
-  const double growth = onset > 0 && onset < 1 && speed < 0 ? -full * speed / setting.onset : 0;
+  const double growth = inside && speed < 0 ? -full * speed / over : 0;
   response.stiffness = (k + growth) * n * n.transpose() - response.pressing * geometry.turning;
-  response.damping = c * n * n.transpose();
+  response.damping = (inside && over == of_speed ? 0 : full * onset) * n * n.transpose();
   if (setting.friction > 0) set_friction(geometry, setting, response);
 }
 

@@ -232,6 +232,18 @@ TEST_CASE("contact: two molecules meet with the prescribed restitution", "[conta
     // The damping sets in over the first thousandth of a diameter.
     CHECK(scene.state.velocities(0, 1) - scene.state.velocities(0, 0) == Approx(2 * restitution).epsilon(0.04));
   }
+  // However slowly they come: what falls to rest loses energy to the end.
+  for (const double restitution : {0.5, 0.2})
+    for (const double speed : {0.1, 1e-2, 1e-3, 1e-5}) {
+      CAPTURE(restitution, speed);
+      ContactOptions options = options_of(1e8, 0, {});
+      options.restitution = restitution;
+      Scene scene(isolated_molecules({{0, 0, 0}, {0.02 + 1e-4 * speed, 0, 0}}, 0.01, 0.01), options, 0);
+      scene.state.velocities(0, 0) = speed;
+      scene.step({"velocity_verlet"}, 2e-6, 1000);
+      CHECK(scene.contact->report(scene.state).pairs == 0);
+      CHECK(scene.state.velocities(0, 1) - scene.state.velocities(0, 0) == Approx(speed * restitution).epsilon(0.05));
+    }
   CHECK(damping_ratio_of(1) == 0);
   // Where the force falls to zero of x'' + 2ζx' + x = 0 from x' = 1: ζ = 1 leaves with e⁻².
   CHECK(damping_ratio_of(std::exp(-2)) == Approx(1).epsilon(1e-4));
@@ -279,6 +291,101 @@ TEST_CASE("contact: Newmark's steps make no energy of a block that bounces and s
       CHECK(most < 0.02 * (before.kinetic + floor));
       CHECK(highest < 0.0155);  // no higher than it came from: its lowest molecules' centres began at 15 mm
     }
+}
+
+TEST_CASE("contact: at Newmark's steps that are long for it, what lies on a plane presses with its weight",
+          "[contact]") {
+  const double mass = 0.3;
+  for (const double dt : {1e-3, 5e-3, 0.02}) {
+    CAPTURE(dt);
+    Scene scene(isolated_molecules({{0, 0, 0.01}}, 0.01, mass), options_of(1e10, 0, {floor_at(0)}));
+    scene.step({"newmark"}, dt, 50);
+    double sum = 0;  // of many steps: the trapezoidal rule swings about it
+    constexpr int steps = 400;
+    for (int step = 0; step < steps; ++step) {
+      scene.step({"newmark"}, dt, 1);
+      sum -= scene.contact->report(scene.state).on_obstacles[0].z();
+    }
+    CHECK(sum / steps == Approx(mass * kGravity).epsilon(0.01));
+  }
+}
+
+TEST_CASE("contact: what a moving belt gives a block by friction is work, and no energy is left over", "[contact]") {
+  Obstacle belt = floor_at(0);
+  belt.motion = [](double) {
+    Pose pose;
+    pose.velocity = {0.3, 0, 0};
+    return pose;
+  };
+  Scene scene(block(), options_of(1e8, 0.3, {belt}));
+  Ledger ledger(*scene.model, scene.state);
+  const Energies before = ledger.energies(*scene.model, scene.state);
+  const auto stepper = make_stepper({"velocity_verlet"});
+  for (int step = 0; step < 2000; ++step) {
+    REQUIRE(stepper->advance(*scene.model, scene.state, 1e-5).outcome == Outcome::converged);
+    ledger.record(*scene.model, scene.state);
+  }
+  const Energies after = ledger.energies(*scene.model, scene.state);
+  const double speed = 0.3 * kGravity * 0.02;  // mu g t
+  CHECK(scene.speed().x() == Approx(speed).epsilon(0.02));
+  CHECK(after.work == Approx(18e-3 * speed * speed / 2).epsilon(0.05));
+  CHECK(after.dissipated == 0);
+  CHECK(std::abs(after.balance() - before.balance()) < 0.01 * after.work);
+}
+
+TEST_CASE("contact: forces are those of the obstacle as it moves now, whenever they were read", "[contact]") {
+  const Body body = block();
+  Vector3 velocity = Vector3::Zero(), shift = Vector3::Zero();
+  Obstacle belt = floor_at(0.001);
+  belt.motion = [&, at = belt.pose](double) {
+    Pose pose = at;
+    pose.position += shift, pose.velocity = velocity;
+    return pose;
+  };
+  ContactOptions options = options_of(1e8, 0.3, {belt});
+  options.restitution = 0.5;
+  const auto read = make_contact(body, options);
+  State state = state_at_rest(body);
+  for (const Vector3& next : {Vector3(0, 0, 0), Vector3(0, 0, 0.1), Vector3(0.2, 0, 0.1)})
+    for (const Vector3& place : {Vector3(0, 0, 0), Vector3(0, 0, 1e-4)}) {
+      velocity = next, shift = place;
+      Positions forces = Positions::Zero(3, body.size()), expected = forces;
+      read->add_forces(state, forces);
+      make_contact(body, options)->add_forces(state, expected);
+      CHECK(forces == expected);
+    }
+}
+
+TEST_CASE("contact: an obstacle that is nowhere is refused", "[contact]") {
+  const Body body = block();
+  Obstacle plane = floor_at(0);
+  plane.pose.position.x() = NAN;
+  CHECK_THROWS_WITH(make_contact(body, options_of(1e8, 0, {plane})), Catch::Contains("nowhere"));
+  plane = floor_at(0);
+  plane.motion = [](double time) {
+    Pose pose;
+    pose.velocity.z() = std::sqrt(-time);
+    return pose;
+  };
+  Scene scene(body, options_of(1e8, 0, {plane}));
+  CHECK_THROWS_WITH(scene.step({"velocity_verlet"}, 1e-4, 2), Catch::Contains("nowhere"));
+}
+
+TEST_CASE("contact: iterations meet an obstacle that was not there when the step began", "[contact]") {
+  const auto fall = [&](const StepperOptions& stepper) {
+    Scene scene(block(), options_of(5e7, 0, {floor_at(-0.1e-3)}), 0, 1e4);
+    scene.state.velocities.row(2).setConstant(-0.2);
+    scene.step(stepper, 1e-3, 2);
+    return scene;
+  };
+  const Scene exact = fall({"backward_euler"});
+  CHECK(exact.contact->report(exact.state).pairs > 0);
+  for (const StepperOptions& stepper : {StepperOptions{"block_descent", {{"sweeps", 1000}}},
+                                        StepperOptions{"xpbd", {{"iterations", 1000}, {"substeps", 1}}}}) {
+    CAPTURE(stepper.method->name);
+    const Scene scene = fall(stepper);
+    CHECK((scene.state.positions - exact.state.positions).colwise().norm().maxCoeff() < 1e-9);
+  }
 }
 
 TEST_CASE("contact: below the angle of friction a block stays where it is for ten seconds", "[contact]") {
