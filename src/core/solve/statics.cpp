@@ -293,7 +293,9 @@ StaticResponse Responses::to(const Positions& load_change, const Positions& disp
   rhs = load_change - rhs;
   const double supported = fixed_components(model_.supports, rhs).norm();
   keep_free(model_.supports, rhs);
-  const double size = ordered_norm(rhs);
+  double size = ordered_norm(rhs);
+  // Of what supports bear alone, rounding is left in the directions that are free: no load.
+  if (size < 1e-9 * supported && size <= 2 * rounding_floor(tangent_, tangent_.positions())) rhs.setZero(), size = 0;
   const Positions start = last_.nearest(tangent_, model_.supports, rhs);
   const double left = ordered_norm(rhs), rough = left > 0 ? std::min(kLeastSolved, tolerance * size / left) : tolerance;
   UsedSolver used;

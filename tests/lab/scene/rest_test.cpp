@@ -292,3 +292,19 @@ TEST_CASE("a strip between clamps buckles where it has grown by Euler's strain, 
               .margin(1e-9));
   }
 }
+
+TEST_CASE("what supports bear alone is no load, in a turned scene either", "[rest][linear]") {
+  const std::string block =
+      "title: A bar\nbody: {tetrahedra: {kind: kuhn, cubes: [2, 1, 2], size: [2 cm, 1 cm, 2 cm]}}\nstiffness: "
+      "neo_hookean\n"
+      "experiment: {kind: tension, axis: z, strain: 5 %}\nsolver: {displacements: small}\n";
+  for (const std::string load :
+       {"material: {youngs_modulus: 10 kPa, poissons_ratio: 0}\nloads: [{face: {side: z, traction: [0, 0, 10 Pa]}}]\n",
+        "material: {youngs_modulus: 10 kPa, poissons_ratio: 0.3, active: {direction: z, stress: 1 kPa}}\n"}) {
+    INFO(load);
+    const Run plain = run_of(block + load),
+              turned = run_of(block + load + "rotate: {axis: [1, 2, 3], angle: 33 deg}\n");
+    CHECK(turned.cause == "");
+    CHECK(turned.measures.get("effective_modulus") == Approx(plain.measures.get("effective_modulus")).epsilon(1e-8));
+  }
+}
