@@ -56,7 +56,8 @@ struct ContactReport {
 
 /// Contact of a body with obstacles, of its pieces with each other and, if requested, with themselves: normal force by
 /// penalty, or augmented; Coulomb friction F_f = −μ |F_N| t with a regime that sticks, by elastic slip that is returned
-/// to the cone [M03; Wriggers 2006, ch. 5 and 10]. Bitwise identical on any number of threads.
+/// to the cone [M03; Wriggers 2006, ch. 5 and 10]. Bitwise identical on any number of threads. Friction between two
+/// spheres acts at their centres, for they have no spin: momentum is kept, angular momentum is not.
 class Contact : public Load {
  public:
   virtual ContactReport report(const State& state) const = 0;
@@ -72,7 +73,8 @@ class Contact : public Load {
 std::unique_ptr<Contact> make_contact(const Body& body, const ContactOptions& options);
 
 /// Force of a simulation's body on each obstacle by its name [N], what a device gets that holds the obstacle's tool:
-/// of all contacts that act on it, in order. Searches once more, and allocates.
+/// of all contacts that act on it, in order. Searches once more, and allocates. Steps of order 2 that are long for the
+/// contact leave it swinging about its force from one step to the next: take the mean of two, or backward_euler.
 std::vector<std::pair<std::string, Vector3>> forces_on_obstacles(const Simulation& simulation);
 /// The same of its torque [N m], about where the obstacle, or its tool, is now.
 std::vector<std::pair<std::string, Vector3>> torques_on_obstacles(const Simulation& simulation);

@@ -409,8 +409,9 @@ StaticResult solve_newton(Model& model, State& state, const StaticOptions& optio
   for (int round = 0; result.outcome == Outcome::converged && model.update_multipliers(state); ++round) {
     if (round == kMultiplierUpdates) {
       result.outcome = Outcome::limit_reached;
-      result.cause = "contact penetration still exceeds the limit after " + std::to_string(kMultiplierUpdates) +
-                     " multiplier updates";
+      result.cause =
+          "contact penetration still exceeds the limit after " + std::to_string(kMultiplierUpdates) +
+          " multiplier updates: each takes the more off it the stiffer the contact is; take ten times its stiffness";
       break;
     }
     workspace.before.reset();

@@ -211,7 +211,9 @@ const Keys<SceneContact>& all_contact_keys() {
           {"stiffness", "number, or quantity", "Pa/m", "> 0", "10", "a number is times E over a molecule's diameter"},
           [](const Reader& value, S& contact) { set_stiffness(value, contact); }),
       key::quantity("friction", &S::friction, dimension::none,
-                    "coefficient of Coulomb friction; sticking contact does not creep", kNotNegative),
+                    "coefficient of Coulomb friction; sticking contact does not creep; between molecules as spheres it "
+                    "keeps no angular momentum",
+                    kNotNegative),
       key::quantity("restitution", &S::restitution, dimension::none,
                     "coefficient of restitution of two molecules that meet alone", {0.01, 1, false}),
       key::quantity("penetration", &S::penetration, dimension::length,
