@@ -107,7 +107,7 @@ class OwnRig final : public StaticRig {
       model_.supports[i].displacement = factor * experiment_.moved_[i].displacement;
     if (loads_) loads_->set_factor(factor);
   }
-  void release() override { set_load(0); }
+  void release(const State& /*loaded*/) override { set_load(0); }
   Measures measure(const Start&, const State& state, const StaticOptions&, StaticResult& solved) const override {
     Positions reactions = Positions::Zero(3, state.positions.cols());
     for (std::size_t i = 0; i < model_.supports.size(); ++i)

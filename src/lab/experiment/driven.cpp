@@ -25,7 +25,7 @@ class DrivenRig final : public StaticRig {
       held_.model.supports[i].velocity = rate * driven_.displacement_slope(i, held_.factor);
   }
 
-  void release() override {
+  void release(const State& /*loaded*/) override {
     const auto first = driven_.first_released();
     if (!first) return;
     held_.model.release_supports(*first, driven_.fixed_.size());

@@ -106,7 +106,7 @@ void add_experiment(const Scene& scene, const TensionSetup* tension, Parcel& par
     const bool of_scene = scene.experiment->name() == "loads";  // which are in the parcel already
     if (!tension && !of_scene) parcel.own_load = dead_load(*rig, model, state);
     parcel.own_load_share = 1;
-    rig->release();
+    rig->release(state);
   }
   if (parcel.own_load.isZero(0) || !parcel.own_load.allFinite()) parcel.own_load.resize(3, 0);
   parcel.positions = state.positions;

@@ -177,7 +177,7 @@ class StepperRuns {
     size_ = std::sqrt(inertia);
     Model& free = this->model(*released_);
     State at{equilibrium_.positions, Positions::Zero(3, u.cols())};
-    released_->rig->release();
+    released_->rig->release(at);
     Positions forces;
     free.set_forces(at, forces);
     keep_free(free.supports, forces);

@@ -167,9 +167,38 @@ TEST_CASE("loads on faces and sets that are read are checked", "[loads][experime
              Contains("no name of a measure"));
   CHECK_THAT(answer("experiment: {kind: loads, read: [{name: a, molecules: [0]}, {name: a, molecules: [1]}]}\n"),
              Contains("already"));
-  CHECK_THAT(answer("experiment: {kind: loads, moved: [{molecules: [0], displacement: [1 mm, 0, 0]}, {molecules: [0], "
-                    "displacement: [1 mm, 0, 0]}]}\n"),
-             Contains("moved twice"));
+  for (const std::string turned : {"", "rotate: {axis: [1, 2, 3], angle: 1 rad}\n"})
+    CHECK_THAT(
+        answer(turned + "experiment: {kind: loads, moved: [{molecules: [0], displacement: [1 mm, 0, 0], fix: [x]}, "
+                        "{molecules: [0], displacement: [2 mm, 0, 0]}]}\n"),
+        Contains("experiment.moved[1]") && Contains("molecule 0 is moved twice along one direction"));
+}
+
+TEST_CASE("a mass on a spring swings at its own frequency when loads of the scene are released",
+          "[loads][experiment]") {
+  const std::string load = "loads: [{point: {molecules: [1], force: [1 mN, 0, 0]}}]\n",
+                    away = ", {molecules: [1], displacement: [10 um, 0, 0]}";
+  for (const auto& [force, moved] : {std::pair(load, std::string()), std::pair(std::string(), away)})
+    for (const std::string turned : {"", "rotate: {axis: z, angle: 2 rad}\n"}) {
+      const auto own = load_scene(
+          SceneSource::of_text(
+              "a.yaml",
+              "body: {molecules: [[0 m, 0 m, 0 m], [10 cm, 0 m, 0 m]], connections: [[0, 1]], radius: 1 cm}\n"
+              "material: {youngs_modulus: 10 kPa, density: 1000 kg/m3}\n"
+              "stiffness: {strategy: uniform, constant: 100 N/m}\n" +
+                  turned + force +
+                  "experiment: {kind: release, fixture: {kind: loads, moved: [{molecules: [0], displacement: [0, 0, "
+                  "0]}" +
+                  moved + "]}}\ntime: {duration: 0.3 s, stepper: newmark, step: 0.2 ms, frames: 600}\n"),
+          kCatalog);
+      const Measures measures = run_in_time(*own).measures;
+      const double frequency = std::sqrt(100 / own->specimen.body.mass[1]) / (2 * M_PI);
+      CHECK(measures.get("frequency") == Approx(frequency).epsilon(1e-3));  // of steps of a 280th of the period
+      CHECK(measures.get("period") == Approx(1 / frequency).epsilon(1e-3));
+      CHECK(measures.get("first_peak") == Approx(-10e-6).epsilon(1e-3));
+      CHECK(measures.get("return_time") == Approx(1 / frequency).epsilon(1e-2));
+      CHECK(std::abs(measures.get("damping_ratio")) < 1e-4);
+    }
 }
 
 TEST_CASE("what is fixed in all directions stays so in a turned scene", "[loads][experiment]") {

@@ -31,8 +31,9 @@ struct MainMeasure {
 
 /// Measures that describe the time history; "" where the experiment has no such measure.
 struct ResponseMeasures {
-  std::string displacement;  ///< that the loaded part makes: "tip_deflection"
-  std::string resistance;    ///< of the body to a given displacement: "force", "torque"
+  std::string displacement;   ///< that the loaded part makes: "tip_deflection"
+  std::string resistance;     ///< of the body to a given displacement: "force", "torque"
+  std::string released = {};  ///< once the load is gone, with its sign; "": `displacement`
 };
 
 /// Of each measure its derivatives by numbers of the scene, by their keys; SI units.
@@ -113,8 +114,8 @@ class StaticRig : public Rig {
   /// Sets the speed of the driven supports: the load factor changes by `rate` a second. After set_load.
   virtual void set_load_rate(double /*rate*/) {}
   /// Takes the load off a body that is to move on its own: forces end, a driven end is free. Nothing happens where
-  /// there is no load that could be taken off.
-  virtual void release() {}
+  /// there is no load that could be taken off. The state is the one under the load.
+  virtual void release(const State& /*loaded*/) {}
   /// Reads the state that a solve has left, as changes since the start. May solve for small motions about it, with
   /// `options`: adds their cost to `solved`, and their outcome if one fails.
   virtual Measures measure(const Start& start, const State& state, const StaticOptions& options,

@@ -153,7 +153,7 @@ class BendingRig final : public StaticRig {
     factor_ = factor;
   }
 
-  void release() override { set_load(0); }
+  void release(const State& /*loaded*/) override { set_load(0); }
 
   Measures measure(const Start& start, const State& state, const StaticOptions&, StaticResult& solved) const override {
     Vector3 motion = Vector3::Zero();

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -30,9 +31,27 @@ struct MovedSet {
   std::vector<Vector3> directions;  ///< unit, perpendicular; empty: along all
 };
 
+/// What all items together prescribe of one molecule.
+struct Moved {
+  Matrix3 free = Matrix3::Identity();
+  Vector3 displacement = Vector3::Zero();  ///< in the directions that are not free
+
+  /// False where another displacement is prescribed along a direction.
+  bool prescribe(const Vector3& direction, const Vector3& own) {
+    const double missing = direction.dot(own - displacement);
+    const Vector3 left = free * direction;
+    if (left.norm() < 1e-9) return std::abs(missing) <= 1e-9 * std::max(own.norm(), displacement.norm());
+    displacement += missing / left.squaredNorm() * left;
+    free = without_rounding(free - left * left.transpose() / left.squaredNorm());
+    return true;
+  }
+};
+
 struct LoadsSetup {
   std::vector<ReadSet> read;
   std::vector<MovedSet> moved;
+  std::map<int, Moved> moved_molecules;  ///< of all these
+  std::map<int, Moved> staying;          ///< of those whose displacement is 0: a release leaves them where they are
   int load_steps = 1;
 };
 
@@ -40,7 +59,9 @@ constexpr std::array<const char*, 3> kAxes{"x", "y", "z"}, kRound{"radius", "cir
 
 MeasureList loads_measures(const std::vector<ReadSet>& sets) {
   using namespace dimension;
-  MeasureList list{{{"largest_displacement", length, "largest displacement of a molecule", MeasureRole::displacement}},
+  MeasureList list{{{"largest_displacement", length, "largest displacement of a molecule", MeasureRole::displacement},
+                    {"released_displacement", length,
+                     "displacement of the molecule that the load had moved most, along the way in which it had"}},
                    {{"load", "largest_displacement", true}}};
   std::vector<MeasureInfo> rows;
   for (const auto* axis : kAxes)
@@ -78,19 +99,14 @@ class GrowingLoad final : public ScaledLoad {
 /// The scene's own supports and loads, which grow together from nothing; it measures displacements and reactions alone.
 class Loads final : public StaticExperiment {
  public:
-  Loads(const Body& body, LoadsSetup setup) : body_(body), setup_(std::move(setup)) {
-    std::vector<char> moved(static_cast<std::size_t>(body.size()), 0);
-    for (const MovedSet& set : setup_.moved)
-      for (const int molecule : set.molecules)
-        if (moved[molecule]++) throw InputError("molecule " + std::to_string(molecule) + " is moved twice");
-  }
+  Loads(const Body& body, LoadsSetup setup) : body_(body), setup_(std::move(setup)) {}
 
   std::string name() const override { return "loads"; }
   MeasureList measures() const override { return loads_measures(setup_.read); }
   std::unique_ptr<StaticRig> make_rig(Model& model) const override;
   int load_steps() const override { return setup_.load_steps; }
   const StaticExperiment* calibration() const override { return nullptr; }  // it measures no modulus
-  ResponseMeasures response_measures() const override { return {"largest_displacement", ""}; }
+  ResponseMeasures response_measures() const override { return {"largest_displacement", "", "released_displacement"}; }
   std::string no_reference() const override {
     return "loads of one's own prescribe no value; compare with the solid itself (neo_hookean, refined)";
   }
@@ -118,35 +134,40 @@ class LoadsRig final : public StaticRig {
       else
         model.add(std::make_unique<GrowingLoad>(std::move(load), factor_));
     }
-    for (const MovedSet& set : setup_.moved) {
-      Matrix3 free = Matrix3::Identity();
-      for (const Vector3& direction : set.directions) free -= direction * direction.transpose();
-      free = set.directions.empty() ? Matrix3(Matrix3::Zero()) : without_rounding(free);
-      for (const int molecule : set.molecules) model.supports.push_back({molecule, free});
-    }
+    for (const auto& [molecule, moved] : setup_.moved_molecules) model.supports.push_back({molecule, moved.free});
+    std::vector<Support> staying;
+    for (const auto& [molecule, moved] : setup_.staying) staying.push_back({molecule, moved.free});
+    model.add_supports(staying);
   }
 
   void set_load(double factor) override {
     factor_ = factor;
     std::size_t support = 0;
-    for (const MovedSet& set : setup_.moved)
-      for (std::size_t i = 0; i < set.molecules.size(); ++i)
-        model_.supports[support++].displacement = factor * set.displacement;
+    for (const auto& [molecule, moved] : setup_.moved_molecules)
+      model_.supports[support++].displacement = factor * moved.displacement;
   }
 
   void set_load_rate(double rate) override {
     std::size_t support = 0;
-    for (const MovedSet& set : setup_.moved)
-      for (std::size_t i = 0; i < set.molecules.size(); ++i)
-        model_.supports[support++].velocity = rate * set.displacement;
+    for (const auto& [molecule, moved] : setup_.moved_molecules)
+      model_.supports[support++].velocity = rate * moved.displacement;
   }
 
-  void release() override { set_load(0); }
+  void release(const State& loaded) override {
+    set_load(0);
+    model_.release_supports(0, setup_.moved_molecules.size());
+    Positions motion = loaded.positions - body_.rest;
+    for (const Support& support : model_.supports)
+      motion.col(support.molecule) = (support.free * motion.col(support.molecule)).eval();
+    const double most = motion.colwise().squaredNorm().maxCoeff(&released_);
+    released_way_ = most > 0 ? Vector3(motion.col(released_) / std::sqrt(most)) : Vector3::Zero();
+  }
 
   Measures measure(const Start&, const State& state, const StaticOptions&, StaticResult& solved) const override {
     const Positions motion = state.positions - body_.rest;
     Measures measures;
     measures.set("largest_displacement", largest(motion, all()));
+    if (!released_way_.isZero(0)) measures.set("released_displacement", released_way_.dot(motion.col(released_)));
     Vector3 reaction = reaction_of(solved.reactions, nullptr);
     for (int axis = 0; axis < 3; ++axis) measures.set(std::string("reaction_") + kAxes[axis], reaction[axis]);
     double size = std::max(reaction.norm(), solved.scale);  // a closed surface's pressures have no sum
@@ -232,6 +253,8 @@ class LoadsRig final : public StaticRig {
   const Body& body_;
   Model& model_;
   double factor_ = 0;
+  Eigen::Index released_ = 0;               // the molecule that is watched after a release,
+  Vector3 released_way_ = Vector3::Zero();  // and along what; 0: nothing was released
 };
 
 std::unique_ptr<StaticRig> Loads::make_rig(Model& model) const { return std::make_unique<LoadsRig>(*this, model); }
@@ -281,8 +304,7 @@ Keys<MovedSet> moved_keys() {
 /// A list of maps with these keys.
 template <class Item>
 Key<LoadsSetup> list_key(const std::string& name, Keys<Item> keys, std::vector<Item> LoadsSetup::*member,
-                         const std::string& text,
-                         const std::function<void(const Reader&, const LoadsSetup&)>& check = {}) {
+                         const std::string& text, const std::function<void(const Reader&, LoadsSetup&)>& check = {}) {
   std::vector<SceneKey> rows{{name, "list of maps", "", "", "none", text}};
   for (SceneKey row : keys.rows()) {
     row.name = name + "." + row.name;
@@ -297,7 +319,7 @@ Key<LoadsSetup> list_key(const std::string& name, Keys<Item> keys, std::vector<I
 }
 
 /// Names become names of measures.
-void check_name(const Reader& item, const LoadsSetup& setup) {
+void check_name(const Reader& item, LoadsSetup& setup) {
   const std::string& name = setup.read.back().name;
   const Reader place = Reader(item).at("name");
   const auto fits = [](char letter) { return std::isalnum(static_cast<unsigned char>(letter)) || letter == '_'; };
@@ -305,6 +327,20 @@ void check_name(const Reader& item, const LoadsSetup& setup) {
     place.fail("'" + name + "' is no name of a measure: write letters, digits and _");
   for (std::size_t i = 0; i + 1 < setup.read.size(); ++i)
     if (setup.read[i].name == name) place.fail("there is a set '" + name + "' already");
+}
+
+/// Items may each hold a molecule in directions of their own, as planes of symmetry that meet do.
+void combine(const Reader& item, LoadsSetup& setup) {
+  const MovedSet& set = setup.moved.back();
+  const std::vector<Vector3> all{Vector3::UnitX(), Vector3::UnitY(), Vector3::UnitZ()};
+  for (const int molecule : set.molecules)
+    for (const Vector3& direction : set.directions.empty() ? all : set.directions) {
+      if (set.displacement.isZero(0)) setup.staying[molecule].prescribe(direction, set.displacement);
+      if (!setup.moved_molecules[molecule].prescribe(direction, set.displacement))
+        item.fail("molecule " + std::to_string(molecule) +
+                  " is moved twice along one direction, by different displacements; let its items `fix` different "
+                  "directions");
+    }
 }
 
 }  // namespace
@@ -320,7 +356,10 @@ ExperimentInfo loads_row() {
                        "mean) and `top_reaction_x` (the sum), and so along y and z; with `around` `top_turn` [rad] and "
                        "the stresses `top_radius_stress`, `top_circumference_stress`, `top_axis_stress`",
                        check_name),
-              list_key("moved", moved_keys(), &S::moved, "molecules that are moved, in addition to `supports`"),
+              list_key("moved", moved_keys(), &S::moved,
+                       "molecules that are moved, in addition to `supports`; an item adds its directions to those "
+                       "of the items before it; `release` frees those with a displacement",
+                       combine),
               load_steps_key(&S::load_steps)},
       [](const ExperimentContext& context, S setup) {
         return std::make_unique<Loads>(context.body, std::move(setup));

@@ -105,6 +105,7 @@ class Motion final : public TimedExperiment {
   explicit Motion(MotionSetup setup) : setup_(std::move(setup)) {
     if (!setup_.fixture) return;
     response_ = setup_.fixture->response_measures();
+    if (released() && !response_.released.empty()) response_.displacement = response_.released;
     const bool driven = setup_.kind == MotionKind::relaxation || setup_.kind == MotionKind::cyclic;
     if (driven && response_.resistance.empty())
       throw InputError("fixture: needs a displacement that is given, as that of tension, shear or torsion");
@@ -130,7 +131,7 @@ class Motion final : public TimedExperiment {
       axes.push_back({response_.displacement, response_.resistance});
     }
     for (const ResponseAxes& of_fixture : list.response)
-      if (of_fixture.x == "load") axes.push_back({"time", of_fixture.y});
+      if (of_fixture.x == "load") axes.push_back({"time", released() ? response_.displacement : of_fixture.y});
     list.response = std::move(axes);
     return list;
   }
@@ -421,8 +422,8 @@ class MotionRig final : public TimedRig {
     }
     state.positions = path.state().positions;
     result.newton_iterations = all.newton_iterations;
+    fixture_->release(state);
     result.linear_iterations = all.linear_iterations;
-    fixture_->release();
     return result;
   }
 

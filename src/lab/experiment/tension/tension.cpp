@@ -404,7 +404,7 @@ class TensionRig final : public StaticRig {
         model_.supports[i].velocity = rate * *setup_.displacement * setup_.axis;
   }
 
-  void release() override {
+  void release(const State& /*loaded*/) override {
     set_load(0);
     if (setup_.displacement) model_.release_supports(first_loaded_support_, end_of_loaded_supports_);
   }
