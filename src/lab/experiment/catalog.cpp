@@ -93,11 +93,12 @@ std::unique_ptr<Experiment> read_experiment(Reader reader, const ExperimentConte
   return info.read ? info.read(reader, context) : make_from_parameters(reader, info, context);
 }
 
-std::unique_ptr<const StaticExperiment> read_fixture(const Reader& reader, const ExperimentContext& context) {
-  std::unique_ptr<const Experiment> fixture = read_experiment(reader, context);
-  if (!fixture->at_rest())
-    reader.fail("must be an experiment at rest; " + fixture->name() + " runs through time itself");
-  return std::unique_ptr<const StaticExperiment>(fixture.release()->at_rest());
+std::unique_ptr<StaticExperiment> read_fixture(const Reader& reader, const ExperimentContext& context) {
+  std::unique_ptr<Experiment> fixture = read_experiment(reader, context);
+  auto* at_rest = dynamic_cast<StaticExperiment*>(fixture.get());
+  if (!at_rest) reader.fail("must be an experiment at rest; " + fixture->name() + " runs through time itself");
+  static_cast<void>(fixture.release());
+  return std::unique_ptr<StaticExperiment>(at_rest);
 }
 
 std::string timed_experiment_names(const ExperimentCatalog& catalog) {

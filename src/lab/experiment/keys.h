@@ -190,7 +190,7 @@ inline contact::ContactOptions& contact_of_scene(const ExperimentContext& contex
 }
 
 /// The experiment at rest that says how another one fixes and loads its body. Throws InputError with place and key.
-std::unique_ptr<const StaticExperiment> read_fixture(const Reader& reader, const ExperimentContext& context);
+std::unique_ptr<StaticExperiment> read_fixture(const Reader& reader, const ExperimentContext& context);
 
 /// Of a setup with the members `fixture` and `context`.
 template <class Setup>

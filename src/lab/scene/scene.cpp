@@ -144,7 +144,7 @@ const std::vector<TopKey>& top_keys() {
         "what "
         "the scene measures is a test of them"}},
       {{"supports", "list of maps", "", "", "none",
-        "[planes of symmetry, rims and others](#supports) that stay; with experiments at rest"},
+        "[planes of symmetry, rims and others](#supports) that stay; with experiments at rest, and a `fixture` in time"},
        true},
       {{"time", "map", "", "", "needed in time", "[duration, steps and frames](#time) of an experiment in time"}},
       {{"loads", "list of maps", "", "", "none", "[loads](#loads) besides the experiment's"}, true},
@@ -436,7 +436,10 @@ std::unique_ptr<Scene> read_scene(const SceneSource& source, const Catalog& cata
   if (scene->statics.engine) refuse_of_engine(reader, *scene, timed, contact.has_value());
   if (const auto supports = reader.find("supports")) {
     auto* at_rest = dynamic_cast<StaticExperiment*>(made.get());
-    if (!at_rest) supports->fail("goes with experiments at rest; a " + made->name() + " runs through time");
+    if (auto* in_time = dynamic_cast<TimedExperiment*>(made.get())) at_rest = in_time->fixture();
+    if (!at_rest)
+      supports->fail("goes with experiments at rest and with a `fixture`; a " + made->name() +
+                     " has none. `kind: motion` with `fixture: {kind: loads}` runs through time with these supports");
     at_rest->set_further_supports(read_supports(*supports, scene->specimen.body, rotation));
   }
   scene->experiment = std::move(made);

@@ -174,6 +174,29 @@ TEST_CASE("loads on faces and sets that are read are checked", "[loads][experime
         Contains("experiment.moved[1]") && Contains("molecule 0 is moved twice along one direction"));
 }
 
+TEST_CASE("planes of symmetry meet in a corner, at rest and in time, in a turned scene too", "[loads][experiment]") {
+  const std::string pull = "loads: [{traction: {traction: [10 Pa, 0, 0], on: {side: x}}}]\n",
+                    tip = "read: [{name: tip, molecules: {side: x}}]",
+                    moved =
+                        ", moved: [{molecules: {side: -x}, displacement: [0, 0, 0], fix: [x]}, {molecules: {side: "
+                        "-y}, displacement: [0, 0, 0], fix: [y]}, {molecules: {side: -z}, displacement: [0, 0, 0], "
+                        "fix: [z]}]",
+                    supports =
+                        "supports: [{molecules: {side: -x}, fix: [x]}, {molecules: {side: -y}, fix: [y]}, {molecules: "
+                        "{side: -z}, fix: [z]}]\n",
+                    slowly =
+                        "time: {duration: 400 s, step: 100 s, stepper: backward_euler, frames: 4}\n"
+                        "experiment: {kind: motion, in_time: {ramp: {duration: 200 s}}, fixture: {kind: loads, ";
+  for (const std::string turned : {"", "rotate: {axis: [1, 2, 3], angle: 1 rad}\n"})
+    for (const auto& [held, further] : {std::pair(moved, std::string()), std::pair(std::string(), supports)}) {
+      INFO(turned << held << further);
+      const Measures rest = measured(turned + pull + further + "experiment: {kind: loads, " + tip + held + "}\n");
+      CHECK(rest.get("tip_displacement") == Approx(2e-5).epsilon(2e-3));  // σ L / E, without a lateral strain
+      const auto own = scene(turned + pull + further + slowly + tip + held + "}}\n");
+      CHECK(run_in_time(*own).measures.get("tip_displacement") == Approx(2e-5).epsilon(2e-3));
+    }
+}
+
 TEST_CASE("a mass on a spring swings at its own frequency when loads of the scene are released",
           "[loads][experiment]") {
   const std::string load = "loads: [{point: {molecules: [1], force: [1 mN, 0, 0]}}]\n",

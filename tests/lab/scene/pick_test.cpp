@@ -258,5 +258,5 @@ TEST_CASE("what is wrong with supports is reported", "[scene][supports]") {
   CHECK_THAT(said("[{molecules: [0], fix: []}]"), Contains("names no direction"));
   CHECK_THAT(said("[{molecules: [], fix: [x]}]"), Contains("supports[0].molecules: names no molecule; write"));
   CHECK_THAT(said("[{symmetry: x}]", "{kind: drop, height: 1 mm, gravity: 9.81 m/s2}", "time: {duration: 1 s}\n"),
-             Contains("supports: goes with experiments at rest; a drop runs through time"));
+             Contains("supports: goes with experiments at rest and with a `fixture`; a drop has none"));
 }

@@ -238,6 +238,8 @@ class TimedExperiment : public Experiment {
   std::unique_ptr<Rig> rig(Model& model) const final { return timed_rig(model); }
 
   virtual std::unique_ptr<TimedRig> timed_rig(Model& model) const = 0;
+  /// The experiment at rest that says how the body is fixed, which further supports go with; null without one.
+  virtual StaticExperiment* fixture() { return nullptr; }
   /// Whether what it shows happens far more slowly than the body swings: steps need not follow its vibrations.
   virtual bool slow() const { return false; }
   /// Adds what the whole time history says, from its rows at equal times, the first at time 0.

@@ -30,11 +30,11 @@ enum class MotionKind {
 struct MotionSetup {
   std::string name = "motion";  ///< of the experiment
   MotionKind kind = MotionKind::motion;
-  std::unique_ptr<const StaticExperiment> fixture;  ///< null: the body is free; only `motion` allows that
-  TimeFunction load;                                ///< what the experiment's load is multiplied with
-  bool applied = false;  ///< of a release: the load is put on at time 0, and not gone from then on
-  double ramp = 0;       ///< [s] after which a relaxation begins
-  double frequency = 0;  ///< [Hz] of what is cyclic
+  std::unique_ptr<StaticExperiment> fixture;  ///< null: the body is free; only `motion` allows that
+  TimeFunction load;                          ///< what the experiment's load is multiplied with
+  bool applied = false;                       ///< of a release: the load is put on at time 0, and not gone from then on
+  double ramp = 0;                            ///< [s] after which a relaxation begins
+  double frequency = 0;                       ///< [Hz] of what is cyclic
   const ExperimentContext* context = nullptr;  ///< in which it is read
 };
 
@@ -136,6 +136,7 @@ class Motion final : public TimedExperiment {
     return list;
   }
   std::unique_ptr<TimedRig> timed_rig(Model& model) const override;
+  StaticExperiment* fixture() override { return setup_.fixture.get(); }
   bool slow() const override { return setup_.kind == MotionKind::creep || setup_.kind == MotionKind::relaxation; }
   std::optional<Vector3> axis() const override { return setup_.fixture ? setup_.fixture->axis() : std::nullopt; }
   const StaticExperiment* calibration() const override { return setup_.fixture.get(); }
@@ -421,8 +422,8 @@ class MotionRig final : public TimedRig {
       if (result.outcome != Outcome::converged) return result;
     }
     state.positions = path.state().positions;
-    result.newton_iterations = all.newton_iterations;
     fixture_->release(state);
+    result.newton_iterations = all.newton_iterations;
     result.linear_iterations = all.linear_iterations;
     return result;
   }
