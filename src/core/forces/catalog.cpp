@@ -46,16 +46,26 @@ ParameterInfo optional(const char* name, const Dimension& unit, const char* text
 
 Vector3 middle_of(const Body& body) { return body.rest.rowwise().mean(); }
 
-std::unique_ptr<Load> make_pressure(const Body& body, const PressureLaw& law) {
-  return std::make_unique<Pressure>(body, law, middle_of(body), false);
+/// All triangles, or those all of whose corners `on` picks.
+Cells<3> picked_triangles(const Body& body, const LoadValues& values) {
+  if (!values.has("on")) return body.triangles;
+  std::vector<char> picked(static_cast<std::size_t>(body.size()), 0);
+  for (const int molecule : values.molecules.at("on")) picked[molecule] = 1;
+  Cells<3> triangles;
+  for (const auto& triangle : body.triangles)
+    if (picked[triangle[0]] && picked[triangle[1]] && picked[triangle[2]]) triangles.push_back(triangle);
+  if (triangles.empty() && !body.triangles.empty())
+    throw InputError("no triangle has all its corners among the molecules that `on` picks: it picks " +
+                     counted(static_cast<std::ptrdiff_t>(values.molecules.at("on").size()), "molecule"));
+  return triangles;
 }
 
-ParameterInfo on_faces(bool required) {
-  return {"on",    dimension::none,
-          0,       kUnlimited,
-          kNone,   "molecules of a solid: it acts on the outer faces of cells all of whose nodes are among them",
-          false,   ValueKind::molecules,
-          required};
+std::unique_ptr<Load> make_pressure(const Body& body, Cells<3> triangles, const PressureLaw& law) {
+  return std::make_unique<Pressure>(body, std::move(triangles), law, middle_of(body), false);
+}
+
+ParameterInfo picked(const char* text, bool required = false) {
+  return {"on", dimension::none, 0, kUnlimited, kNone, text, false, ValueKind::molecules, required};
 }
 
 std::vector<LoadedFace> faces_of_solid(const Body& body, const LoadValues& values) {
@@ -67,11 +77,17 @@ std::vector<LoadedFace> faces_of_solid(const Body& body, const LoadValues& value
   return faces;
 }
 
-PressureLaw gas_law(const Body& body, const LoadValues& values) {
-  const double volume = enclosed_volume(body.triangles, body.rest, middle_of(body));
-  const double amount =
-      values.has("amount") ? values.numbers.at("amount") : values.numbers.at("start_pressure") * volume;
-  return enclosed_gas(amount, values.numbers.at("exponent"), values.numbers.at("ambient"));
+/// Each piece has a gas of its own.
+std::vector<std::unique_ptr<Load>> make_gas(const Body& body, const LoadValues& values) {
+  std::vector<std::unique_ptr<Load>> loads;
+  for (Cells<3>& piece : closed_pieces(picked_triangles(body, values), body.rest)) {
+    const double volume = enclosed_volume(piece, body.rest, middle_of(body)),
+                 amount =
+                     values.has("amount") ? values.numbers.at("amount") : values.numbers.at("start_pressure") * volume;
+    loads.push_back(make_pressure(body, std::move(piece),
+                                  enclosed_gas(amount, values.numbers.at("exponent"), values.numbers.at("ambient"))));
+  }
+  return loads;
 }
 
 Air air_of(const LoadValues& values) {
@@ -110,34 +126,37 @@ LoadKind point() {
   return load;
 }
 
+/// On picked faces of a solid, or else on triangles.
+std::unique_ptr<Load> pressure_load(const Body& body, const LoadValues& values) {
+  const double pressure = values.numbers.at("pressure");
+  if (!values.has("on") && !body.tetrahedra.empty())
+    throw InputError("a solid has pressure on some of its faces: give `on`, for example on: {set: LUMEN}");
+  const bool on_solid =
+      values.has("on") && (body.triangles.empty() || !outer_faces(body, values.molecules.at("on")).empty());
+  if (on_solid)
+    return std::make_unique<SurfaceForces>(body, SurfaceLoad{.faces = faces_of_solid(body, values)}, pressure);
+  return make_pressure(body, picked_triangles(body, values), constant_pressure(pressure));
+}
+
 LoadKind pressure() {
-  LoadKind load{{"pressure", "pressure along present normals: on all triangles, or on faces of a solid", "", {}}};
+  LoadKind load{{"pressure", "pressure along present normals: on triangles, or on faces of a solid", "", {}}};
   load.parameters = {
       required("pressure", dimension::pressure, "pressure over that on the other side; into a solid; may be negative"),
-      on_faces(false)};
+      picked("molecules: it acts on the outer faces of a solid's cells all of whose nodes are among them, or on the "
+             "triangles all of whose corners are; without it on all triangles")};
   load.parameters.front().low = -kUnlimited;
-  load.check = [](const Body& body, const LoadValues& values) {
-    if (values.has("on"))
-      faces_of_solid(body, values);
-    else if (!body.tetrahedra.empty())
-      throw InputError("a solid has pressure on some of its faces: give `on`, for example on: {set: LUMEN}");
-    else
-      make_pressure(body, constant_pressure(values.numbers.at("pressure")));
-  };
+  load.check = [](const Body& body, const LoadValues& values) { pressure_load(body, values); };
   load.add = [](Model& model, const LoadValues& values, const Material*) {
-    const double pressure = values.numbers.at("pressure");
-    if (values.has("on"))
-      model.add(std::make_unique<SurfaceForces>(model.body(),
-                                                SurfaceLoad{.faces = faces_of_solid(model.body(), values)}, pressure));
-    else
-      model.add(make_pressure(model.body(), constant_pressure(pressure)));
+    model.add(pressure_load(model.body(), values));
   };
   return load;
 }
 
 LoadKind traction() {
   LoadKind load{{"traction", "a dead traction on faces of a solid", "", {}}};
-  load.parameters = {vector("traction", dimension::pressure, "force over area at rest"), on_faces(true)};
+  load.parameters = {
+      vector("traction", dimension::pressure, "force over area at rest"),
+      picked("molecules of a solid: it acts on the outer faces of cells all of whose nodes are among them", true)};
   load.check = [](const Body& body, const LoadValues& values) { faces_of_solid(body, values); };
   load.add = [](Model& model, const LoadValues& values, const Material*) {
     model.add(std::make_unique<SurfaceForces>(model.body(), SurfaceLoad{.faces = faces_of_solid(model.body(), values),
@@ -149,22 +168,21 @@ LoadKind traction() {
 }
 
 LoadKind gas() {
-  LoadKind load{{"gas", "a closed amount of gas within a closed surface of triangles: p V^exponent stays", "", {}}};
+  LoadKind load{{"gas", "a closed amount of gas within each closed surface of triangles: p V^exponent stays", "", {}}};
   load.parameters = {
-      optional("amount", dimension::energy, "absolute pressure times volume, n R T; this or start_pressure"),
+      optional("amount", dimension::energy,
+               "absolute pressure times volume, n R T, of each closed surface; this or start_pressure"),
       optional("start_pressure", dimension::pressure, "absolute pressure in the volume at rest; this or amount"),
       {"exponent", dimension::none, 1, 2, 1, "1: constant temperature; 1.4: air without exchange of heat"},
-      amount("ambient", dimension::pressure, "absolute pressure outside", 101325)};
+      amount("ambient", dimension::pressure, "absolute pressure outside", 101325),
+      picked("molecules: it fills what triangles enclose all of whose corners are among them; without it what any do")};
   load.check = [](const Body& body, const LoadValues& values) {
     if (values.has("amount") == values.has("start_pressure"))
       throw InputError("give one of amount (absolute pressure times volume, n R T) and start_pressure (absolute)");
-    if (inspect_surface(body.triangles).rim_sides > 0 ||
-        !(enclosed_volume(body.triangles, body.rest, middle_of(body)) > 0))
-      throw InputError("gas needs a closed surface of triangles that look outwards");
-    make_pressure(body, gas_law(body, values));
+    make_gas(body, values);
   };
   load.add = [](Model& model, const LoadValues& values, const Material*) {
-    model.add(make_pressure(model.body(), gas_law(model.body(), values)));
+    for (std::unique_ptr<Load>& own : make_gas(model.body(), values)) model.add(std::move(own));
   };
   return load;
 }

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "core/base/cross_matrix.h"
+#include "core/base/disjoint_sets.h"
 #include "core/model/incidence.h"
 #include "core/parallel/parallel.h"
 #include "core/shapes/surfaces.h"
@@ -87,9 +88,41 @@ SurfaceFindings inspect_surface(const Cells<3>& triangles) {
   return findings;
 }
 
-Pressure::Pressure(const Body& body, PressureLaw law, const Vector3& apex, bool rim_fixed) : body_(body), apex_(apex) {
-  if (body.triangles.empty()) throw InputError("a pressure needs a body with triangles");
-  const SurfaceFindings findings = inspect_surface(body.triangles);
+std::vector<Cells<3>> pieces_of(const Cells<3>& triangles, Eigen::Index molecules) {
+  DisjointSets sets(static_cast<std::size_t>(molecules));
+  for (const auto& [a, b, c] : triangles) sets.join(a, b), sets.join(b, c);
+  std::map<int, Cells<3>> by_set;
+  for (const auto& triangle : triangles) by_set[sets.set_of(triangle[0])].push_back(triangle);
+  std::vector<Cells<3>> pieces;
+  for (auto& [_, piece] : by_set) pieces.push_back(std::move(piece));
+  return pieces;
+}
+
+std::vector<Cells<3>> closed_pieces(const Cells<3>& triangles, const Positions& rest) {
+  std::vector<Cells<3>> pieces = pieces_of(triangles, rest.cols());
+  const std::string needs = "gas needs a closed surface of triangles that look outwards";
+  std::size_t outer = 0;
+  for (const Cells<3>& piece : pieces) {
+    if (inspect_surface(piece).rim_sides > 0)
+      throw InputError(needs + (pieces.size() > 1 ? ", and the one of molecule " + std::to_string(piece[0][0]) +
+                                                        " has a rim: let `on` pick the molecules of closed ones"
+                                                  : ""));
+    outer += enclosed_volume(piece, rest, rest.col(piece[0][0])) > 0;
+  }
+  if (outer == 0) throw InputError(needs);
+  if (outer == pieces.size()) return pieces;
+  if (outer > 1)
+    throw InputError(
+        "some closed surfaces look inwards, as the inner side of a double wall does: give each space a gas of its own, "
+        "whose `on` picks the molecules around it");
+  if (!(enclosed_volume(triangles, rest, Vector3::Zero()) > 0)) throw InputError(needs);
+  return {triangles};
+}
+
+Pressure::Pressure(const Body& body, Cells<3> triangles, PressureLaw law, const Vector3& apex, bool rim_fixed)
+    : body_(body), triangles_(std::move(triangles)), apex_(apex) {
+  if (triangles_.empty()) throw InputError("a pressure needs a body with triangles");
+  const SurfaceFindings findings = inspect_surface(triangles_);
   const auto refuse = [](const std::vector<int>& list, const std::string& why) {
     if (!list.empty())
       throw InputError("triangle " + std::to_string(list.front()) +
@@ -101,29 +134,29 @@ Pressure::Pressure(const Body& body, PressureLaw law, const Vector3& apex, bool 
   rest_volume_ = volume(body.rest);
   set_law(std::move(law));
   std::vector<int> corners;
-  for (const auto& triangle : body.triangles) corners.insert(corners.end(), triangle.begin(), triangle.end());
+  for (const auto& triangle : triangles_) corners.insert(corners.end(), triangle.begin(), triangle.end());
   Rows rows = rows_by_target(body.size(), corners);
   start_ = std::move(rows.start);
   slots_ = std::move(rows.entries);
 }
 
-double Pressure::volume(const Positions& positions) const { return enclosed_volume(body_.triangles, positions, apex_); }
+double Pressure::volume(const Positions& positions) const { return enclosed_volume(triangles_, positions, apex_); }
 
 /// Adds a vector of each triangle to its three corners. One thread scatters, several gather; both add a molecule's
 /// triangles in ascending order, so the results are bitwise identical.
 template <class OfTriangle>
 void Pressure::add_to_corners(Positions& sums, OfTriangle&& of_triangle) const {
-  const int triangles = static_cast<int>(body_.triangles.size());
+  const int triangles = static_cast<int>(triangles_.size());
   if (triangles < kParallelThreshold || threads() == 1) {
     for (int cell = 0; cell < triangles; ++cell) {
-      const auto& corners = body_.triangles[cell];
+      const auto& corners = triangles_[cell];
       const Vector3 vector = of_triangle(corners);
       for (const int corner : corners) sums.col(corner) += vector;
     }
     return;
   }
   Positions vectors(3, triangles);
-  parallel_for(triangles, [&](int cell) { vectors.col(cell) = of_triangle(body_.triangles[cell]); });
+  parallel_for(triangles, [&](int cell) { vectors.col(cell) = of_triangle(triangles_[cell]); });
   parallel_for(
       body_.size(),
       [&](int molecule) {
@@ -153,7 +186,7 @@ double Pressure::energy(const State& state) const { return conservative_ ? -pres
 void Pressure::add_change(const State& state, const Positions& dx, const Positions&, Positions& forces) const {
   const Positions& x = state.positions;
   Eigen::Vector2d volume(rest_volume_, 0);
-  if (!constant_) volume = volume_and_change(body_.triangles, x, apex_, dx);
+  if (!constant_) volume = volume_and_change(triangles_, x, apex_, dx);
   const PressureState now = law_(volume[0], rest_volume_);
   const double share = now.pressure / 6, share_change = now.slope * volume[1] / 6;
   add_to_corners(forces, [&](const std::array<int, 3>& triangle) -> Vector3 {
@@ -169,7 +202,7 @@ void Pressure::add_change(const State& state, const Positions& dx, const Positio
 /// The area vector's derivative by corner b is ½ [x_{b+2} − x_{b+1}]×, the same for the force on each corner a.
 void Pressure::visit_blocks(const State& state, double, const BlockVisitor& visit) const {
   const double pressure = pressure_state(state.positions).pressure;
-  for (const auto& triangle : body_.triangles)
+  for (const auto& triangle : triangles_)
     for (std::size_t b = 0; b < 3; ++b) {
       const Vector3 across = state.positions.col(triangle[(b + 2) % 3]) - state.positions.col(triangle[(b + 1) % 3]);
       const Matrix3 block = -pressure / 6 * cross_matrix(across);

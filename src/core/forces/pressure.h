@@ -1,6 +1,7 @@
 #pragma once
 #include <functional>
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "elastin/core/forces/loads.h"
@@ -42,13 +43,24 @@ struct SurfaceFindings {
 };
 SurfaceFindings inspect_surface(const Cells<3>& triangles);
 
-/// Pressure on all triangles of a body, on their present area and along their present normals: a third of p A n to each
-/// corner of a triangle. The tangent is exact; it is symmetric, and energy() is that of the forces, on a closed surface
-/// and on one whose rim is fixed or slides in planes through the apex (`rim_fixed`). Throws InputError where the
-/// triangles have no common outside.
+/// The triangles of each piece; pieces share no molecule.
+std::vector<Cells<3>> pieces_of(const Cells<3>& triangles, Eigen::Index molecules);
+
+/// What each closed space is bounded by: the triangles that share molecules, one after the other; all of them where one
+/// piece bounds the space from within, as the inner side of a double wall does. Throws InputError where it is open or
+/// no space is enclosed, and where several pieces could be around that one.
+std::vector<Cells<3>> closed_pieces(const Cells<3>& triangles, const Positions& rest);
+
+/// Pressure on some triangles of a body, on their present area and along their present normals: a third of p A n to
+/// each corner of a triangle. The tangent is exact; it is symmetric, and energy() is that of the forces, on a closed
+/// surface and on one whose rim is fixed or slides in planes through the apex (`rim_fixed`). Throws InputError where
+/// the triangles have no common outside.
 class Pressure final : public Load {
  public:
-  Pressure(const Body& body, PressureLaw law, const Vector3& apex, bool rim_fixed);
+  Pressure(const Body& body, Cells<3> triangles, PressureLaw law, const Vector3& apex, bool rim_fixed);
+  /// On all of them.
+  Pressure(const Body& body, PressureLaw law, const Vector3& apex, bool rim_fixed)
+      : Pressure(body, body.triangles, std::move(law), apex, rim_fixed) {}
 
   void set_law(PressureLaw law);
   double volume(const Positions& positions) const;
@@ -68,6 +80,7 @@ class Pressure final : public Load {
   void add_to_corners(Positions& sums, OfTriangle&& of_triangle) const;
 
   const Body& body_;
+  Cells<3> triangles_;
   PressureLaw law_;
   Vector3 apex_;
   double rest_volume_ = 0;

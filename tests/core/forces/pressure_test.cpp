@@ -3,15 +3,18 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 
 #include "core/shapes/surfaces.h"
 #include "elastin/core/base/error.h"
+#include "elastin/core/forces/load_table.h"
 #include "elastin/core/parallel/threads.h"
 #include "support/bodies.h"
 #include "support/forces_of.h"
 
 using namespace elastin;
 using namespace elastin::testing;
+using Catch::Matchers::Contains;
 using std::numbers::pi;
 
 namespace {
@@ -156,4 +159,71 @@ TEST_CASE("triangles without a common outside are refused by number", "[pressure
   CHECK_THROWS_WITH(make(), Catch::Matchers::Contains("triangle 1 is turned against its neighbour"));
   body.triangles = {{0, 1, 2}, {2, 1, 3}, {1, 2, 4}};
   CHECK_THROWS_WITH(make(), Catch::Matchers::Contains("triangle 0 (and 2 more) shares a side with more than one"));
+}
+
+TEST_CASE("each closed surface has a gas of its own, as large as it is alone", "[pressure]") {
+  const Body small = sphere(1, SphereMesh::icosahedron, 2), large = sphere(2, SphereMesh::icosahedron, 2);
+  Body both = small;
+  const int first = small.size();
+  both.rest.conservativeResize(3, first + large.size());
+  both.rest.rightCols(large.size()) = large.rest.colwise() + Vector3(5, 0, 0);
+  both.mass = VectorX::Ones(both.rest.cols());
+  both.radius = VectorX::Ones(both.rest.cols());
+  for (auto triangle : large.triangles) {
+    for (int& corner : triangle) corner += first;
+    both.triangles.push_back(triangle);
+  }
+  const LoadKind& gas = *built_in_loads().find("gas");
+  const auto forces = [&](const Body& body, LoadValues values, const Positions& positions) {
+    Model model(body);
+    add_load(model, gas, std::move(values));
+    State state = state_at_rest(body);
+    state.positions = positions;
+    return Positions(model.load_forces(state));
+  };
+  Positions grown = both.rest;  // the small one is blown up, the large one is not
+  grown.leftCols(first) *= 1.1;
+  std::vector<int> of_small(static_cast<std::size_t>(first));
+  std::iota(of_small.begin(), of_small.end(), 0);
+  for (const char* stated : {"start_pressure", "amount"}) {
+    const LoadValues values{.numbers = {{stated, 120e3}, {"exponent", 1.4}}};
+    const Positions of_both = forces(both, values, grown), alone = forces(small, values, grown.leftCols(first)),
+                    other = forces(large, values, large.rest);
+    CHECK((of_both.leftCols(first) - alone).norm() < 1e-10 * alone.norm());
+    CHECK((of_both.rightCols(large.size()) - other).norm() < 1e-10 * other.norm());
+    LoadValues one = values;
+    one.molecules["on"] = of_small;
+    const Positions picked = forces(both, one, grown);
+    CHECK((picked.leftCols(first) - alone).norm() < 1e-10 * alone.norm());
+    CHECK(picked.rightCols(large.size()).isZero(0));
+  }
+  Model model(both);
+  add_load(model, *built_in_loads().find("pressure"), {.numbers = {{"pressure", 7}}, .molecules = {{"on", of_small}}});
+  const Positions pressed = model.load_forces(state_at_rest(both));
+  CHECK(pressed.leftCols(first).norm() > 0);
+  CHECK(pressed.rightCols(large.size()).isZero(0));
+}
+
+TEST_CASE("a gas between two walls is one, and an open sheet beside a balloon is named", "[pressure]") {
+  const Body ball = sphere(1, SphereMesh::icosahedron, 2);
+  const int first = ball.size();
+  const auto with = [&](double scale, const Vector3& at, bool inwards) {
+    Body body = ball;
+    body.rest.conservativeResize(3, 2 * first);
+    body.rest.rightCols(first) = (scale * ball.rest).colwise() + at;
+    for (auto triangle : ball.triangles) {
+      for (int& corner : triangle) corner += first;
+      if (inwards) std::swap(triangle[0], triangle[1]);
+      body.triangles.push_back(triangle);
+    }
+    return body;
+  };
+  const Body walls = with(0.5, Vector3::Zero(), true);
+  CHECK(closed_pieces(walls.triangles, walls.rest).size() == 1);
+  const Body two = with(1, {5, 0, 0}, false);
+  CHECK(closed_pieces(two.triangles, two.rest).size() == 2);
+  Body open = two;
+  open.triangles.pop_back();
+  CHECK_THROWS_WITH(closed_pieces(open.triangles, open.rest),
+                    Contains("the one of molecule " + std::to_string(first)) && Contains("let `on` pick"));
 }

@@ -46,6 +46,10 @@ class Inflation final : public StaticExperiment {
     if (!(thickness_ > 0)) throw InputError("inflation needs a membrane: give material.thickness");
     fix_in_planes(body, setup.symmetry, fixed_);
     require_closed();
+    const std::size_t pieces = setup.symmetry.empty() ? pieces_of(body.triangles, body.size()).size() : 1;
+    if (pieces > 1)
+      throw InputError("inflation measures one membrane, and the body has " + std::to_string(pieces) +
+                       " that share no molecule: `kind: loads` inflates each, by `pressure` or `gas` among `loads`");
     apex_ = setup.symmetry.empty() ? Vector3(body.rest.rowwise().mean()) : Vector3(Vector3::Zero());
     rest_volume_ = enclosed_volume(body.triangles, body.rest, apex_);
     if (!(rest_volume_ > 0)) throw InputError("the body encloses no volume: its triangles look inwards, or it is flat");
