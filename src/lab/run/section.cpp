@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <vector>
 
 #include "core/geometry/reference_slopes.h"
+#include "core/geometry/rim.h"
 #include "core/model/block_geometry.h"
 #include "core/model/faces.h"
 #include "elastin/core/base/text.h"
@@ -213,6 +215,60 @@ Section find_section(const Body& body, const Vector3& axis, double from, double 
   }
   sum_over(body, slabs.volumes());
   return slabs.section();
+}
+
+std::optional<WallSection> wall_section(const Body& body, const Vector3& axis, const Eigen::Matrix<double, 3, 2>& plane,
+                                        double from, double to, double thickness) {
+  if (fill(body, body.tetrahedra) || fill(body, body.cubes) || !fill(body, body.triangles)) return std::nullopt;
+  WallSection wall;
+  if (!(thickness > 0) && !has_own_thickness(body)) return wall;
+  wall.section = find_section(body, axis, from, to, thickness);
+  const std::vector<double> own = thicknesses(body, thickness);
+  const auto each = [&](const auto& visit) {
+    for (std::size_t number = 0; number < own.size(); ++number) {
+      if (lowest_in_whole(body, body.triangles[number]) >= owned_molecules(body)) continue;
+      const Eigen::Matrix3d corners = positions_of(body.rest, body.triangles[number]);
+      const Vector3 area = Vector3(corners.col(1) - corners.col(0)).cross(Vector3(corners.col(2) - corners.col(0))) / 2;
+      visit(own[number], area.norm(), Vector3(area.normalized()), Points2(plane.transpose() * corners));
+    }
+  };
+  std::array<double, 5> first{}, second{};
+  each([&](double t, double area, const Vector3& /*normal*/, const Points2& corners) {
+    const Eigen::Vector2d middle = corners.rowwise().mean();
+    first[0] += area, first[1] += t * area, first[2] += t * area * middle.x(), first[3] += t * area * middle.y();
+  });
+  sum_over(body, first);
+  const Eigen::Vector2d middle(first[2] / first[1], first[3] / first[1]);
+  double nearest = std::numeric_limits<double>::infinity(), furthest = 0, thin = nearest, thick = 0, tilt = 0;
+  each([&](double t, double area, const Vector3& normal, const Points2& corners) {
+    const Points2 arms = corners.colwise() - middle;
+    const Eigen::Vector2d sum = arms.rowwise().sum();
+    const Eigen::Matrix2d moment = t * area / 12 * (arms * arms.transpose() + sum * sum.transpose());
+    const double arm = std::abs(sum.dot(plane.transpose() * normal)) / 3;
+    second[0] += moment(0, 0), second[1] += moment(0, 1), second[2] += moment(1, 1), second[3] += t * area * arm * arm;
+    nearest = std::min(nearest, arm), furthest = std::max(furthest, arm);
+    thin = std::min(thin, t), thick = std::max(thick, t), tilt = std::max(tilt, std::abs(axis.dot(normal)));
+  });
+  sum_over(body, second);
+  nearest = least_over(body, nearest), furthest = largest_over(body, furthest);
+  const double along = wall.section.area / first[1];  // one over the length
+  wall.second_moment << second[0], second[1], second[1], second[2];
+  wall.second_moment *= along;
+  wall.torsion = second[3] * along;
+  bool slit = false;
+  for (const auto& [a, b] : boundary_of(body.triangles)) {
+    const Vector3 side = body.rest.col(b) - body.rest.col(a);
+    slit |= std::min(a, b) < owned_molecules(body) && std::abs(axis.dot(side)) > 0.1 * side.norm();
+  }
+  constexpr double alike = 0.02;
+  if (largest_over(body, tilt) > alike) return wall;
+  if (wall.second_moment.determinant() <= 1e-9 * std::pow(wall.second_moment.trace(), 2)) {
+    wall.kind = WallSection::Kind::strip;
+  } else if (furthest <= (1 + alike) * nearest && largest_over(body, thick) <= (1 + alike) * least_over(body, thin) &&
+             std::abs(first[0] * along / (2 * std::numbers::pi * nearest) - 1) < 0.05 && !any_over(body, slit)) {
+    wall.kind = WallSection::Kind::tube;
+  }
+  return wall;
 }
 
 double mean_thickness(const Body& body, double thickness) {

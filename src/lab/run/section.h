@@ -1,4 +1,6 @@
 #pragma once
+#include <optional>
+
 #include "elastin/core/model/body.h"
 #include "elastin/core/model/material.h"
 
@@ -19,6 +21,18 @@ struct Section {
 /// molecule belongs to no such cell it is the hull of the molecules seen along the axis. The variation is that of ten
 /// slabs, or, for the hull, of slabs at least two mean connections thick.
 Section find_section(const Body& body, const Vector3& axis, double from, double to, double thickness);
+
+/// The section of a wall: a body of triangles alone, by its middle surface and thickness.
+struct WallSection {
+  Section section;
+  Eigen::Matrix2d second_moment = Eigen::Matrix2d::Zero();  ///< ∫ y yᵀ dA about its middle, y in the plane [m⁴]
+  double torsion = 0;  ///< J = ∫ h² dA [m⁴] of a tube, h the distance of the wall's line from the middle
+  enum class Kind { strip, tube, other } kind = Kind::other;  ///< a straight line; a closed circle of one thickness
+};
+
+/// None of a body that other cells fill, or not all of which is triangles; see find_section. `plane` spans the section.
+std::optional<WallSection> wall_section(const Body& body, const Vector3& axis, const Eigen::Matrix<double, 3, 2>& plane,
+                                        double from, double to, double thickness);
 
 /// The mean over the area of a surface whose parts may have a thickness of their own [m]; `thickness` of the others.
 double mean_thickness(const Body& body, double thickness);

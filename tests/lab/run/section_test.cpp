@@ -3,9 +3,11 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "elastin/core/shapes/arrays.h"
 #include "lab/experiment/bending/bending.h"
 #include "lab/experiment/shear/shear.h"
 #include "lab/experiment/tension/tension.h"
+#include "lab/experiment/torsion/torsion.h"
 #include "lab/run/specimen.h"
 #include "support/bodies.h"
 
@@ -17,6 +19,35 @@ using Catch::Matchers::Contains;
 namespace {
 
 const Catalog kCatalog = built_in_catalog();
+
+/// A wall of triangles that stands on a line in the plane of x and y, in equal layers along z; closed: the line's last
+/// point is joined to the first.
+Body wall_on(const std::vector<Eigen::Vector2d>& line, bool closed, int layers, double height) {
+  const int along = static_cast<int>(line.size());
+  BodyArrays arrays;
+  arrays.positions.resize(3, along * (layers + 1));
+  for (int molecule = 0; molecule < arrays.positions.cols(); ++molecule)
+    arrays.positions.col(molecule) << line[molecule % along], molecule / along * height / layers;
+  for (int layer = 0; layer < layers; ++layer)
+    for (int i = 0; i + (closed ? 0 : 1) < along; ++i) {
+      const int a = layer * along + i, b = layer * along + (i + 1) % along;
+      const bool even = (i + layer) % 2 == 0;
+      arrays.triangles.push_back({a, b, even ? b + along : a + along});
+      arrays.triangles.push_back({even ? a : b, b + along, a + along});
+    }
+  arrays.density = 1000, arrays.thickness = 1e-3;
+  return make_body(arrays);
+}
+
+/// `count` points on a part of a circle, from its right, 1: all of it, closed.
+std::vector<Eigen::Vector2d> circle(double radius, int count, double part = 1) {
+  std::vector<Eigen::Vector2d> points;
+  for (int i = 0; i < count; ++i) {
+    const double angle = 2 * M_PI * part * i / (part < 1 ? count - 1 : count);
+    points.emplace_back(radius * std::cos(angle), radius * std::sin(angle));
+  }
+  return points;
+}
 
 /// A bar of 3 × 3 × 6 mm without its core of 1 mm²: a section of 8 mm² in a hull of 9 mm².
 Body hollow_bar() {
@@ -244,4 +275,81 @@ TEST_CASE("a factor of calibration beyond 2 is a warning that names it", "[calib
   REQUIRE(warnings(0.25).size() == 1);
   CHECK_THAT(warnings(0.25).front(), Contains("multiplies the spring constants by 4;"));
   CHECK_THAT(warnings(4).at(0), Contains("by 0.25;"));
+}
+
+TEST_CASE("the section of a wall is that of its line times the thickness", "[section]") {
+  Eigen::Matrix<double, 3, 2> plane;
+  plane << Vector3::UnitX(), Vector3::UnitY();
+  const auto wall = [&](const Body& body, double thickness = 1e-3) {
+    return wall_section(body, Vector3::UnitZ(), plane, 0, 0.04, thickness);
+  };
+  using Kind = WallSection::Kind;
+  constexpr double R = 0.01, t = 1e-3;
+  const auto tube = wall(wall_on(circle(R, 60), true, 8, 0.04));
+  REQUIRE(tube);
+  CHECK(tube->kind == Kind::tube);  // each value of the 60 sides by hand is within 0.5 % of the circle's
+  CHECK(tube->section.area == Approx(2 * M_PI * R * t).epsilon(5e-3));
+  CHECK(tube->second_moment(0, 0) == Approx(M_PI * R * R * R * t).epsilon(5e-3));
+  CHECK(std::abs(tube->second_moment(0, 1)) < 1e-9 * tube->second_moment(0, 0));
+  CHECK(tube->torsion == Approx(2 * M_PI * R * R * R * t).epsilon(1e-2));
+  const auto strip = wall(wall_on({{0, 0}, {0, 0.004}, {0, 0.01}}, false, 8, 0.04));
+  REQUIRE(strip);
+  CHECK(strip->kind == Kind::strip);
+  CHECK(strip->second_moment(1, 1) == Approx(t * 1e-6 / 12).epsilon(1e-12));
+  const auto box = wall(wall_on({{0, 0}, {0.01, 0}, {0.01, 0.01}, {0, 0.01}}, true, 8, 0.04));
+  REQUIRE(box);
+  CHECK(box->kind == Kind::other);
+  CHECK(box->second_moment(0, 0) == Approx(t * 1e-6 * (2. / 12 + 2. / 4)).epsilon(1e-12));
+  CHECK(wall(wall_on(circle(R, 60, 0.999), false, 8, 0.04))->kind == Kind::other);  // slit along its length
+  CHECK(wall(wall_on(circle(R, 60), true, 8, 0.04), 0)->section.area == 0);
+  CHECK_FALSE(wall(hollow_bar()));
+}
+
+TEST_CASE("thin tubes show their moduli in torsion and bending, other walls an apparent one or none",
+          "[section][bending][torsion]") {
+  const Material material{.youngs_modulus = 1e5, .poissons_ratio = 0.3, .thickness = 1e-3};
+  const auto specimen_of = [&](Body body) {
+    Specimen specimen;
+    specimen.material = material;
+    specimen.body = std::move(body);
+    return specimen;
+  };
+  const auto run_of = [](const Specimen& specimen, const StaticExperiment& experiment) {
+    const Run run = run_strategy(specimen, experiment, choose_strategy(kCatalog, "neo_hookean_membrane"),
+                                 {.statics = {.linear = true}});
+    INFO(run.cause);
+    REQUIRE(run.outcome == Outcome::converged);
+    return run.measures;
+  };
+  BendingSetup bend;
+  bend.axis = Vector3::UnitZ(), bend.direction = Vector3::UnitX(), bend.force = 1e-4;
+  TorsionSetup turn;
+  turn.angle = 0.01, turn.straight = true;
+  const Specimen tube = specimen_of(wall_on(circle(0.01, 32), true, 60, 0.1)),
+                 box = specimen_of(wall_on({{0, 0}, {0.01, 0}, {0.01, 0.01}, {0, 0.01}}, true, 10, 0.04));
+  const auto strip_of = [&](int across) {
+    std::vector<Eigen::Vector2d> line;
+    for (int i = 0; i <= across; ++i) line.emplace_back(0.01 * i / across, 0);
+    return specimen_of(wall_on(line, false, 12 * across, 0.1));
+  };
+  const auto bent = make_bending(tube.body, bend, material);
+  CHECK_FALSE(bent->apparent());
+  CHECK(run_of(tube, *bent).get("effective_modulus") == Approx(1e5).epsilon(0.02));
+  const auto turned = make_torsion(tube.body, turn, material.thickness);
+  CHECK(run_of(tube, *turned).get("shear_modulus") == Approx(1e5 / 2.6).epsilon(0.01));
+  CHECK(turned->no_reference().empty());
+  std::array<double, 2> strips{};
+  for (const int level : {0, 1}) {
+    const Specimen strip = strip_of(4 << level);
+    const auto in_plane = make_bending(strip.body, bend, material);
+    CHECK_FALSE(in_plane->apparent());
+    strips[level] = run_of(strip, *in_plane).get("effective_modulus");
+  }
+  CHECK((4 * strips[1] - strips[0]) / 3 == Approx(1e5).epsilon(0.02));  // the limit of order 2
+
+  CHECK(make_bending(box.body, bend, material)->apparent());
+  CHECK(make_bending(tube.body, bend, {.youngs_modulus = 1e5})->apparent());  // by its hull, for want of a thickness
+  CHECK(std::isnan(run_of(box, *make_torsion(box.body, turn, material.thickness)).get("shear_modulus")));
+  bend.direction = Vector3::UnitY();
+  CHECK_THROWS_WITH(make_bending(strip_of(4).body, bend, material), Contains("`kind: loads` bends it"));
 }

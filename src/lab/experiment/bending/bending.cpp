@@ -51,7 +51,7 @@ class Bending final : public StaticExperiment {
     const double root_height =
         end_of_grip(body, root_.molecules, setup.axis, setup.axis.dot(middle_of(body, root_, body.rest)));
     length_ = setup.axis.dot(middle_of(body, tip, body.rest)) - root_height;
-    find_beam_deflection(root_height, ends.low, ends.high, material.poissons_ratio);
+    find_beam_deflection(root_height, ends.low, ends.high, material);
   }
 
   std::string name() const override { return "bending"; }
@@ -62,22 +62,19 @@ class Bending final : public StaticExperiment {
   Matrix3 against_load(const Vector3& /*at*/) const override { return setup_.direction * setup_.direction.transpose(); }
 
   std::vector<MainMeasure> main_measures(const Material& material, const Measures& /*measured*/) const override {
-    const double target = apparent_ ? std::numeric_limits<double>::quiet_NaN() : material.youngs_modulus;
+    const double target = apparent() ? std::numeric_limits<double>::quiet_NaN() : material.youngs_modulus;
     return {{"effective_modulus", target}, {"tip_deflection"}, {"tip_shortening"}};
   }
 
-  bool apparent() const override { return apparent_; }
+  bool apparent() const override { return !apparent_.empty(); }
   std::string no_reference() const override {
-    return apparent_
-               ? "the beam's section is not its convex hull all along the axis, so its modulus is apparent; compare "
-                 "with the solid itself (neo_hookean, refined)"
-               : "";
+    return apparent() ? "the beam's modulus is apparent (" + apparent_ +
+                            "); compare with the solid itself (neo_hookean, refined)"
+                      : "";
   }
   std::vector<std::string> notes() const override {
-    if (!apparent_) return {};
-    return {
-        "effective_modulus is apparent: its formula takes the convex hull for the section, and the body is hollow, "
-        "notched or tapered"};
+    if (!apparent()) return {};
+    return {"effective_modulus is apparent: " + apparent_};
   }
 
   std::string remark(const Measures& measures) const override {
@@ -106,21 +103,47 @@ class Bending final : public StaticExperiment {
     tip_count_ = sum_over(body_, static_cast<double>(tip_.size()));
   }
 
-  /// E times the deflection of the beam's tip: Σ F (x² (3L − x) / (6 I) + x (12 + 11ν) / (5 A)) over the forces F at
-  /// distance x from the root.                                                     [Timoshenko 1921, Cowper 1966]
-  void find_beam_deflection(double root_height, double low, double high, double poissons_ratio) {
+  /// A section's area [m²], second moment [m⁴], and E times the deflection by a shear force of 1 N over 1 m.
+  struct BeamSection {
+    double area = 0, moment = 0, shear = 0;
+  };
+
+  /// E A over the shear stiffness is (12 + 11ν)/5 of rectangles and 4 + 3ν of thin round tubes.          [Cowper 1966]
+  BeamSection beam_section(double low, double high, const Material& material) {
     Eigen::Matrix<double, 3, 2> plane;
     plane << setup_.direction, setup_.axis.cross(setup_.direction);
-    const Points2 section = hull_of_section(body_, root_, plane);
-    const double area = polygon_area(section), moment = polygon_second_moment(section);
-    if (!(area > 0 && moment > 0)) throw InputError("the body's molecules span no cross-section that could bend");
+    const double rectangle = (12 + 11 * material.poissons_ratio) / 5, tube = 4 + 3 * material.poissons_ratio;
+    const auto wall = wall_section(body_, setup_.axis, plane, low, high, material.thickness);
+    if (wall && wall->section.area > 0) {
+      const double area = wall->section.area, moment = wall->second_moment(0, 0);
+      if (!(moment > 1e-9 * wall->second_moment.trace()))
+        throw InputError(
+            "the load bends a flat sheet out of its plane, for which effective_modulus has no formula; `kind: loads` "
+            "bends it by a `point` load or its weight, and reads the displacement");
+      if (wall->kind == WallSection::Kind::other || !wall->section.prism())
+        apparent_ = "its formula is that of flat strips and round tubes, and the body is neither";
+      return {area, moment, (wall->kind == WallSection::Kind::tube ? tube : rectangle) / area};
+    }
+    const Points2 hull = hull_of_section(body_, root_, plane);
+    const double area = polygon_area(hull), moment = polygon_second_moment(hull);
+    if (!(area > 0 && moment > 0))
+      throw InputError(
+          "the body's molecules span no cross-section that could bend; `kind: loads` bends a sheet or a line of "
+          "molecules by a `point` load or its weight, and reads the displacement");
     const Section solid = find_section(body_, setup_.axis, low, high, 0);
-    apparent_ = !solid.prism() || std::abs(solid.area / area - 1) > kSameSection;
+    if (wall || !solid.prism() || std::abs(solid.area / area - 1) > kSameSection)
+      apparent_ = "its formula takes the convex hull for the section, and the body is hollow, notched or tapered";
+    return {area, moment, rectangle / area};
+  }
+
+  /// E times the deflection of the beam's tip: Σ F (x² (3L − x) / (6 I) + x s) over the forces F at distance x from the
+  /// root.                                                                                        [Timoshenko 1921]
+  void find_beam_deflection(double root_height, double low, double high, const Material& material) {
+    const BeamSection section = beam_section(low, high, material);
     for (int molecule = 0; molecule < owned_molecules(body_); ++molecule) {
       const double x = std::max(0., setup_.axis.dot(body_.rest.col(molecule)) - root_height);
       const double force = setup_.direction.dot(full_forces_.col(molecule));
-      deflection_times_modulus_ +=
-          force * (x * x * (3 * length_ - x) / (6 * moment) + x * (12 + 11 * poissons_ratio) / (5 * area));
+      deflection_times_modulus_ += force * (x * x * (3 * length_ - x) / (6 * section.moment) + x * section.shear);
     }
     deflection_times_modulus_ = sum_over(body_, deflection_times_modulus_);
   }
@@ -133,7 +156,7 @@ class Bending final : public StaticExperiment {
   double tip_count_ = 0;   // of all processes
   Positions full_forces_;
   double length_ = 0, deflection_times_modulus_ = 0;
-  bool apparent_ = false;
+  std::string apparent_;  // why the modulus depends on the shape; "": it does not
 };
 
 class BendingRig final : public StaticRig {

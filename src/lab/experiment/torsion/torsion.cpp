@@ -58,7 +58,8 @@ TorsionSection torsion_section(const Points2& hull, const Section& section) {
 
 class Torsion final : public Driven {
  public:
-  Torsion(const Body& body, const TorsionSetup& setup) : Driven(body, setup.load_steps), setup_(setup) {
+  Torsion(const Body& body, const TorsionSetup& setup, double thickness)
+      : Driven(body, setup.load_steps), setup_(setup) {
     Ends ends(body, setup.axis, setup);
     findings_ = std::move(ends.findings);
     fix_fully(ends.held);
@@ -70,7 +71,12 @@ class Torsion final : public Driven {
     };
     const double from = end_of(ends.fixed);
     length_ = end_of(ends.loaded) - from;
-    section_ = torsion_section(hull_of_section(body, ends.fixed, across(setup.axis)),
+    const auto plane = across(setup.axis);
+    if (const auto wall = wall_section(body, setup.axis, plane, from, from + length_, thickness)) {
+      if (wall->kind == WallSection::Kind::tube && wall->section.prism()) section_ = {wall->torsion, true};
+      return;
+    }
+    section_ = torsion_section(hull_of_section(body, ends.fixed, plane),
                                find_section(body, setup.axis, from, from + length_, 0));
   }
 
@@ -171,8 +177,8 @@ class Torsion final : public Driven {
 
 }  // namespace
 
-std::unique_ptr<StaticExperiment> make_torsion(const Body& body, const TorsionSetup& setup) {
-  return std::make_unique<Torsion>(body, setup);
+std::unique_ptr<StaticExperiment> make_torsion(const Body& body, const TorsionSetup& setup, double thickness) {
+  return std::make_unique<Torsion>(body, setup, thickness);
 }
 
 ExperimentInfo torsion_row() {
@@ -189,7 +195,7 @@ ExperimentInfo torsion_row() {
               grip_keys<S>(), load_steps_key(&S::load_steps)},
       [](const ExperimentContext& context, S setup) {
         setup.straight = context.statics.linear;
-        return make_torsion(context.body, setup);
+        return make_torsion(context.body, setup, context.material.thickness);
       });
 }
 

@@ -11,7 +11,7 @@ struct TorsionSetup : GripSetup {
   int load_steps = 1;
 };
 
-/// Throws InputError if the body does not suit.
-std::unique_ptr<StaticExperiment> make_torsion(const Body& body, const TorsionSetup& setup);
+/// `thickness` [m] is that of a wall of triangles; 0: none is known. Throws InputError if the body does not suit.
+std::unique_ptr<StaticExperiment> make_torsion(const Body& body, const TorsionSetup& setup, double thickness = 0);
 
 }  // namespace elastin::lab
