@@ -5,8 +5,12 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <map>
+#include <set>
 #include <utility>
+#include <vector>
 
+#include "core/model/block_geometry.h"
 #include "core/model/carried_points.h"
 #include "core/simulation/simulation_impl.h"
 #include "elastin/core/base/text.h"
@@ -73,13 +77,57 @@ int molecules_at_one_place(const Positions& rest) {
   return static_cast<int>(places.end() - std::unique(places.begin(), places.end()));
 }
 
-/// Of the surface of a solid: sides with another cell behind them, and how many were looked at. None of a grid's.
-std::pair<int, int> sides_against_cells(const Body& body) {
-  constexpr std::size_t most_cells = 200000, most_sides = 2000;
+/// Whether sides of a body's cells that nothing lies behind are looked for. Not of a grid.
+bool has_sides(const Body& body) {
+  constexpr std::size_t most_cells = 200000;
+  return !body.tetrahedra.empty() && body.tetrahedra.size() <= most_cells && !body.grid && body.outline.cols() == 0;
+}
+
+/// Quadrilateral sides of cells, by their nodes, all corners of a triangular side of another cell being among them.
+std::vector<std::vector<int>> quadrilaterals_on_triangles(const Body& body) {
+  if (!has_sides(body) || !has_blocks(body, 3)) return {};
+  std::vector<std::vector<int>> quadrilaterals;
+  std::map<std::array<int, 3>, std::size_t> by_corners;  // any three of a quadrilateral's
+  const std::vector<BlockFace> faces = boundary_faces(body);
+  for (const BlockFace& face : faces)
+    if (face.kind->corners == 4) {
+      std::array<int, 4> corners{face.nodes[0], face.nodes[1], face.nodes[2], face.nodes[3]};
+      std::sort(corners.begin(), corners.end());
+      const auto [a, b, c, d] = corners;
+      for (const auto& three : {std::array{a, b, c}, {a, b, d}, {a, c, d}, {b, c, d}})
+        by_corners[three] = quadrilaterals.size();
+      quadrilaterals.push_back(face.nodes);
+    }
+  std::set<std::size_t> found;
+  for (const BlockFace& face : faces)
+    if (face.kind->corners == 3) {
+      std::array<int, 3> corners{face.nodes[0], face.nodes[1], face.nodes[2]};
+      std::sort(corners.begin(), corners.end());
+      if (const auto under = by_corners.find(corners); under != by_corners.end()) found.insert(under->second);
+    }
+  std::vector<std::vector<int>> on_triangles;
+  for (const std::size_t number : found) on_triangles.push_back(std::move(quadrilaterals[number]));
+  return on_triangles;
+}
+
+/// Of the surface of a solid: sides with another cell behind them, and how many were looked at. Not those of `joined`
+/// sides, all of whose nodes cells on both sides of them have.
+std::pair<int, int> sides_against_cells(const Body& body, const std::vector<std::vector<int>>& joined) {
+  constexpr std::size_t most_sides = 2000;
   constexpr double behind = 1e-3;  // of a side's size
-  if (body.tetrahedra.empty() || body.tetrahedra.size() > most_cells || body.grid || body.outline.cols() > 0)
-    return {0, 0};
-  const Cells<3> sides = surface_of(body);
+  if (!has_sides(body)) return {0, 0};
+  Cells<3> sides = surface_of(body);
+  std::vector<std::vector<std::size_t>> joined_at(joined.empty() ? 0 : static_cast<std::size_t>(body.size()));
+  for (std::size_t number = 0; number < joined.size(); ++number)
+    for (const int node : joined[number]) joined_at[node].push_back(number);
+  const auto is_joined = [&](const std::array<int, 3>& side) {
+    const auto has = [&](std::size_t number, int node) {
+      return std::find(joined[number].begin(), joined[number].end(), node) != joined[number].end();
+    };
+    const auto& near = joined_at[side[0]];
+    return std::any_of(near.begin(), near.end(), [&](std::size_t n) { return has(n, side[1]) && has(n, side[2]); });
+  };
+  if (!joined.empty()) std::erase_if(sides, is_joined);
   const std::size_t every = sides.size() / most_sides + 1;
   Positions points(3, static_cast<Eigen::Index>((sides.size() + every - 1) / every));
   for (Eigen::Index point = 0; point < points.cols(); ++point) {
@@ -115,11 +163,17 @@ std::string warning_of_seams(const Body& body, const std::string& name) {
   if (body.tetrahedra.empty() && body.triangles.empty()) return "";
   if (const int same = molecules_at_one_place(body.rest); same > 0)
     return name + " has a crack, or a seam that nothing joins: " + pairs_at_one_place(same);
-  const auto [against, seen] = sides_against_cells(body);
-  return against == 0 ? ""
-                      : "of " + counted(seen, "side") + " of the surface of " + name + ", " + std::to_string(against) +
-                            " lie against cells that do not have them: parts of a mesh that do not share the molecules "
-                            "between them come apart there; give them as `bodies` and join these by `ties`";
+  const std::vector<std::vector<int>> joined = quadrilaterals_on_triangles(body);
+  const auto [against, seen] = sides_against_cells(body, joined);
+  if (against > 0)
+    return "of " + counted(seen, "side") + " of the surface of " + name + ", " + std::to_string(against) +
+           " lie against cells that do not have them: parts of a mesh that do not share the molecules between them "
+           "come apart there; give them as `bodies` and join these by `ties`";
+  if (joined.empty()) return "";
+  const auto count = static_cast<std::ptrdiff_t>(joined.size());
+  return counted(count, "quadrilateral side") + " of cells of " + name + (count == 1 ? " lies" : " lie") +
+         " on triangular sides of others: their corners move together, but between these the displacements differ, so "
+         "that stress nearby, and the modulus by up to some percent, are off; mesh both with sides of one shape there";
 }
 
 std::string warning_of_doubles(const Body& body, bool uses_cells) {

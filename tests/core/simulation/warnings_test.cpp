@@ -32,6 +32,24 @@ std::vector<std::string> warnings_of(const BodyArrays& arrays, const std::string
 
 }  // namespace
 
+TEST_CASE("a quadrilateral side on triangular ones is named, whichever diagonal they have", "[simulation]") {
+  BodyArrays arrays;  // a cube with the top that two tetrahedra of one diagonal make, and their apex
+  arrays.positions.resize(3, 9);
+  for (int corner = 0; corner < 8; ++corner)
+    arrays.positions.col(corner) = 1e-2 * Vector3(corner & 1, corner >> 1 & 1, corner >> 2);
+  arrays.positions.col(8) = 1e-2 * Vector3(0.5, 0.5, 2);
+  const std::vector<int> cube{0, 1, 3, 2, 4, 5, 7, 6};
+  for (const Cells<4>& roof : {Cells<4>{{4, 5, 7, 8}, {4, 7, 6, 8}}, Cells<4>{{4, 5, 6, 8}, {5, 7, 6, 8}}}) {
+    arrays.blocks = {{&cell_kind("hexahedron8"), cube, {}}, {&cell_kind("tetrahedron4"), {}, {}}};
+    for (const auto& cell : roof) arrays.blocks[1].nodes.insert(arrays.blocks[1].nodes.end(), cell.begin(), cell.end());
+    CHECK_THAT(warning_of_seams(make_body(arrays), "the body"),
+               Contains("1 quadrilateral side of cells of the body lies on triangular sides of others"));
+  }
+  arrays.blocks.resize(1);
+  arrays.positions.conservativeResize(3, 8);
+  CHECK(warning_of_seams(make_body(arrays), "the body").empty());
+}
+
 TEST_CASE("a simulation warns as the laboratory does", "[simulation]") {
   BodyArrays one = two_tetrahedra(0.1);
   one.positions.conservativeResize(3, 4);
