@@ -44,17 +44,23 @@ std::shared_ptr<const Works> works_of(const Body& whole, const Matter& matter) {
   return works;
 }
 
+/// Of the kind of cells that the part has: a solid's law is its membrane's on a skin, and the other way round.
 Strategy law_of(const Strategy& strategy, const Body& whole, const Part& part, const std::vector<Material>& materials,
                 const Catalog* laws) {
   const Material& material = materials.at(part.material);
-  if (!laws || part.rigid || strategy.kind != StrategyKind::cell_law || !states_own_law(material, materials))
-    return strategy;
+  if (!laws || part.rigid || strategy.kind != StrategyKind::cell_law) return strategy;
+  const int dimensions = part.tetrahedra.count > 0 ? 3 : part.triangles.count > 0 ? 2 : strategy.dimensions;
+  const bool own_law = states_own_law(material, materials);
+  if (!own_law && dimensions == strategy.dimensions) return strategy;
   StrategyName name(strategy.name);
-  name.rule = StrategyName::of_law(material.law->law, strategy.dimensions).rule;
+  name.rule = StrategyName::of_law(own_law ? material.law->law : name.law(), dimensions).rule;
+  name.volume &= dimensions == 3;
+  name.wrinkling &= dimensions == 2;
   try {
     Strategy own = laws->find(name.text());
     if (!name.volume || own.unsuited(part_alone(whole, part).body).empty()) return own;
   } catch (const InputError&) {
+    if (!own_law) return strategy;  // which says what cells it needs
     if (!name.volume) throw;
   }
   name.volume = false;

@@ -1,4 +1,6 @@
+#include <algorithm>
 #include <utility>
+#include <vector>
 
 #include "core/solve/modes.h"
 #include "elastin/core/model/parts.h"
@@ -7,10 +9,23 @@ namespace elastin {
 
 ModeReport find_modes_in_parts(const Body& body, const std::vector<Support>& supports, const std::vector<char>& stiff) {
   if (body.parts.empty()) return find_zero_energy_modes(body, supports, stiff);
-  ModeReport sum;
+  std::vector<PartAlone> soft;
+  std::vector<const Part*> parts;
+  std::vector<int> uses(static_cast<std::size_t>(body.size()), 0);  // by how many parts
   for (const Part& part : body.parts) {
     if (part.rigid) continue;
-    const PartAlone alone = part_alone(body, part);
+    parts.push_back(&part);
+    soft.push_back(part_alone(body, part));
+    for (const int molecule : soft.back().molecules) ++uses[molecule];
+  }
+  ModeReport sum;
+  for (std::size_t number = 0; number < soft.size(); ++number) {
+    const PartAlone& alone = soft[number];
+    // A skin whose molecules all are another part's, too, is as stiff as that.
+    if (std::all_of(alone.molecules.begin(), alone.molecules.end(), [&](int m) { return uses[m] > 1; })) {
+      for (const int molecule : alone.molecules) --uses[molecule];
+      continue;
+    }
     std::vector<int> own(body.size(), -1);
     for (std::size_t i = 0; i < alone.molecules.size(); ++i) own[alone.molecules[i]] = static_cast<int>(i);
     std::vector<Support> held;
@@ -24,7 +39,7 @@ ModeReport find_modes_in_parts(const Body& body, const std::vector<Support>& sup
     sum.zero_energy_modes += report.zero_energy_modes;
     sum.counted = sum.counted && report.counted;
     for (ZeroEnergyMode& mode : report.modes) {
-      mode.text = "body '" + part.name + "': " + mode.text;
+      mode.text = "body '" + parts[number]->name + "': " + mode.text;
       for (int& molecule : mode.molecules) molecule = alone.molecules[molecule];
       sum.modes.push_back(std::move(mode));
     }

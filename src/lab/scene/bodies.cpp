@@ -154,7 +154,12 @@ void read_bodies(const Reader& list, std::optional<Reader> ties, const elastin::
 
 std::vector<KeySection> bodies_keys() {
   return {
-      {"bodies", "Bodies", "Each item of `bodies` has the keys of a [body](#body), and these:", keys_of_item().rows()},
+      {"bodies", "Bodies",
+       "Each item of `bodies` has the keys of a [body](#body), and these. A law of cells is that of solids on bodies "
+       "of "
+       "solid cells and that of membranes, `neo_hookean_membrane` for `neo_hookean`, on bodies of triangles, whichever "
+       "of the two `stiffness` names: a skin on a core.",
+       keys_of_item().rows()},
       {"ties", "",
        "Each item of `ties` joins the molecules of one body to the surface of another:", keys_of_tie().rows()}};
 }

@@ -293,3 +293,27 @@ TEST_CASE("cells of a mesh that are reoriented are counted in a warning", "[bodi
   REQUIRE(warnings("1 2 3 5").size() == 1);
   CHECK_THAT(warnings("1 2 3 5")[0], Contains("body.mesh: 1 of 2 cells had their corners in the mirrored order"));
 }
+
+TEST_CASE("skins of triangles on a solid core run by one law of cells, and their stiffnesses add", "[bodies][scene]") {
+  const std::string skins =
+      R"(material: {youngs_modulus: 1 MPa, poissons_ratio: 0, thickness: 1 mm, density: 1000 kg/m3}
+bodies:
+  - {name: core, tetrahedra: {kind: kuhn, cubes: [6, 4, 2], size: [30 mm, 20 mm, 10 mm]}, material: {youngs_modulus: 10 kPa}}
+  - {name: low, sheet: {size: [30 mm, 20 mm], squares: [6, 4], pattern: one_way}}
+  - {name: high, at: [0, 0, 10 mm], sheet: {size: [30 mm, 20 mm], squares: [6, 4], pattern: one_way}}
+ties: [{between: [core, low], within: 0.1 mm}, {between: [core, high], within: 0.1 mm}]
+stiffness: neo_hookean
+experiment: {kind: tension, axis: x, strain: 0.01 %}
+)";
+  const double force = 1e-4 * (10e3 * 20e-3 * 10e-3 + 2 * 1e6 * 20e-3 * 1e-3);
+  for (const char* law :
+       {"neo_hookean", "neo_hookean_membrane", "neo_hookean+volume", "neo_hookean_membrane+wrinkling"})
+    CHECK(measures(skins, {std::string("stiffness=") + law}).get("force") == Approx(force).epsilon(1e-3));
+  const auto scene = load(skins);
+  CHECK(run_strategy(scene->specimen, *scene->experiment, scene->stiffness, {.statics = scene->statics})
+            .warnings.empty());
+  // A body's own law is that of its kind of cells, too: an incompressible skin of the same E is not softer.
+  std::string own = skins;
+  own.insert(own.find("}\n  - {name: high"), ", material: {law: mooney_rivlin, c1: 166.667 kPa}");
+  CHECK(measures(own).get("force") == Approx(force).epsilon(0.1));
+}
