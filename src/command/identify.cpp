@@ -19,7 +19,7 @@ namespace {
 
 /// The path of an answer's files without their endings.
 std::string path_of(const std::string& out, const Answer& answer) {
-  return out + "/" + (answer.strategy.empty() ? answer.scene : file_name(answer.scene, answer.strategy));
+  return out + "/" + (answer.strategy.empty() ? file_name(answer.scene) : file_name(answer.scene, answer.strategy));
 }
 
 /// A file as a scene in this folder names it.

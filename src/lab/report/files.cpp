@@ -20,6 +20,29 @@
 
 namespace elastin::lab {
 
+namespace {
+
+constexpr std::string_view kNotInNames = "/\\\"'<>&|*?~ ";
+
+/// No two texts may have one name: of the letters that are written otherwise only ":" becomes "-".
+std::string written(const std::string& text, std::string_view otherwise) {
+  std::string name;
+  for (const char c : text)
+    if (otherwise.find(c) != std::string_view::npos)
+      name += fmt::format("~{:02x}", c);
+    else
+      name += c == ':' ? '-' : c;
+  return name;
+}
+
+}  // namespace
+
+std::string file_name(const std::string& scene) { return written(scene, kNotInNames); }
+
+std::string file_name(const std::string& scene, const std::string& strategy) {
+  return file_name(scene) + "-" + written(strategy, std::string(kNotInNames) + "-");
+}
+
 std::string csv_number(double value) { return std::isfinite(value) ? fmt::format("{}", value) : ""; }
 
 std::string csv_field(std::string text) {

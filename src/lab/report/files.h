@@ -9,6 +9,10 @@ namespace elastin::lab {
 /// Writes a whole file or none: to a neighbour first, then in its place. Throws InputError naming the path.
 void write_whole(const std::string& path, const std::string& text);
 
+/// How the names of a run's files begin, or of a scene's: without letters that mean something in a path or in XML.
+std::string file_name(const std::string& scene, const std::string& strategy);
+std::string file_name(const std::string& scene);
+
 /// A number with all its digits, or nothing: files never hold NaN.
 std::string csv_number(double value);
 /// What a spreadsheet would take for a formula begins with an apostrophe, its sign for text.

@@ -12,6 +12,7 @@
 
 #include "lab/format/vtu.h"
 #include "lab/report/comparison.h"
+#include "lab/report/files.h"
 #include "lab/report/machine.h"
 #include "lab/report/viewer.h"
 
@@ -64,7 +65,7 @@ std::string figure_html(const Plot& plot, const std::string& heading, const std:
       "</button><button type=\"button\" data-save=\"png\" "
       "data-name=\"{1}\">PNG</button></div><figure>{2}{3}</figure><script type=\"application/json\" class=\"plot\">{4}"
       "</script></section>\n",
-      escaped(heading), escaped(name), classed(kWide, "wide"), classed(kNarrow, "narrow"), plot_json(plot));
+      escaped(heading), escaped(file_name(name)), classed(kWide, "wide"), classed(kNarrow, "narrow"), plot_json(plot));
 }
 
 std::string card_html(const std::string& heading, const std::string& inside) {
@@ -421,7 +422,7 @@ std::vector<std::pair<std::string, std::string>> plot_files(const std::vector<Re
   const Colours colours = strategy_colours(records);
   std::vector<std::pair<std::string, std::string>> files;
   for (const Scenery& scene : by_scene(records)) {
-    const std::string name = scene.records.front().scene;
+    const std::string name = file_name(scene.records.front().scene);
     for (const auto& [kind, plot] : {std::pair{"error", error_plot(scene.records, scene.ranking, colours, peers)},
                                      std::pair{"response", response_plot(scene.records, colours)}})
       if (!plot.series.empty()) files.emplace_back(name + "-" + kind + ".svg", svg_text(plot, kFile, true));

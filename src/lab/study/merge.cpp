@@ -13,6 +13,7 @@
 #include "elastin/core/base/error.h"
 #include "elastin/core/base/text.h"
 #include "lab/report/comparison.h"
+#include "lab/report/files.h"
 #include "lab/report/records.h"
 #include "lab/report/screen.h"
 #include "lab/study/journal.h"

@@ -53,9 +53,6 @@ void write_run(const Output& output, const Scene& scene, Record& record);
 /// Writes the page and its plots, with the requested peers.
 void write_report(const Output& output, PageMatter matter);
 
-/// Names of a run's files: of scene and strategy, without letters that mean something in a path or in XML.
-std::string file_name(const std::string& scene, const std::string& strategy);
-
 /// Whether text has colours: on a terminal, unless NO_COLOR is set, and wherever CLICOLOR_FORCE is (tools/picture).
 bool colours_on(int stream);
 

@@ -7,7 +7,6 @@
 #include <cstdio>
 #include <cstdlib>
 #include <map>
-#include <string_view>
 #include <utility>
 
 #include "lab/report/comparison.h"
@@ -17,21 +16,6 @@
 #include "lab/study/request.h"
 
 namespace elastin::lab {
-
-std::string file_name(const std::string& scene, const std::string& strategy) {
-  // No two labels may have one name: of the letters that are written otherwise only ":" becomes "-".
-  const auto written = [](const std::string& text, std::string_view escaped) {
-    std::string name;
-    for (const char c : text)
-      if (escaped.find(c) != std::string_view::npos)
-        name += fmt::format("~{:02x}", c);
-      else
-        name += c == ':' ? '-' : c;
-    return name;
-  };
-  constexpr std::string_view everywhere = "/\\\"'<>&|*?~ ";
-  return written(scene, everywhere) + "-" + written(strategy, std::string(everywhere) + "-");
-}
 
 void write_report(const Output& output, PageMatter matter) {
   if (!output.peers.empty()) matter.peers = load_peers(output.peers);

@@ -272,6 +272,11 @@ TEST_CASE("no two labels write the same file", "[files]") {
   for (const char* label : {"a/b", "a-b", "a\\b", "a~2fb", "a<b", "a%2fb"}) names.insert(file_name("scene", label));
   CHECK(names.size() == 6);
   CHECK(file_name("cube", "calibrated:standard") == "cube-calibrated-standard");
+  std::vector<Record> records = run(kBar, "standard").records;
+  for (Record& record : records) record.scene = "a b/c~";
+  const auto plots = plot_files(records, {});
+  CHECK_FALSE(plots.empty());
+  for (const auto& [name, text] : plots) CHECK(name.starts_with("a~20b~2fc~7e-"));
 }
 
 TEST_CASE("CSV of a curve has a row a load step", "[files]") {
