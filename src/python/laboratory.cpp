@@ -157,6 +157,14 @@ void add_result(py::module_& module) {
           "measures", [](const Outcomes& self) { return by_name(self.result.measures); },
           "Value by name, of the last load step, or of the time history of a run.")
       .def_property_readonly(
+          "units",
+          [](const Outcomes& self) {
+            std::map<std::string, std::string> units;
+            for (const Measured& one : self.result.measures) units[one.name] = one.unit;
+            return units;
+          },
+          "SI unit of each measure by name; '' of a ratio.")
+      .def_property_readonly(
           "gradients", [](const Outcomes& self) { return by_measure(self.result.gradients); },
           "Derivatives by name of the measure and key of the scene, those of derivatives_by; SI units.")
       .def_property_readonly(

@@ -12,10 +12,13 @@ namespace elastin::python {
 using namespace lab;
 namespace {
 
-/// A measure of an experiment's own, which no table of all has, is a bare number.
-std::string readable_measure(const std::string& name, double value) {
-  const MeasureInfo* info = built_in_measures().find(name);
-  return info ? value_text(value, *info) : number(value);
+/// A measure of an experiment's own, which no table of all has, is shown as others of its unit.
+std::string readable_measure(const std::string& name, double value, const std::string& unit) {
+  const MeasureList& known = built_in_measures();
+  const MeasureInfo* info = known.find(name);
+  for (auto other = known.begin(); !info && !unit.empty() && other != known.end(); ++other)
+    if (other->unit_text() == unit) info = &*other;
+  return info ? value_text(value, *info) : number(value) + (unit.empty() ? "" : " " + unit);
 }
 
 std::string missing_measure(const std::string& name, const std::vector<std::string>& there) {
@@ -66,8 +69,8 @@ PYBIND11_MODULE(_elastin, module) {
   module.def("threads", &elastin::threads, "How many threads loops over large bodies take.");
   module.def("measures", &measures, "Every measure that an experiment can take: (name, SI unit, description).");
   module.def("_missing_measure", &missing_measure, py::arg("name"), py::arg("there"));
-  module.def("readable", &readable_measure, py::arg("measure"), py::arg("value"),
-             "A measure's value as tables show it: '4.9945 kPa'.");
+  module.def("readable", &readable_measure, py::arg("measure"), py::arg("value"), py::arg("unit") = "",
+             "A measure's value as tables show it: '4.9945 kPa'. `unit`: of a measure that only its experiment knows.");
   module.def("percent", &elastin::lab::percent, py::arg("ratio"), "A relative error as tables show it: '+0.02 %'.");
   module.def("readable_seconds", &elastin::lab::readable_seconds, py::arg("seconds"), "'1.2 ms'.");
   add_bodies(module);

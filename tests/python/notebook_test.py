@@ -39,6 +39,14 @@ class Shown(unittest.TestCase):
         swept = elastin.sweep(CUBE, "material.youngs_modulus", [1e3, 2e3])
         self.assertRegex(repr(swept), r"(?m)^2000\.0 ")
 
+    def test_measures_that_a_scene_names_have_units(self):
+        result = elastin.run(elastin.lattice((3, 3, 3), 1e-3, ["axis", "face"]), "lattice", material=elastin.Material(5e3),
+                             experiment={"kind": "loads", "read": [{"name": "top", "molecules": {"side": "z"}}]},
+                             loads=[{"gravity": [0, 0, -1]}], supports=[{"molecules": {"side": "-z"}}])
+        self.assertEqual(result.units["top_z"], "m")
+        self.assertRegex(repr(result), r"(?m)^top_z +-[0-9.]+ [nµm]m")
+        self.assertRegex(repr(result), r"(?m)^top_reaction_z +0 N")
+
     def test_nothing_of_a_scene_becomes_html(self):
         result = elastin.run(CUBE, set={"title": "a"})
         self.assertNotIn("<script>", elastin.Comparison([result])._repr_html_())

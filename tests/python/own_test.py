@@ -240,7 +240,7 @@ class Experiments(unittest.TestCase):
 
     def test_all_strategies_side_by_side(self):
         compared = elastin.compare(cube(), ["lattice", "standard"], experiment=Squeeze(1e-4), material=MATERIAL)
-        self.assertRegex(repr(compared), r"lattice +1\.5758 mN +0\.0029 ")
+        self.assertRegex(repr(compared), r"lattice +1\.5758 mN +2\.9000 mm ")
         self.assertEqual(elastin.sweep(cube(), "material.youngs_modulus", [1e3, 2e3], strategy="lattice", experiment=Squeeze(1e-4),
                                        material=MATERIAL)["force"].shape, (2,))
 

@@ -486,6 +486,9 @@ class Result:
     def measures(self) -> dict[str, float]:
         """Value by name, of the last load step, or of the time history of a run."""
     @property
+    def units(self) -> dict[str, str]:
+        """SI unit of each measure by name; '' of a ratio."""
+    @property
     def gradients(self) -> dict[str, dict[str, float]]:
         """Derivatives by name of the measure and key of the scene, those of derivatives_by; SI units."""
     @property
@@ -1157,7 +1160,8 @@ class Loads(Experiment):
     read.around.axis: axis around which directions turn: the mean stresses of the set's cells are along radius,
     circumference and axis (direction; default: needed).
     read.around.through [m]: a point of the axis (vector; default: 0).
-    moved: molecules that are moved, in addition to `supports` (list of maps; default: none).
+    moved: molecules that are moved, in addition to `supports`; an item adds its directions to those of the items
+    before it; `release` frees those with a displacement (list of maps; default: none).
     moved.molecules: which molecules are moved (list of molecules, or [pick](#picked-molecules); default: needed).
     moved.displacement [m]: their displacement (vector; default: needed).
     moved.fix: perpendicular directions along which the displacement is prescribed; they are free along the others

@@ -3,7 +3,6 @@
 import numpy
 
 from . import _elastin
-from ._tables import UNITS
 
 
 def figure(ax, **options):
@@ -18,8 +17,8 @@ def figure(ax, **options):
     return pyplot.figure(layout="constrained").add_subplot(**options)
 
 
-def label(name):
-    unit = UNITS.get(name, "")
+def label(result, name):
+    unit = result.units.get(name) or next((unit for known, unit, _ in _elastin.measures() if known == name), "")
     return name.replace("_", " ") + (f" [{unit}]" if unit else "")
 
 
@@ -94,7 +93,7 @@ def curve(result, x, y, ax, options):
     at_rest = x == "strain" and y == "stress"
     values = [numpy.concatenate(([0.0], columns[name])) if at_rest else columns[name] for name in (x, y)]
     ax.plot(*values, **{"marker": ".", "label": result.strategy} | options)
-    ax.set(xlabel="load, or time [s]" if x == "at" else label(x), ylabel=label(y), title=result.scene)
+    ax.set(xlabel="load, or time [s]" if x == "at" else label(result, x), ylabel=label(result, y), title=result.scene)
     ax.legend()
     return ax
 

@@ -132,6 +132,6 @@ class Sweep(list):
             x = [value if isinstance(value, (int, float)) else str(value) for value, _ in points]
             y = [result.get(measure, float("nan")) for _, result in points]
             ax.plot(x, y, **{"marker": "o", "label": name} | options)
-        ax.set(xlabel=self.key, ylabel=_plots.label(measure), title=self[0].scene)
+        ax.set(xlabel=self.key, ylabel=_plots.label(self[0], measure), title=self[0].scene)
         ax.legend()
         return ax

@@ -2,16 +2,18 @@
 
 from html import escape
 
-from ._elastin import measures, percent, readable, readable_seconds
+from ._elastin import percent, readable, readable_seconds
 
-UNITS = {name: unit for name, unit, _ in measures()}
+
+def value_text(result, name):
+    return readable(name, result.measures[name], result.units[name])
 
 
 def error_text(result, name):
     """Relative; of a ratio the difference."""
     if name not in result.errors:
         return ""
-    return percent(result.errors[name]) if UNITS.get(name) else f"{result.errors[name]:+.4f}"
+    return percent(result.errors[name]) if result.units.get(name) else f"{result.errors[name]:+.4f}"
 
 
 class Table:
@@ -82,7 +84,7 @@ def notes_of(result):
 def of_results(results, swept=None):
     """A row a result. `swept`: keys and the values that the rows have under them, in place of the strategies."""
     main = list(dict.fromkeys(name for result in results for name in result.main if name in result.measures))
-    with_error = [name for name in main if UNITS.get(name) and any(name in result.errors for result in results)]
+    with_error = [name for name in main if any(name in result.errors and result.units.get(name) for result in results)]
     head = list(swept) if swept else ["strategy"]
     for name in main:
         head += [name, "error"] if name in with_error else [name]
@@ -90,7 +92,7 @@ def of_results(results, swept=None):
     for number, result in enumerate(results):
         row = [str(values[number]) for values in swept.values()] if swept else [result.strategy]
         for name in main:
-            row.append(readable(name, result.get(name)) if name in result.measures else "")
+            row.append(value_text(result, name) if name in result.measures else "")
             if name in with_error:
                 row.append(error_text(result, name))
         ran = result.outcome != "unsuited"
@@ -102,6 +104,6 @@ def of_results(results, swept=None):
 
 def of_result(result):
     """Every measure of one result."""
-    rows = [[name, readable(name, value), error_text(result, name)] for name, value in result.measures.items()]
+    rows = [[name, value_text(result, name), error_text(result, name)] for name in result.measures]
     title = f"{result.scene}, {result.strategy}: {result.outcome}" + (f": {result.cause}" if result.cause else "")
     return Table(["measure", "value", "error"], rows, title)
