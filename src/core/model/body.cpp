@@ -3,11 +3,13 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <numeric>
+#include <span>
 #include <utility>
 
 #include "core/base/rows.h"
 #include "core/geometry/point_buckets.h"
 #include "core/model/block_geometry.h"
+#include "core/model/solid_cells.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/model/parts.h"
 
@@ -163,19 +165,20 @@ std::size_t set_region(Body& body, const Vector3& low, const Vector3& high, doub
   const auto inside = [&](const Vector3& position) {
     return ((position - low + slack).array() >= 0).all() && ((high + slack - position).array() >= 0).all();
   };
+  const auto middle_of = [&](std::span<const int> molecules) {
+    Vector3 middle = Vector3::Zero();
+    for (const int molecule : molecules) middle += body.rest.col(molecule) / static_cast<double>(molecules.size());
+    return middle;
+  };
   std::size_t count = 0;
   const auto set_those_inside = [&](const auto& members, VectorX& factors) {
     if (factors.size() == 0) factors = VectorX::Ones(static_cast<Eigen::Index>(members.size()));
     for (std::size_t member = 0; member < members.size(); ++member) {
-      Vector3 middle = Vector3::Zero();
-      for (const int molecule : members[member])
-        middle += body.rest.col(molecule) / static_cast<double>(members[member].size());
-      if (!inside(middle)) continue;
+      if (!inside(middle_of(members[member]))) continue;
       factors[static_cast<Eigen::Index>(member)] = stiffness;
       ++count;
     }
   };
-  set_those_inside(body.connections.ends, body.connection_stiffness);
   if (body.tetrahedra.empty())
     set_those_inside(body.triangles, body.cell_stiffness);
   else
@@ -186,6 +189,12 @@ std::size_t set_region(Body& body, const Vector3& low, const Vector3& high, doub
       cells.emplace_back(block.cell(cell).begin(), block.cell(cell).end());
     set_those_inside(cells, block.stiffness);
   }
+  if (count == 0)
+    set_those_inside(body.connections.ends, body.connection_stiffness);
+  else
+    change_by_cells(body, body.connection_stiffness, [&](std::span<const int> molecules, double& factor) {
+      if (inside(middle_of(molecules))) factor = stiffness;
+    });
   for (int molecule = 0; molecule < body.size(); ++molecule)
     if (inside(body.rest.col(molecule))) body.mass[molecule] *= mass;
   return count;

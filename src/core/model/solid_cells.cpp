@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <iterator>
 #include <map>
+#include <optional>
 
 namespace elastin {
 
@@ -72,6 +73,32 @@ Eigen::SparseMatrix<double, Eigen::RowMajor> shares_of_cells(const std::vector<S
                                                       static_cast<Eigen::Index>(cells.size()));
   shares.setFromTriplets(entries.begin(), entries.end());
   return shares;
+}
+
+void change_by_cells(const Body& body, VectorX& factors,
+                     const std::function<void(std::span<const int> molecules, double& factor)>& change) {
+  std::vector<SolidCell> cells;
+  if (!body.blocks.empty() || !body.tetrahedra.empty()) cells = solid_cells_of(body);
+  if (cells.empty())
+    for (const auto& triangle : body.triangles) cells.push_back({nullptr, {triangle.begin(), triangle.end()}});
+  if (factors.size() == 0) factors = VectorX::Ones(body.connections.size());
+  const auto& ends = body.connections.ends;
+  const auto shares = shares_of_cells(cells, ends, body.size());
+  for (int connection = 0; connection < body.connections.size(); ++connection) {
+    double& factor = factors[connection];
+    std::optional<double> first;  // where all are alike their mean is, to the last digit
+    double difference = 0;
+    for (decltype(shares)::InnerIterator share(shares, connection); share; ++share) {
+      double own = factor;
+      change(cells[static_cast<std::size_t>(share.col())].nodes, own);
+      if (!first) first = own;
+      difference += share.value() * (own - *first);
+    }
+    if (first)
+      factor = *first + difference;
+    else
+      change(ends[static_cast<std::size_t>(connection)], factor);
+  }
 }
 
 }  // namespace elastin

@@ -1,6 +1,8 @@
 #pragma once
 #include <Eigen/SparseCore>
 #include <array>
+#include <functional>
+#include <span>
 #include <vector>
 
 #include "elastin/core/model/body.h"
@@ -31,5 +33,10 @@ std::vector<CellBorder> borders_of(const std::vector<SolidCell>& cells, const Po
 Eigen::SparseMatrix<double, Eigen::RowMajor> shares_of_cells(const std::vector<SolidCell>& cells,
                                                              const std::vector<std::array<int, 2>>& connections,
                                                              int molecules);
+
+/// Changes a factor of each connection: to the mean of what it would be in each of the cells around it that laws see,
+/// of blocks, tetrahedra or triangles; where there are none, to what its own ends make of it.
+void change_by_cells(const Body& body, VectorX& factors,
+                     const std::function<void(std::span<const int> molecules, double& factor)>& change);
 
 }  // namespace elastin

@@ -389,20 +389,25 @@ Keys<Region> region_keys() {
   return {molecules_key("molecules", &S::molecules, "the region is what lies between these alone")
               .otherwise("needed, or `from` and `to`"),
           of_box(low_corner_key()), of_box(high_corner_key()),
-          key::quantity("stiffness", &S::stiffness, dimension::none, "factor of the material's stiffness", factor),
+          key::quantity("stiffness", &S::stiffness, dimension::none,
+                        "factor of the material's stiffness; springs take the mean of the cells around them", factor),
           key::quantity("mass", &S::mass, dimension::none, "factor of the material's mass", factor)};
 }
 
 void apply_picked_region(const Region& region, Body& body, std::vector<std::string>& notes) {
   std::vector<char> picked(static_cast<std::size_t>(body.size()));
   for (const int molecule : *region.molecules) picked[molecule] = 1, body.mass[molecule] *= region.mass;
+  const auto are_picked = [&](const auto& molecules) {
+    return std::all_of(molecules.begin(), molecules.end(), [&](int molecule) { return picked[molecule]; });
+  };
   int connections = 0, cells = 0;
   change_stiffness(body, [&](const auto& molecules, double& factor) {
-    if (!std::all_of(molecules.begin(), molecules.end(), [&](int molecule) { return picked[molecule]; })) return;
-    factor = region.stiffness;
-    ++(molecules.size() > 2 ? cells : connections);
+    if (are_picked(molecules)) factor = region.stiffness, cells += molecules.size() > 2;
   });
   if (cells > 0 || region.stiffness == 1) return;
+  for (int connection = 0; connection < body.connections.size(); ++connection)
+    if (are_picked(body.connections.ends[connection]))
+      body.connection_stiffness[connection] = region.stiffness, ++connections;
   if (connections == 0)
     region.place->fail("no cell and no connection has all its molecules among these, so that none gets this stiffness");
   if (!body.tetrahedra.empty() || !body.triangles.empty() || !body.blocks.empty())

@@ -396,8 +396,8 @@ std::vector<Setter> read_setters(const FieldsSetup& fields, const MaterialLaw* l
   return setters;
 }
 
-/// The material's law at the middles of all cells is checked as its own is; connections get the E of their middle
-/// instead, by a factor, for springs know no more of a law.
+/// The material's law at the middles of all cells is checked as its own is; connections get the mean E of the cells
+/// around them instead, by a factor, for springs know no more of a law.
 void check_at_all_places(const Reader& fields, const MaterialLaw* law, const Material& material, Body& body) {
   const auto modulus_at = [&](const Vector3& place) {
     try {
@@ -417,9 +417,10 @@ void check_at_all_places(const Reader& fields, const MaterialLaw* law, const Mat
   check(body.tetrahedra), check(body.triangles);
   for (const CellBlock& block : body.blocks)
     for (int cell = 0; cell < block.size(); ++cell) modulus_at(middle_of(body, block.cell(cell)));
-  VectorX factors(body.connections.size());
-  for (Eigen::Index i = 0; i < factors.size(); ++i)
-    factors[i] = modulus_at(middle_of(body, body.connections.ends[i])) / material.youngs_modulus;
+  VectorX factors;
+  change_by_cells(body, factors, [&](std::span<const int> molecules, double& factor) {
+    factor = modulus_at(middle_of(body, molecules)) / material.youngs_modulus;
+  });
   if (factors.size() == 0 || factors.isOnes(1e-12)) return;
   body.connection_stiffness =
       body.connection_stiffness.size() ? body.connection_stiffness.cwiseProduct(factors).eval() : factors;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/base/named.h"
+#include "core/model/solid_cells.h"
 #include "elastin/contact/contact.h"
 #include "elastin/core/forces/time_function.h"
 #include "elastin/core/model/body.h"
@@ -199,7 +200,8 @@ std::vector<Support> read_supports(const Reader& reader, const Body& body, const
 /// `extends` and `values`, which were put in when the file was opened.
 void read_preamble(Reader& reader);
 
-/// Calls change(molecules, factor) with the factor of stiffness of each connection and each cell.
+/// Calls change(molecules, factor) with the factor of stiffness of each cell; a connection gets the mean of what it
+/// would get as each of the cells around it, or in a body without cells what its own ends say.
 template <class Change>
 void change_stiffness(Body& body, const Change& change) {
   const auto change_all = [&](int count, const auto& molecules, VectorX& factors) {
@@ -210,7 +212,7 @@ void change_stiffness(Body& body, const Change& change) {
     change_all(
         static_cast<int>(cells.size()), [&](int i) -> const auto& { return cells[i]; }, factors);
   };
-  change_cells(body.connections.ends, body.connection_stiffness);
+  change_by_cells(body, body.connection_stiffness, std::cref(change));
   body.tetrahedra.empty() ? change_cells(body.triangles, body.cell_stiffness)
                           : change_cells(body.tetrahedra, body.cell_stiffness);
   for (CellBlock& block : body.blocks)

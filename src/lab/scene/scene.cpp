@@ -144,7 +144,8 @@ const std::vector<TopKey>& top_keys() {
         "what "
         "the scene measures is a test of them"}},
       {{"supports", "list of maps", "", "", "none",
-        "[planes of symmetry, rims and others](#supports) that stay; with experiments at rest, and a `fixture` in time"},
+        "[planes of symmetry, rims and others](#supports) that stay; with experiments at rest, and a `fixture` in "
+        "time"},
        true},
       {{"time", "map", "", "", "needed in time", "[duration, steps and frames](#time) of an experiment in time"}},
       {{"loads", "list of maps", "", "", "none", "[loads](#loads) besides the experiment's"}, true},

@@ -22,6 +22,8 @@ Quantities are in SI units. Arrays of places are (n, 3), one row a molecule; vie
 
 import os as _os
 
+import numpy as _numpy  # here, where Python says that it is missing: the library below cannot
+
 # Threads that wait shall soon sleep: one that spins keeps a busy machine from running the one it waits for. OpenMP
 # reads this when it is loaded.
 if "OMP_WAIT_POLICY" not in _os.environ:
