@@ -156,9 +156,9 @@ std::vector<KeySection> bodies_keys() {
   return {
       {"bodies", "Bodies",
        "Each item of `bodies` has the keys of a [body](#body), and these. A law of cells is that of solids on bodies "
-       "of "
-       "solid cells and that of membranes, `neo_hookean_membrane` for `neo_hookean`, on bodies of triangles, whichever "
-       "of the two `stiffness` names: a skin on a core.",
+       "of solid cells and that of membranes, `neo_hookean_membrane` for `neo_hookean`, on bodies of triangles, "
+       "whichever of the two `stiffness` names: a skin on a core. A `force` on an end goes to the area of the solid "
+       "cells alone: pull a core with a skin by a `displacement` or `strain`.",
        keys_of_item().rows()},
       {"ties", "",
        "Each item of `ties` joins the molecules of one body to the surface of another:", keys_of_tie().rows()}};
