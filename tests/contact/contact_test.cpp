@@ -371,20 +371,24 @@ TEST_CASE("contact: an obstacle that is nowhere is refused", "[contact]") {
   CHECK_THROWS_WITH(scene.step({"velocity_verlet"}, 1e-4, 2), Catch::Contains("nowhere"));
 }
 
-TEST_CASE("contact: iterations meet an obstacle that was not there when the step began", "[contact]") {
-  const auto fall = [&](const StepperOptions& stepper) {
-    Scene scene(block(), options_of(5e7, 0, {floor_at(-0.1e-3)}), 0, 1e4);
-    scene.state.velocities.row(2).setConstant(-0.2);
-    scene.step(stepper, 1e-3, 2);
-    return scene;
-  };
-  const Scene exact = fall({"backward_euler"});
-  CHECK(exact.contact->report(exact.state).pairs > 0);
-  for (const StepperOptions& stepper : {StepperOptions{"block_descent", {{"sweeps", 1000}}},
-                                        StepperOptions{"xpbd", {{"iterations", 1000}, {"substeps", 1}}}}) {
-    CAPTURE(stepper.method->name);
-    const Scene scene = fall(stepper);
-    CHECK((scene.state.positions - exact.state.positions).colwise().norm().maxCoeff() < 1e-9);
+TEST_CASE("contact: iterations meet an obstacle that was not there when the step began, and its friction",
+          "[contact]") {
+  for (const double friction : {0., 0.5}) {
+    const auto fall = [&](const StepperOptions& stepper) {
+      Scene scene(block(), options_of(5e7, friction, {floor_at(-0.1e-3)}), 0, 1e4);
+      scene.state.velocities.row(0).setConstant(0.3);
+      scene.state.velocities.row(2).setConstant(-0.2);
+      scene.step(stepper, 1e-3, 3);
+      return scene;
+    };
+    const Scene exact = fall({"backward_euler"});
+    CHECK(exact.contact->report(exact.state).pairs > 0);
+    for (const StepperOptions& stepper : {StepperOptions{"block_descent", {{"sweeps", 1000}}},
+                                          StepperOptions{"xpbd", {{"iterations", 1000}, {"substeps", 1}}}}) {
+      CAPTURE(friction, stepper.method->name);
+      const Scene scene = fall(stepper);
+      CHECK((scene.state.positions - exact.state.positions).colwise().norm().maxCoeff() < 1e-9);
+    }
   }
 }
 

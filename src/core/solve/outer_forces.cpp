@@ -22,10 +22,13 @@ void OuterForces::update(const Model& model, const State& state, const Weights& 
   blocks_ = viscous_;
   const auto add = [this](int a, int b, const Matrix3& block) {
     Matrix3& own = blocks_[a];
-    if (a == b)
-      own += (block + block.transpose()) / 2;
-    else
+    if (a == b) {
+      // What has no symmetric stiffness, as sliding friction that grows with the pressure, is bounded from above.
+      const Matrix3 whole = (block + block.transpose()) / 2, turning = (block - block.transpose()) / 2;
+      own += whole + turning.norm() / std::sqrt(2) * Matrix3::Identity();
+    } else {
       own.diagonal().array() += block.norm();
+    }
   };
   const Load::BlockVisitor visit = std::ref(add);
   for (const auto& load : model.loads()) load->visit_blocks(state, weights.velocity, visit);
