@@ -211,6 +211,19 @@ TEST_CASE("the option --json - gives JSON and nothing else", "[command]") {
   CHECK(json["runs"][7]["zero_energy_modes"] == 12);
 }
 
+TEST_CASE("a pipe gets one JSON, and a link to a file stays one", "[command]") {
+  const TemporaryFolder folder;
+  const std::string link = folder.path("link.json"), file = folder.path("real.json"), piped = folder.path("piped.json");
+  const std::string run = "run --quiet '" + kTension + "table1-a.yaml' --json ";
+  CHECK(say(run + "/dev/stderr 2>&1 | cat > '" + piped + "'; true").code == 0);
+  CHECK(nlohmann::json::parse(text_of_file(piped))["runs"].size() == 1);
+  folder.write("real.json", "{}");
+  std::filesystem::create_symlink(file, link);
+  CHECK(say(run + "'" + link + "'").code == 0);
+  CHECK(std::filesystem::is_symlink(link));
+  CHECK(nlohmann::json::parse(text_of_file(file))["runs"].size() == 1);
+}
+
 TEST_CASE("output that cannot be written is an error", "[command]") {
   for (const std::string& arguments : {std::string("list"), "run '" + kTension + "table1-a.yaml' --json -"}) {
     const Said said = say("--version; (" ELASTIN_COMMAND " " + arguments + " > /dev/full)");

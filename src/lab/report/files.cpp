@@ -117,13 +117,16 @@ std::vector<int> file_dimensions(const Body& body) {
 
 /// As write_whole, of what write(stream) writes; that throws std::system_error where it cannot.
 void write_whole_by(const std::string& path, const std::function<void(std::ostream&)>& write) {
-  const std::filesystem::path target(path);
   std::error_code problem;
+  // A pipe or a device is not replaced by a file; a link stays, and what it points to is replaced.
+  const bool special = std::filesystem::exists(path, problem) && !std::filesystem::is_regular_file(path, problem);
+  std::filesystem::path target(path);
+  if (!special) target = std::filesystem::weakly_canonical(path, problem);
+  if (problem) target = path;
+  problem.clear();
   if (target.has_parent_path()) std::filesystem::create_directories(target.parent_path(), problem);
   if (problem) throw InputError(path + ": cannot make its folder: " + problem.message());
-  // A pipe or a device is not replaced by a file.
-  const bool special = std::filesystem::exists(target, problem) && !std::filesystem::is_regular_file(target, problem);
-  const std::string draft = special ? path : path + ".part";
+  const std::string draft = special ? path : target.string() + ".part";
   problem.clear();
   std::ofstream stream(draft, std::ios::binary);
   if (!stream) problem = std::error_code(errno, std::generic_category());

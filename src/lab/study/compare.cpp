@@ -294,7 +294,7 @@ void Comparison::finish_run(const ScenePlan& plan, const std::string& key, Recor
   if (request_.compare && rows_ > 1 && !key.empty()) progress_.note(finished_text(record));
   results_.add(std::move(record), repeat);
   if (written_.seconds() < 1) return;
-  write_tables(request_, results_.records());  // so that partial results are visible
+  write_tables(request_, results_.records(), false);  // so that partial results are visible
   written_ = {};
 }
 
@@ -313,7 +313,7 @@ bool Comparison::run() {
   if (!request_.restart.empty() && (plans_.size() != 1 || plans_[0].runs() != 1 || !plans_[0].scene->time))
     throw InputError("--restart continues one strategy of one scene that runs in time");
   if (!request_.out.empty()) open_journal();
-  if (!request_.resume) write_tables(request_, {});  // an unwritable folder is an error before the first run
+  if (!request_.resume) write_tables(request_, {}, false);  // an unwritable folder is an error before the first run
   int passes = 0;
   std::size_t number = 0;
   for (const ScenePlan& plan : plans_) {

@@ -45,8 +45,9 @@ struct Request : Output {
   std::function<bool()> interrupted = {};  ///< called after each run
 };
 
-/// Writes runs.csv and runs.json, or the file of --json, of all runs so far.
-void write_tables(const Output& output, const std::vector<Record>& records);
+/// Writes runs.csv and runs.json, or the file of --json, of all runs so far; a pipe or device gets those of the whole
+/// comparison alone.
+void write_tables(const Output& output, const std::vector<Record>& records, bool whole = true);
 /// Curve and states of one run, if there are any; releases the states.
 void write_run(const Output& output, const Scene& scene, Record& record);
 

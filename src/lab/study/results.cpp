@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
+#include <filesystem>
 #include <map>
 #include <utility>
 
@@ -25,12 +26,16 @@ void write_report(const Output& output, PageMatter matter) {
 
 bool colours_on(int stream) { return std::getenv("CLICOLOR_FORCE") || (isatty(stream) && !std::getenv("NO_COLOR")); }
 
-void write_tables(const Output& output, const std::vector<Record>& records) {
+void write_tables(const Output& output, const std::vector<Record>& records, bool whole) {
   if (!output.out.empty()) {
     write_whole(output.out + "/runs.csv", csv_text(records));
     write_whole(output.out + "/runs.json", json_text(records));
   }
-  if (!output.json.empty() && output.json != "-") write_whole(output.json, json_text(records));
+  if (output.json.empty() || output.json == "-") return;
+  std::error_code none;
+  const bool replaced =
+      !std::filesystem::exists(output.json, none) || std::filesystem::is_regular_file(output.json, none);
+  if (whole || replaced) write_whole(output.json, json_text(records));
 }
 
 void write_run(const Output& output, const Scene& scene, Record& record) {
