@@ -130,10 +130,13 @@ void count_modes(const Model& model, const Experiment& experiment, Run& run) {
     run.warnings.push_back(warning_of_modes(report) + "; the load is solved in the range of the stiffness");
   // What has no modulus measures displacements in space.
   const StaticExperiment* own_loads = experiment.at_rest();
-  if (report.rigid_motions > 0 && own_loads && !own_loads->calibration() && model.body().parts.empty() &&
-      !contact_of(model))
-    run.warnings.push_back("the supports leave " + counted(report.rigid_motions, "rigid motion") +
-                           " of the body free, any of which may be in its displacements: hold more of it");
+  const Body& body = model.body();
+  const bool one = body.parts.empty(),
+             each_alone = body.ties.empty() && inspect(body).pieces >= static_cast<int>(body.parts.size());
+  if (report.rigid_motions > 0 && own_loads && !own_loads->calibration() && (one || each_alone) && !contact_of(model))
+    run.warnings.push_back("the supports leave " + counted(report.rigid_motions, "rigid motion") + " of the " +
+                           (one ? "body" : "bodies") +
+                           " free, any of which may be in its displacements: hold more of " + (one ? "it" : "them"));
 }
 
 /// The choice as it works on the specimen's body.

@@ -140,6 +140,25 @@ TEST_CASE("supports that leave a rigid motion free are named where displacements
 
 // With nu = 0 nothing moves across: the nominal stress is mu (l - 1/l), and that of the fibres T f(l)/l, f = 1 - 4 (1 -
 // l)^2.
+TEST_CASE("rigid motions of several bodies that nothing joins are named, too", "[statics][load_path]") {
+  const TemporaryFolder folder;
+  const std::string block = "tetrahedra: {kind: body_centred, cubes: [2, 2, 2], size: [4 mm, 4 mm, 4 mm]}";
+  for (const auto& [held, said] : {std::pair{"{molecules: {body: a}}, {molecules: {body: b}}", ""},
+                                   {"{molecules: {body: a}}", "6 rigid motions of the bodies free"}}) {
+    const auto scene = load_scene(
+        folder.write("scene.yaml", "bodies: [{name: a, " + block + "}, {name: b, " + block +
+                                       ", at: [1 cm, 0, 0]}]\nmaterial: {youngs_modulus: 10 kPa, poissons_ratio: 0.3}\n"
+                                       "stiffness: neo_hookean\nrest: {swelling: 1.1}\n"
+                                       "supports: [" +
+                                       held + "]\nexperiment: {kind: loads}\n"),
+        built_in_catalog());
+    const Run run = run_strategy(scene->specimen, *scene->experiment, scene->stiffness, {.statics = scene->statics});
+    INFO(held << run.cause);
+    CHECK(run.warnings.size() == (*said ? 1 : 0));
+    if (*said && !run.warnings.empty()) CHECK_THAT(run.warnings.front(), Contains(said));
+  }
+}
+
 TEST_CASE("a muscle at work bears stress before the load, and the modulus is of what the load adds",
           "[statics][load_path][muscle]") {
   const TemporaryFolder folder;
