@@ -200,7 +200,10 @@ std::string warning_of_negative(const Body& body, const VectorX& constants) {
 std::string warning_of_modes(const ModeReport& report) {
   if (report.zero_energy_modes == 0) return "";
   return "mechanism: " + std::string(report.counted ? "" : "at least ") +
-         counted(report.zero_energy_modes, "zero-energy mode", "zero-energy modes");
+         counted(report.zero_energy_modes, "zero-energy mode", "zero-energy modes") +
+         (report.out_of_plane == 0
+              ? ""
+              : ", " + std::to_string(report.out_of_plane) + " of them out of the plane of the flat body");
 }
 
 double largest_poissons_ratio(const Material& material, const Body& body) {

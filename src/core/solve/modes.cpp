@@ -314,9 +314,27 @@ class Search {
 
 }  // namespace
 
+Vector3 plane_normal(const Body& body) {
+  if (!body.parts.empty()) return Vector3::Zero();
+  const Positions arms = body.rest.colwise() - Vector3(body.rest.rowwise().mean());
+  const SymmetricEigen3 moments = symmetric_eigen3(arms * arms.transpose());
+  const Vector3 normal = moments.vectors.col(0);
+  const double width = std::sqrt(std::max(0., moments.values[1])), size = arms.colwise().norm().maxCoeff();
+  const bool flat = width > kParallel * size && (normal.transpose() * arms).cwiseAbs().maxCoeff() <= kParallel * size;
+  return flat ? normal : Vector3(Vector3::Zero());
+}
+
 ModeReport find_zero_energy_modes(const Body& body, const std::vector<Support>& supports,
                                   const std::vector<char>& stiff) {
-  return Search(body, supports, stiff).run();
+  ModeReport report = Search(body, supports, stiff).run();
+  if (report.zero_energy_modes == 0) return report;
+  const Vector3 normal = plane_normal(body);
+  if (normal.isZero(0)) return report;
+  std::vector<Support> within = supports;
+  const Matrix3 in_plane = Matrix3::Identity() - normal * normal.transpose();
+  for (int molecule = 0; molecule < body.size(); ++molecule) within.push_back({molecule, in_plane});
+  report.out_of_plane = report.zero_energy_modes - Search(body, within, stiff).run().zero_energy_modes;
+  return report;
 }
 
 }  // namespace elastin

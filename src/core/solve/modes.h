@@ -18,9 +18,13 @@ struct ZeroEnergyMode {
 struct ModeReport {
   int rigid_motions = 0;      ///< motions of the whole body that the supports leave free (0 … 6): no mechanism
   int zero_energy_modes = 0;  ///< all others: mechanisms
-  bool counted = true;        ///< false: the undecided part of the body is too large to factorise; at least this many
+  int out_of_plane = 0;  ///< of these, motions out of the plane of a flat body, where nothing lies that resists them
+  bool counted = true;   ///< false: the undecided part of the body is too large to factorise; at least this many
   std::vector<ZeroEnergyMode> modes;  ///< grouped by the molecules that move together; text for each group
 };
+
+/// The unit normal of the plane in which a body lies; zero of one that lies in none, on a line, or has parts.
+Vector3 plane_normal(const Body& body);
 
 /// Counts zero-energy modes exactly, as (free directions) − rank, in three steps, each exact: rigid motions of the
 /// whole body are fixed by pins that act on them alone; directions that connections to fixed ones determine are

@@ -37,6 +37,7 @@ ModeReport find_modes_in_parts(const Body& body, const std::vector<Support>& sup
     ModeReport report = find_zero_energy_modes(alone.body, held, counts);
     sum.rigid_motions += report.rigid_motions;
     sum.zero_energy_modes += report.zero_energy_modes;
+    sum.out_of_plane += report.out_of_plane;
     sum.counted = sum.counted && report.counted;
     for (ZeroEnergyMode& mode : report.modes) {
       mode.text = "body '" + parts[number]->name + "': " + mode.text;

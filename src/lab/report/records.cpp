@@ -6,10 +6,12 @@
 #include <cmath>
 #include <numeric>
 
+#include "core/solve/modes.h"
 #include "elastin/core/model/share.h"
 #include "elastin/core/parallel/threads.h"
 #include "lab/report/comparison.h"
 #include "lab/report/table.h"
+#include "lab/run/load_path.h"
 #include "lab/run/section.h"
 
 namespace elastin::lab {
@@ -190,6 +192,20 @@ std::string strained_before(const Record& record, const Run& run) {
          "(--reference computed)";
 }
 
+/// Of a flat body that everything leaves in its plane: what run.zero_energy_modes leaves out; else "".
+std::string note_of_plane(const Scene& scene) {
+  const Specimen& specimen = scene.specimen;
+  if (specimen.body.share || specimen.contact || specimen.material.bending_rigidity > 0 ||
+      scene.experiment->stiffened_by_load() || plane_normal(specimen.body).isZero(0))
+    return "";
+  Model model(specimen.body);
+  for (const SpecimenLoad& load : specimen.loads) load.add(model);
+  const auto rig = scene.experiment->rig(model);
+  return stays_in_plane(specimen, model, *rig) ? "the body is flat, and all that acts on it lies in its plane: motions "
+                                                 "out of the plane are not counted as zero-energy modes"
+                                               : "";
+}
+
 }  // namespace
 
 Record make_record(const Scene& scene, Run run) {
@@ -239,6 +255,7 @@ Record make_record(const Scene& scene, Run run) {
       record.obstacles.push_back(obstacle.name);
   record.notes = scene.notes;
   for (std::string& note : scene.experiment->notes()) record.notes.push_back(std::move(note));
+  if (std::string note = note_of_plane(scene); !note.empty()) record.notes.push_back(std::move(note));
   record.apparent = scene.experiment->apparent();
   if (!record.no_reference.empty() && !scene.no_computed_reference.empty())
     record.no_reference += "; no reference was computed: " + scene.no_computed_reference;

@@ -9,6 +9,7 @@
 
 #include "contact/distance.h"
 #include "core/model/faces.h"
+#include "core/solve/modes.h"
 #include "elastin/core/base/text.h"
 #include "elastin/core/forces/tension.h"
 #include "elastin/core/model/rest.h"
@@ -39,6 +40,23 @@ void add_cost(StaticResult& result, const StaticResult& cost) {
 }
 
 }  // namespace
+
+bool stays_in_plane(const Specimen& specimen, Model& model, Rig& rig) {
+  constexpr double rounding = 1e-9;
+  const Vector3 normal = plane_normal(model.body());
+  StaticRig* at_rest = rig.at_rest();
+  if (!at_rest || normal.isZero(0) || specimen.start || specimen.contact || contact_of(model)) return false;
+  at_rest->set_load(1);
+  const Positions forces = model.load_forces(state_at_rest(model.body()));
+  Positions moved = Positions::Zero(3, static_cast<Eigen::Index>(model.supports.size()));
+  for (Eigen::Index i = 0; i < moved.cols(); ++i)
+    moved.col(i) = model.supports[i].displacement - model.supports[i].free * model.supports[i].displacement;
+  at_rest->set_load(0);
+  const auto within = [&](const Positions& vectors) {
+    return (normal.transpose() * vectors).norm() <= rounding * vectors.norm();
+  };
+  return !(forces.isZero(0) && moved.isZero(0)) && within(forces) && within(moved);
+}
 
 void set_load(Model& model, StaticRig& rig, double factor) {
   if (contact::Contact* contact = contact_of(model)) contact->set_moment(factor);

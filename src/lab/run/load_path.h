@@ -8,6 +8,11 @@
 
 namespace elastin::lab {
 
+/// Whether all that acts on a flat body lies in its plane: loads, and supports that are moved. Of one on which nothing
+/// acts (vibrations), or that meets contact, or in time, or that a start of its own moves, this is not said. Loads the
+/// rig, and takes the load off again.
+bool stays_in_plane(const Specimen& specimen, Model& model, Rig& rig);
+
 /// Brings rig and obstacles to a part of the load (0 … 1).
 void set_load(Model& model, StaticRig& rig, double factor);
 

@@ -136,19 +136,28 @@ void add_overlaps(std::string& out, const std::vector<contact::Overlap>& overlap
 
 void add_modes(std::string& out, Scene& scene) {
   Model model(scene.specimen.body);
+  for (const SpecimenLoad& load : scene.specimen.loads) load.add(model);
   const auto rig = scene.experiment->rig(model);
   fix_rigid_parts(model);
   const Connections& connections = scene.specimen.body.connections;
   std::vector<char> stiff(static_cast<std::size_t>(connections.size()), 0);
   std::fill_n(stiff.begin(), connections.proper(), 1);
-  const ModeReport report = find_modes_in_parts(scene.specimen.body, model.supports, stiff);
+  ModeReport report = find_modes_in_parts(scene.specimen.body, model.supports, stiff);
   add_line(out, "fixed molecules", digits(static_cast<int>(model.supports.size())));
   add_line(out, "free rigid motions",
            fmt::format("{}{}", report.rigid_motions, report.rigid_motions ? " (left by the grips; no mechanism)" : ""));
-  if (report.zero_energy_modes == 0 && report.counted) return add_line(out, "zero-energy modes", "0");
+  std::string but;
+  if (report.out_of_plane > 0 && stays_in_plane(scene.specimen, model, *rig)) {
+    but = fmt::format(" in the plane of the flat body ({} out of it, where nothing acts)", report.out_of_plane);
+    report.zero_energy_modes -= report.out_of_plane;
+    const Vector3 normal = plane_normal(scene.specimen.body);
+    std::erase_if(report.modes,
+                  [&](const ZeroEnergyMode& mode) { return std::abs(mode.direction.dot(normal)) > 1 - 1e-6; });
+  }
+  if (report.zero_energy_modes == 0 && report.counted) return add_line(out, "zero-energy modes", "0" + but);
   add_line(out, "ZERO-ENERGY MODES",
-           fmt::format("mechanism: {}{} in {}{}", report.counted ? "" : "at least ",
-                       counted(report.zero_energy_modes, "zero-energy mode"),
+           fmt::format("mechanism: {}{}{} in {}{}", report.counted ? "" : "at least ",
+                       counted(report.zero_energy_modes, "zero-energy mode"), but,
                        counted(static_cast<int>(report.modes.size()), "group"),
                        report.counted ? "" : " (the body is too large to count them)"));
   constexpr std::size_t shown = 24;

@@ -105,6 +105,27 @@ TEST_CASE("zero-energy modes equal those of a dense rank count", "[modes][slow]"
       }
 }
 
+TEST_CASE("of a flat body the modes out of its plane are those that nothing in the plane holds", "[modes]") {
+  for (const bool diagonals : {false, true})
+    for (const double angle : {0., 0.7}) {
+      INFO("diagonals " << diagonals << ", angle " << angle);
+      Body body = cubic_lattice({4, 1, 3}, 1, {true, diagonals, false});
+      std::vector<Support> supports = fix_layer(body, Matrix3::Zero());
+      const Matrix3 turn = Eigen::AngleAxisd(angle, Vector3(1, -2, 0.5).normalized()).toRotationMatrix();
+      rotate(body, turn);
+      const ModeReport report = find_zero_energy_modes(body, supports);
+      // Eight free molecules, and a rotation about the fixed ones; without diagonals two rows slide.
+      CHECK(report.rigid_motions == 1);
+      CHECK(report.out_of_plane == 7);
+      CHECK(report.zero_energy_modes == (diagonals ? 7 : 9));
+      CHECK(std::abs(plane_normal(body).dot(turn.col(1))) == Approx(1));
+    }
+  const ModeReport solid = find_zero_energy_modes(cubic_lattice({3, 3, 3}, 1, {true, false, false}), {});
+  CHECK(solid.zero_energy_modes > 0);
+  CHECK(solid.out_of_plane == 0);
+  CHECK(plane_normal(cubic_lattice({1, 1, 5}, 1, {})).isZero(0));  // on a line
+}
+
 TEST_CASE("the cubic axis lattice of the paper's Fig. 5: twelve lines of molecules slide", "[modes]") {
   const Body body = cubic_lattice({3, 3, 3}, 0.0075, {true, false, false});
   const ModeReport report = find_zero_energy_modes(body, fix_layer(body, Matrix3::Zero()));

@@ -21,15 +21,17 @@ const std::string kLatticeBody =
     "{lattice: {kind: cubic, molecules: [4, 4, 4], spacing: 1 cm, connections: [axis, face]}}";
 
 std::vector<Record> records_of(const std::string& experiment, const std::string& strategies,
-                               const std::string& more = "", const std::string& body = kLatticeBody) {
+                               const std::string& more = "", const std::string& body = kLatticeBody,
+                               const std::string& material = "{youngs_modulus: 10 kPa}") {
   const TemporaryFolder folder;
   const Catalog catalog = built_in_catalog();
-  const auto scene = load_scene(
-      folder.write("block.yaml", "title: A block\nbody: " + body +
-                                     "\n"
-                                     "material: {youngs_modulus: 10 kPa}\nstiffness: lattice\nstrategies: [" +
-                                     strategies + "]\nexperiment: {" + experiment + "}\n" + more),
-      catalog);
+  const auto scene =
+      load_scene(folder.write("block.yaml", "title: A block\nbody: " + body +
+                                                "\n"
+                                                "material: " +
+                                                material + "\nstiffness: lattice\nstrategies: [" + strategies +
+                                                "]\nexperiment: {" + experiment + "}\n" + more),
+                 catalog);
   std::vector<Record> records;
   for (const StrategyChoice& choice : scene->strategies)
     records.push_back(
@@ -160,6 +162,50 @@ TEST_CASE("strategies that the measures do not tell apart are tied, the simplest
   }
   CHECK(rank_strategies(records).best == &records[1]);
   CHECK(rank_strategies(records).tied == std::vector<const Record*>{&records[0]});
+}
+
+TEST_CASE("motions out of the plane of a flat sheet are a note where all acts within it, and else a mechanism",
+          "[texts]") {
+  const std::string sheet = "{sheet: {size: [3 cm, 2 cm], squares: [6, 4]}}",
+                    material = "{youngs_modulus: 10 kPa, poissons_ratio: 0.25, thickness: 1 mm}",
+                    law = "neo_hookean_membrane", tension = "kind: tension, axis: x, strain: 1 %";
+  const std::string note = "motions out of the plane are not counted as zero-energy modes";
+  for (const std::string turn : {"", "rotate: {axis: [1, 2, 3], angle: 40 deg}\n"})
+    for (const std::string& experiment :
+         {tension, std::string("kind: planar, strain: 1 %"), std::string("kind: biaxial, strain: [1 %, 0.5 %]")}) {
+      INFO(experiment << ", " << turn);
+      const std::vector<Record> records = records_of(experiment, law + ", uniform", turn, sheet, material);
+      const Record& exact = records.front();
+      CHECK(exact.run.zero_energy_modes == 0);
+      CHECK(exact.run.warnings.empty());
+      CHECK(exact.error("effective_modulus") == Approx(0).margin(1e-6));
+      CHECK(exact.error("poissons_ratio") == Approx(0).margin(1e-6));
+      const std::string text = comparison_text(records, false);
+      CHECK_THAT(text, Contains("recommended: " + law + ": E 0.0000 %") && !Contains("mechanism"));
+      const Json run = Json::parse(json_text(records))["runs"][0];
+      CHECK(run["zero_energy_modes"] == 0);
+      CHECK_THAT(run["notes"].dump(), Contains(note));
+      CHECK_THAT(run_text(exact, false), Contains(note));
+    }
+  // Squares without diagonals: columns of molecules slide along each other, but one with the whole.
+  const Record squares =
+      records_of(tension + ", cross_section: 2 cm2", "uniform", "",
+                 "{lattice: {kind: cubic, molecules: [4, 3, 1], spacing: 1 cm, connections: [axis]}}")
+          .front();
+  CHECK(squares.run.zero_energy_modes == 3);
+  CHECK_THAT(run_text(squares, false), Contains(note) && Contains("warning: mechanism: 3 zero-energy modes;"));
+  // What leaves the plane works on them, and vibrations are nothing else.
+  for (const auto& [experiment, loads] :
+       {std::pair<std::string, std::string>{tension, "loads: [{gravity: [0, 0, -1 m/s2]}]\n"},
+        {"kind: vibration", ""}}) {
+    const Record bent =
+        records_of(experiment, law, loads, sheet, "{youngs_modulus: 10 kPa, thickness: 1 mm, density: 1000 kg/m3}")
+            .front();
+    CHECK(bent.run.zero_energy_modes == 32);
+    CHECK_THAT(run_text(bent, false),
+               !Contains(note) &&
+                   Contains("warning: mechanism: 32 zero-energy modes, 32 of them out of the plane of the flat body"));
+  }
 }
 
 TEST_CASE("the stiffness matrix stands on the page and in the JSON", "[texts][files]") {
