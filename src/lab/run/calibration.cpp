@@ -241,10 +241,12 @@ std::string calibration_unsuited(const Experiment& experiment, const Specimen& s
   const StaticExperiment* at_rest = calibration_of(experiment, specimen);
   if (at_rest && (calibration_target(*at_rest, specimen.material) || calibrated_reference(*at_rest, specimen)))
     return "";
+  const std::string why = !at_rest              ? ""
+                          : at_rest->apparent() ? "its modulus is apparent, of the body's shape as well as of the "
+                                                  "material, and there is no computed reference"
+                                                : at_rest->no_reference();
   return "the experiment " + experiment.name() + " measures on this body no modulus to calibrate to" +
-         (at_rest && at_rest->apparent() ? ": its modulus is apparent, of the body's shape as well as of the material, "
-                                           "and there is no computed reference"
-                                         : "");
+         (why.empty() ? "" : ": " + why);
 }
 
 std::optional<ElasticTerms> make_rule(const Specimen& specimen, const Experiment& experiment,

@@ -85,6 +85,23 @@ TEST_CASE("a sheet that is stretched alike in both directions shows no Poisson's
     CHECK(std::isnan(sheet.get("poissons_ratio")));
     CHECK(std::isfinite(sheet.get("stress")));
   }
+  const TemporaryFolder folder;
+  const auto refused = [&](const std::string& body, const std::string& more) {
+    const auto scene = load_scene(
+        folder.write("a.yaml", body +
+                                   "material: {youngs_modulus: 1 MPa, poissons_ratio: 0.3, thickness: 1 mm}\n"
+                                   "stiffness: \"calibrated:uniform\"\n" +
+                                   more),
+        built_in_catalog());
+    CHECK((no_reference(*scene) == "") == (body == kBlock || more.find("[1 %, 2 %]") != std::string::npos));
+    return unsuited(scene->specimen, *scene->experiment, scene->stiffness);
+  };
+  const std::string equal = "experiment: {kind: biaxial, strain: 1 %}\n";
+  CHECK_THAT(refused(kSheet, equal), Contains("no modulus to calibrate to: two strains of one size determine neither E "
+                                              "nor nu of a sheet; write two that differ, or `calibrate:"));
+  CHECK(refused(kSheet, equal + "calibrate: {experiment: {kind: tension, axis: x, strain: 1 %}}\n").empty());
+  CHECK(refused(kSheet, "experiment: {kind: biaxial, strain: [1 %, 2 %]}\n").empty());
+  CHECK(refused(kBlock, equal).empty());
 }
 
 TEST_CASE("invalid pairs of axes are refused", "[biaxial]") {

@@ -106,11 +106,9 @@ class Biaxial final : public Driven {
     const double first = held.factor * directions_[0].strain, second = held.factor * directions_[1].strain;
     const double third = thickness_strain(motion), across = stress[1] / stress[0];
     // A sheet shows no strain of its thickness; where the two strains differ the stresses determine ν.
-    const bool alike =
-        std::abs(std::abs(first) - std::abs(second)) < 1e-6 * std::abs(first);  // rounding would determine it
-    const double ratio = !sheet_ ? -third / (first + second - third)
-                         : alike ? std::numeric_limits<double>::quiet_NaN()
-                                 : (across * first - second) / (first - across * second);
+    const double ratio = !sheet_             ? -third / (first + second - third)
+                         : determines_none() ? std::numeric_limits<double>::quiet_NaN()
+                                             : (across * first - second) / (first - across * second);
     Measures measures;
     if (is_strained(first) || is_strained(second)) {
       measures.set("effective_modulus", stress[0] * (1 - ratio * ratio) / (first + ratio * second));
@@ -141,10 +139,17 @@ class Biaxial final : public Driven {
   }
 
   std::vector<MainMeasure> main_measures(const Material& material, const Measures& /*measured*/) const override {
+    if (determines_none()) return {{"stress"}, {"stress_across"}};
     return {{"effective_modulus", material.youngs_modulus},
             {"poissons_ratio", material.poissons_ratio},
             {"stress"},
             {"stress_across"}};
+  }
+
+  std::string no_reference() const override {
+    return determines_none() ? "two strains of one size determine neither E nor nu of a sheet; write two that differ, "
+                               "or `calibrate: {experiment: {kind: tension, …}}`, which `calibrated:` rules follow"
+                             : "";
   }
 
   std::vector<std::string> notes() const override {
@@ -154,6 +159,12 @@ class Biaxial final : public Driven {
   }
 
  private:
+  /// Whether it is a sheet with strains of one size, where rounding would determine E and ν.
+  bool determines_none() const {
+    const double first = std::abs(directions_[0].strain), second = std::abs(directions_[1].strain);
+    return sheet_ && std::abs(first - second) < 1e-6 * first;
+  }
+
   /// Slope of the motion along the third direction over the height along it; NaN of a sheet.
   double thickness_strain(const Positions& motion) const {
     if (sheet_) return std::numeric_limits<double>::quiet_NaN();
