@@ -101,7 +101,7 @@ void find_rival_targets(Ranking& ranking) {
 }
 
 /// Those that a plot of error against time has to the left of the best and below it.
-void find_passed_over(const std::vector<Record>& records, const std::function<bool(const Record&)>& true_elsewhere,
+void find_passed_over(const std::vector<Record>& records, const std::function<bool(const Record&)>& false_elsewhere,
                       Ranking& ranking) {
   const Record& best = *ranking.best;
   for (const Record& record : records) {
@@ -111,7 +111,7 @@ void find_passed_over(const std::vector<Record>& records, const std::function<bo
       continue;
     const std::string why = !has_own_error(record)         ? "it was calibrated to the reference itself"
                             : !record.run.warnings.empty() ? "it has a warning"
-                            : !true_elsewhere(record)      ? "it is not near in other directions"
+                            : false_elsewhere(record)      ? "it is not near in other directions"
                             : second_error(record, ranking) > second_error(best, ranking)
                                 ? "it is further off in Poisson's ratio"
                                 : "";
@@ -175,9 +175,10 @@ Ranking rank_strategies(const std::vector<Record>& records) {
   const bool some_true = std::any_of(records.begin(), records.end(), [&](const Record& record) {
     return sound(record) && ranking.error(record) <= ranking.near() && true_elsewhere(record);
   });
-  const auto fit = [&](const Record& record) {
-    return sound(record) && !(some_true && measured(record) && !true_elsewhere(record));
+  const auto false_elsewhere = [&](const Record& record) {
+    return some_true && measured(record) && !true_elsewhere(record);
   };
+  const auto fit = [&](const Record& record) { return sound(record) && !false_elsewhere(record); };
   double least = INFINITY;
   for (const Record& record : records)
     if (fit(record)) least = std::min(least, ranking.error(record));
@@ -196,7 +197,7 @@ Ranking rank_strategies(const std::vector<Record>& records) {
       ranking.warned = &record;
   if (ranking.best) find_ties(candidates, ranking);
   if (ranking.best) find_rival_targets(ranking);
-  if (ranking.best) find_passed_over(records, true_elsewhere, ranking);
+  if (ranking.best) find_passed_over(records, false_elsewhere, ranking);
   return ranking;
 }
 

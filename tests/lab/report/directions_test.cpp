@@ -156,6 +156,27 @@ TEST_CASE("what is near in one direction alone is passed over, and recommended w
              Contains("not measured (the body is large): what is said holds for this experiment alone"));
 }
 
+TEST_CASE("directions are the reason for passing over a strategy only where another one is near in all of them",
+          "[directions][texts]") {
+  std::vector<Record> records{record_of("fastest", 0.1, 0.6), record_of("simplest", 0.1, 0.6),
+                              record_of("nearer", 0.099, 0.6)};
+  for (std::size_t i = 0; i < records.size(); ++i) {
+    records[i].run.solve_seconds = std::array{1e-3, 3e-3, 2e-3}[i];
+    records[i].run.order = std::array{3, 1, 2}[i];
+  }
+  const Ranking ranking = rank_strategies(records);
+  CHECK(ranking.best == &records[1]);  // tied with the fastest
+  CHECK(ranking.passed_over.empty());
+  records.push_back(record_of("solid", 0.01, 0.01));
+  records.back().run.solve_seconds = 1;
+  records[2].errors.front().second = 1e-4;
+  const Ranking with_solid = rank_strategies(records);
+  CHECK(with_solid.best == &records[3]);
+  REQUIRE(with_solid.passed_over.size() == 1);
+  CHECK(with_solid.passed_over.front().first == &records[2]);
+  CHECK(with_solid.passed_over.front().second == "it is not near in other directions");
+}
+
 TEST_CASE("a comparison measures what it recommends in all directions", "[directions][command]") {
   const TemporaryFolder folder;
   const auto runs =
