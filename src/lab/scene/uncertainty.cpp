@@ -3,6 +3,7 @@
 
 #include "config/scene_text.h"
 #include "core/base/dense.h"
+#include "elastin/core/base/text.h"
 #include "lab/scene/parts.h"
 #include "lab/scene/scene.h"
 
@@ -17,6 +18,10 @@ double read_deviation(const Reader& value, const config::StatedNumber& number) {
     const auto ends = value.items(2);
     const double low = ends[0].quantity(number.unit), high = ends[1].quantity(number.unit);
     if (!(low < high)) value.fail("an interval goes from its lower to its upper end, and holds 95 %");
+    if (number.value < low || number.value > high)
+      value.fail("the interval does not hold the number itself, which the scene states as " +
+                 elastin::number(number.value) + (number.unit == dimension::none ? "" : " " + si_unit(number.unit)) +
+                 ": write an interval around it, or one standard deviation, as 5 % or a quantity");
     return (high - low) / (2 * kNormal);
   }
   if (!value.text().ends_with('%')) return value.quantity(number.unit, kPositive);

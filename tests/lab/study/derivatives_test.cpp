@@ -390,6 +390,9 @@ TEST_CASE("the deviation of a measure is that of runs with normally distributed 
   for (std::size_t i = 0; i < plain.spreads.size(); ++i) CHECK(plain.spreads[i].second == result.spreads[i].second);
   CHECK_THAT(refusal(scene + "uncertainty: {material.youngs_moduls: 3 %}\n", "experiment.force"),
              Contains("did you mean 'material.youngs_modulus'?"));
+  for (const std::string interval : {"[20 kPa, 30 kPa]", "[0.8 kPa, 1 kPa]"})
+    CHECK_THAT(refusal(scene + "uncertainty: {material.youngs_modulus: " + interval + "}\n", "experiment.force"),
+               Contains("the interval does not hold the number itself, which the scene states as 9000 Pa: write"));
 }
 
 TEST_CASE("gradients and deviations are read back from JSON as they were", "[derivatives]") {
