@@ -85,7 +85,7 @@ title: Indentation of a block of {size}
 
 body:
   tetrahedra: {{kind: body_centred, cubes: [{cubes}], size: [{sides}]}}
-{material}
+{grade}{material}
 experiment:
   kind: indentation
   indenter: {{sphere: {{radius: {radius}}}}}   # or flat: {{radius: ...}}
@@ -212,6 +212,36 @@ void add_block(Words& words, const Vector3& sides, int least) {
   }
   add(words, "cubes", cubes);
   add(words, "sides", lengths);
+}
+
+/// The same under a tool on the upper face: smallest in its middle, where some 17 molecules or more come to touch a
+/// sphere of the least side that goes a tenth of it deep, and larger towards what lies far from it.
+void add_graded_block(Words& words, const Vector3& sides) {
+  constexpr double most_growth = 3.4, most = 16;  // of a cube in the mean over the smallest; along a side
+  const double least = sides.minCoeff();
+  std::string cubes, lengths, grades;
+  double all = INFINITY;
+  for (const int base : {8, 6}) {
+    if (all <= kMostCubes) break;
+    cubes = lengths = grades = "", all = 1;
+    for (int k = 0; k < 3; ++k) {
+      const double smallest = base * sides[k] / least;  // that would fill the side
+      const double wanted = std::min(most, std::max(base * std::cbrt(smallest / base), smallest / most_growth));
+      const int count = std::max(base, 2 * static_cast<int>(std::lround(wanted / 2)));
+      const double growth = smallest / count;
+      double ratio = growth * growth;  // of the largest cube over the smallest: (r − 1) / ln r is the mean
+      for (int i = 0; i < 100 && growth > 1; ++i) ratio = 1 + growth * std::log(ratio);
+      cubes += (k ? ", " : "") + std::to_string(count);
+      lengths += (k ? ", " : "") + length_text(sides[k]);
+      if (ratio > 1.1)
+        grades += fmt::format("{}{{axis: {}, ratio: {:.2g}{}}}", grades.empty() ? "" : ", ", "xyz"[k], 1 / ratio,
+                              k < 2 ? ", ends: both" : "");
+      all *= count;
+    }
+  }
+  add(words, "cubes", cubes);
+  add(words, "sides", lengths);
+  add(words, "grade", grades.empty() ? "" : "  grade: [" + grades + "]   # smaller cubes under the sphere\n");
 }
 
 /// Points [m] and cells of a file.
@@ -411,13 +441,20 @@ void add_specimen(Words& words, const NewScene& wanted, bool from_file) {
   } else if (name == "dogbone") {
     add_bar(words, body);
   } else if (name == "indentation") {
-    add_block(words, sides, 6);
-    add(words, "radius", length_text(0.3 * least));
-    add(words, "depth", length_text(0.06 * least));
-  } else {
-    add(words, "spacing", length_text(std::cbrt(sides.prod() / kMostNewMolecules)));
-    add(words, "radius", length_text(0.2 * least));
+    constexpr double slender = 3;
+    if (sides[2] > slender * least)
+      throw InputError("--size: a block of " + wanted.size +
+                       " stands on its end and would bend aside under the sphere: write the longest length first, or a "
+                       "height, which is the last, of at most three times the least width");
+    add_graded_block(words, sides);
+    add(words, "radius", length_text(least));
     add(words, "depth", length_text(0.1 * least));
+  } else {
+    const double spacing = std::cbrt(sides.prod() / kMostNewMolecules), depth = 0.1 * least,
+                 contact = 1.7 * spacing;  // its radius: some nine molecules
+    add(words, "spacing", length_text(spacing));
+    add(words, "radius", length_text(std::max(0.2 * least, contact * contact / depth)));
+    add(words, "depth", length_text(depth));
     add(words, "grip", length_text(0.1 * sides[2]));
   }
 }
@@ -433,12 +470,25 @@ const std::vector<NewSpecimen>& new_specimens() {
   return specimens;
 }
 
+namespace {
+
+void check_modulus(const std::string& text) {
+  try {
+    if (const Quantity modulus = parse_quantity(text, dimension::pressure); modulus.has_unit && modulus.value > 0)
+      return;
+  } catch (const InputError&) {  // said below
+  }
+  throw InputError("--modulus: '" + text + "' is not a modulus above 0 with its unit, such as 20 kPa");
+}
+
+}  // namespace
+
 std::string new_scene_text(const NewScene& given, const std::string& folder) {
   NewScene wanted = given;
   named(new_specimens(), wanted.specimen, "new: no specimen '" + wanted.specimen + "'");
   const auto row =
       std::find_if(kRows.begin(), kRows.end(), [&](const Row& r) { return wanted.specimen == r.specimen.name; });
-  parse_quantity(wanted.modulus, dimension::pressure);
+  check_modulus(wanted.modulus);
   if (!(wanted.poissons_ratio >= 0 && wanted.poissons_ratio < 0.5))
     throw InputError(fmt::format("--poissons-ratio: {} is not from 0 to below 0.5", wanted.poissons_ratio));
   std::optional<mesh::Image> image;

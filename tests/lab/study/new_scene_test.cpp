@@ -46,6 +46,26 @@ TEST_CASE("what new writes runs", "[new][slow]") {
   }
 }
 
+TEST_CASE("the sphere of new's indentation presses on enough molecules of its block, cube, layer or bar", "[new]") {
+  const TemporaryFolder folder;
+  const Catalog catalog = built_in_catalog();
+  for (const char* size :
+       {"10 x 10 x 10 mm", "20 mm x 2 cm x 5 mm", "40 x 10 x 4 mm", "5 x 5 x 14 mm", "3 x 20 x 4 mm"}) {
+    INFO(size);
+    const auto scene =
+        load_scene(folder.write("scene.yaml", new_scene_text({"indentation", size, ""}, folder.path(""))), catalog);
+    CHECK(scene->specimen.body.size() < 2500);
+    const Run run = run_strategy(scene->specimen, *scene->experiment, choose_strategy(catalog, "standard"),
+                                 {.statics = scene->statics});
+    CHECK(run.outcome == Outcome::converged);
+    CHECK(run.measures.get("molecules_in_contact") >= 12);
+    CHECK(run.remark.empty());
+  }
+  CHECK_THROWS_WITH(
+      new_scene_text({"indentation", "1 x 1 x 10 mm", ""}, ""),
+      Contains("--size: a block of 1 x 1 x 10 mm stands on its end") && Contains("write the longest length first"));
+}
+
 TEST_CASE("a size is three lengths, the last of which may give the unit", "[new]") {
   const auto text = [](const std::string& size) { return new_scene_text({"strip", size, ""}, ""); };
   for (const char* size : {"40 x 10 x 4 mm", "40 mm x 1 cm x 4 mm", "40×10×4 mm", "0.04 m, 0.01 m, 0.004 m"})
@@ -128,8 +148,11 @@ TEST_CASE("a slip in what new is given names what is allowed", "[new]") {
   scene.poissons_ratio = 0.5;
   CHECK_THROWS_WITH(new_scene_text(scene, ""), Contains("--poissons-ratio: 0.5 is not from 0 to below 0.5"));
   scene.poissons_ratio = 0.3;
-  scene.modulus = "20 mm";
-  CHECK_THROWS_AS(new_scene_text(scene, ""), InputError);
+  for (const char* modulus : {"20 mm", "10", "soft", "-1 kPa", "0 Pa"}) {
+    scene.modulus = modulus;
+    CHECK_THROWS_WITH(new_scene_text(scene, ""), "--modulus: '" + std::string(modulus) +
+                                                     "' is not a modulus above 0 with its unit, such as 20 kPa");
+  }
   const std::string scenes = ELASTIN_SOURCE_DIR "/scenes/";
   CHECK_THROWS_WITH(new_scene_text({"organ", "", scenes + "tension/dogbone.msh"}, ""),
                     Contains("this mesh is solid; elastin new dogbone --mesh takes solids"));
