@@ -16,6 +16,7 @@
 #include "elastin/core/base/error.h"
 #include "elastin/core/model/share.h"
 #include "lab/format/vtu.h"
+#include "lab/report/varied.h"
 #include "lab/run/cell_stress.h"
 
 namespace elastin::lab {
@@ -163,7 +164,15 @@ std::string csv_text(const std::vector<Record>& records) {
   for (const std::string& name : errors) out += ",error " + name;
   out +=
       ",build [s],solve [s],repeats,median "
-      "[s],variant,iterations,linear_iterations,residual,zero_energy_modes,warnings\n";
+      "[s],variant,iterations,linear_iterations,residual,zero_energy_modes,warnings";
+  const std::vector<std::string> keys = varied_keys(records);
+  for (const std::string& key : keys) {
+    std::string unit;
+    for (const Record& record : records)
+      if (const auto value = varied_number(varied_text(record, key))) unit = si_unit(value->unit);
+    out += "," + csv_field(key + (unit.empty() ? "" : " [" + unit + "]"));
+  }
+  out += "\n";
   for (const Record& record : records) {
     const Run& run = record.run;
     out += fmt::format("{},{},{},{},{},{},{},{}", csv_field(record.scene), csv_field(run.strategy), run.solver,
@@ -172,10 +181,16 @@ std::string csv_text(const std::vector<Record>& records) {
     for (const std::string& name : errors) out += "," + csv_number(record.error(name));
     std::string notes = run.cause;
     for (const std::string& warning : record.warnings) notes += (notes.empty() ? "" : "; ") + warning;
-    out += fmt::format(",{},{},{},{},{},{},{},{},{},{}\n", csv_number(run.build_seconds), csv_number(run.solve_seconds),
+    out += fmt::format(",{},{},{},{},{},{},{},{},{},{}", csv_number(run.build_seconds), csv_number(run.solve_seconds),
                        std::max<std::size_t>(1, record.repeats.size()), csv_number(record.median_seconds()),
                        variant_field(record), run.newton_iterations, run.linear_iterations, csv_number(run.residual),
                        run.zero_energy_modes, csv_field(notes));
+    for (const std::string& key : keys) {
+      const std::string text = varied_text(record, key);
+      const auto value = varied_number(text);
+      out += "," + (value ? csv_number(value->number) : csv_field(text));
+    }
+    out += "\n";
   }
   return out;
 }

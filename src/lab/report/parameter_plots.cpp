@@ -5,35 +5,37 @@
 #include <set>
 
 #include "elastin/core/base/error.h"
-#include "elastin/core/base/units.h"
 #include "lab/report/comparison.h"
+#include "lab/report/varied.h"
 
 namespace elastin::lab {
-namespace {
-
-struct Value {
-  double number;  ///< SI
-  Dimension unit;
-};
-
-/// "10 kPa" as a number of whatever unit it has; none for what is no number.
-std::optional<Value> value_of(const std::string& text) {
+std::optional<VariedNumber> varied_number(const std::string& text) {
   namespace d = dimension;
   for (const Dimension& unit : {d::none, d::length, d::pressure, d::force, d::time, d::density, d::acceleration,
                                 d::velocity, d::stiffness, d::viscosity, d::damping, d::mass, d::area}) {
     try {
-      return Value{parse_quantity(text, unit).value, unit};
+      return VariedNumber{parse_quantity(text, unit).value, unit};
     } catch (const InputError&) {  // another unit
     }
   }
   return std::nullopt;
 }
 
-std::string text_under(const Record& record, const std::string& key) {
+std::string varied_text(const Record& record, const std::string& key) {
   for (const auto& [known, text] : record.variant)
     if (known == key) return text;
   return "";
 }
+
+std::vector<std::string> varied_keys(const std::vector<Record>& records) {
+  std::vector<std::string> keys;
+  for (const Record& record : records)
+    for (const auto& [key, value] : record.variant)
+      if (std::find(keys.begin(), keys.end(), key) == keys.end()) keys.push_back(key);
+  return keys;
+}
+
+namespace {
 
 /// What a study changes, as an axis: one key, or for keys with lists the number of molecules.
 struct Parameter {
@@ -42,25 +44,17 @@ struct Parameter {
   bool counts = false;  ///< molecules stand for it
   double of(const Record& record) const {
     if (counts) return record.molecules;
-    const auto value = value_of(text_under(record, key));
+    const auto value = varied_number(varied_text(record, key));
     return value ? value->number : std::nan("");
   }
 };
-
-std::vector<std::string> keys_of(const std::vector<Record>& records) {
-  std::vector<std::string> keys;
-  for (const Record& record : records)
-    for (const auto& [key, value] : record.variant)
-      if (std::find(keys.begin(), keys.end(), key) == keys.end()) keys.push_back(key);
-  return keys;
-}
 
 /// Whether `other` has one value for each value of `key`: both change together.
 bool follows(const std::vector<Record>& records, const std::string& other, const std::string& key) {
   std::map<std::string, std::string> known;
   return std::all_of(records.begin(), records.end(), [&](const Record& record) {
-    const std::string value = text_under(record, other);
-    return known.try_emplace(text_under(record, key), value).first->second == value;
+    const std::string value = varied_text(record, other);
+    return known.try_emplace(varied_text(record, key), value).first->second == value;
   });
 }
 
@@ -68,7 +62,7 @@ std::vector<Parameter> parameters_of(const std::vector<Record>& records, const s
   std::vector<Parameter> found;
   for (const std::string& key : keys) {
     std::set<double> values;
-    const auto first = value_of(text_under(records.front(), key));
+    const auto first = varied_number(varied_text(records.front(), key));
     Parameter parameter{key, {key.substr(key.rfind('.') + 1), first ? si_unit(first->unit) : ""}, !first};
     if (parameter.counts) parameter.axis = {"molecules", "", true};
     for (const Record& record : records)
@@ -93,13 +87,13 @@ Plot plot_over(const std::vector<Record>& records, const Parameter& parameter, c
     if (!solved(record) || !std::isfinite(x) || !std::isfinite(y)) continue;
     std::string name = record.run.strategy;
     for (const std::string& key : keys)
-      if (!follows(records, key, parameter.key)) name += ", " + text_under(record, key);
+      if (!follows(records, key, parameter.key)) name += ", " + varied_text(record, key);
     const auto colour = colours.find(name);
     series_of(plot, name, colour == colours.end() ? static_cast<int>(plot.series.size()) : colour->second)
         .points.push_back(
             {x, y,
              name + ": " + plot.x.title + " " +
-                 (parameter.counts ? std::to_string(record.molecules) : text_under(record, parameter.key)) + ", " +
+                 (parameter.counts ? std::to_string(record.molecules) : varied_text(record, parameter.key)) + ", " +
                  plot.y.title + " " + (error.empty() ? value_text(y, info) : percent(y))});
   }
   for (PlotSeries& series : plot.series)
@@ -112,7 +106,7 @@ Plot plot_over(const std::vector<Record>& records, const Parameter& parameter, c
 
 std::vector<Plot> parameter_plots(const std::vector<Record>& records, const Ranking& ranking,
                                   const std::map<std::string, int>& colours) {
-  const std::vector<std::string> keys = keys_of(records);
+  const std::vector<std::string> keys = varied_keys(records);
   std::vector<Plot> plots;
   std::vector<std::string> measures = ranking.measures;
   if (measures.empty() && !records.empty() && !records.front().main_measures.empty())

@@ -256,6 +256,16 @@ TEST_CASE("CSV of runs has a row a run and a column a quantity, with its unit", 
   CHECK(field(rows, 2, "effective_modulus [Pa]").empty());
   CHECK(field(rows, 3, "outcome") == "limit_reached");
   CHECK_THAT(field(rows, 5, "warnings"), Contains("\"quotes\",\nand lines"));
+  // What a study changes has columns of its own, in SI units.
+  std::vector<Record> study = records;
+  study[0].variant = {{"material.youngs_modulus", "12 kPa"}, {"experiment.axis", "x"}};
+  study[1].variant = {{"material.youngs_modulus", "0.5 MPa"}, {"experiment.axis", "z"}};
+  const auto varied = rows_of(csv_text(study));
+  for (const auto& row : varied) CHECK(row.size() == rows[0].size() + 2);
+  CHECK(field(varied, 1, "material.youngs_modulus [Pa]") == "12000");
+  CHECK(field(varied, 2, "material.youngs_modulus [Pa]") == "500000");
+  CHECK(field(varied, 2, "experiment.axis") == "z");
+  CHECK(field(varied, 3, "experiment.axis").empty());
 }
 
 TEST_CASE("a name that a spreadsheet would take for a formula is text", "[files]") {
