@@ -326,9 +326,11 @@ void cut_behind_tear(const DataTest& test, MeasuredData& data) {
     throw InputError(SourceLocation{data.file, line}, "the specimen tears here, and fewer than two rows are before it");
 }
 
-std::string range_of(const ZeroPoint& zero, const Dimension& unit) {
-  return fmt::format("{} (95 %: {} … {})", readable(zero.value, unit, 3), readable(zero.low, unit, 3),
-                     readable(zero.high, unit, 3));
+/// "0.0253 (95 %: 0.0241 … 0.0266)", a stretch as such.
+std::string range_of(const ZeroPoint& zero, const MeasuredData& data) {
+  const double rest = rest_of(data);
+  const auto text = [&](double value) { return readable(rest + value, data.along->unit, rest > 0 ? 5 : 3); };
+  return fmt::format("{} (95 %: {} … {})", text(zero.value), text(zero.low), text(zero.high));
 }
 
 /// Moves the zero point of what is prescribed to where the load begins, or names it where it lies elsewhere.
@@ -342,7 +344,7 @@ void find_zero_point(const DataTest& test, MeasuredData& data) {
       test.fail("zero: " + data.file + " has too few rows to find where the load begins; write zero: as_given");
     return;
   }
-  const std::string found = range_of(*zero, data.along->unit);
+  const std::string found = range_of(*zero, data);
   if (!stated) {
     const bool elsewhere = (zero->low > 0 || zero->high < 0) && std::abs(zero->value) > kNoticedZero * range;
     if (!elsewhere || !(data.noise > 0)) return;

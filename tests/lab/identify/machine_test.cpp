@@ -7,6 +7,7 @@
 #include <array>
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <cstdio>
 #include <functional>
 
 #include "elastin/core/base/error.h"
@@ -474,6 +475,34 @@ TEST_CASE("zero points, tears and branches of curves", "[identify][machines]") {
   REQUIRE(branches.size() == 3);
   CHECK((branches[0].end == 3 && branches[0].loading && branches[1].end == 5 && !branches[1].loading));
   CHECK((branches[2].begin == 5 && branches[2].end == 9 && branches[2].loading));
+}
+
+TEST_CASE("a zero point of stretches is a stretch", "[identify][machines]") {
+  const TemporaryFolder folder;
+  for (const double zero : {0.1, -0.08}) {
+    INFO(zero);
+    Scatter scatter;
+    std::string rows = "stretch,nominal_stress [Pa]\n";
+    for (double e = 0; e < 0.6; e += 0.005)  // 1000 Pa times the neo-Hookean l - l^-2, of the length at the zero point
+      rows += fmt::format("{:.6g},{:.6g}\n", 1 + e, [&, l = std::max(1., (1 + e) / (1 + zero))] {
+        return 1000 * (l - 1 / (l * l)) + scatter();
+      }());
+    folder.write("data.csv", rows);
+    const Answer answer =
+        identify(folder.write("a.yaml",
+                              "material: {law: mooney_rivlin, c1: 1 kPa, c2: 0 Pa}\nidentify: {fixed: "
+                              "[c2], tests: [{kind: uniaxial, file: data.csv, zero: found}]}\n"),
+                 built_in_catalog(), {})
+            .front();
+    const std::string notes = fmt::format("{}", fmt::join(answer.tests.front().data.notes, "; ")),
+                      words = "stretch counts from ";
+    const std::size_t at = notes.find(words);
+    REQUIRE(at != std::string::npos);
+    double found = 0, low = 0, high = 0;
+    REQUIRE(std::sscanf(notes.c_str() + at + words.size(), "%lf (95 %%: %lf … %lf)", &found, &low, &high) == 3);
+    CHECK(found == Approx(1 + zero).margin(0.02));
+    CHECK((low > 0.9 && low < high && high < 1.2));
+  }
 }
 
 TEST_CASE("a record of relaxation is read from where the load begins, and by its sign", "[identify][machines]") {
