@@ -130,9 +130,14 @@ std::vector<TestAnswer> test_answers(const UnknownMaterial& unknown, const std::
   for (std::size_t i = 0; i < tests.size(); ++i) {
     const DataTest& stated = *tests[i].stated;
     const VectorX& fitted = fit.predictions[i].values;
-    answers.push_back({stated.name, stated.kind->name, tests[i].test->data(), fitted, stated.weight > 0,
-                       stated.residuals, tests[i].scale(), tests[i].constant, tests[i].moduli,
-                       relative_rms(tests[i], fitted), tests[i].noise, curve_of(unknown, fit, tests[i])});
+    MeasuredData data = tests[i].test->data();
+    if (tests[i].noise != 1)
+      data.notes.push_back(
+          fmt::format("its readings count 1 / {:.3g}, for they scatter {:.3g} times as much as the surest",
+                      tests[i].noise * tests[i].noise, tests[i].noise));
+    answers.push_back({stated.name, stated.kind->name, std::move(data), fitted, stated.weight > 0, stated.residuals,
+                       tests[i].scale(), tests[i].constant, tests[i].moduli, relative_rms(tests[i], fitted),
+                       tests[i].noise, curve_of(unknown, fit, tests[i])});
   }
   return answers;
 }

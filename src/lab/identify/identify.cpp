@@ -349,30 +349,40 @@ std::string content_of(const IdentifyTask& task, const IdentifyRequest& request)
   return key_of(parts);
 }
 
-/// Readings of several kinds, forces and displacements of points, count by what the last fit leaves of them, which is
-/// their noise: the least of these tests as before, the others less. Whether that changed anything.
-bool weigh_by_noise(std::vector<WeightedTest>& tests, const Fit& fit) {
-  constexpr double of_curve = 1e-3, of_points = 1e-4, little = 0.1;  // less noise than that nothing has; a change
+bool has_points(const std::vector<WeightedTest>& tests) {
+  return std::any_of(tests.begin(), tests.end(),
+                     [](const WeightedTest& test) { return test.stated->kind->points && test.stated->weight > 0; });
+}
+
+/// What a fit leaves of the readings of each test, over its scale, which is their noise; infinite of those that do not
+/// count.
+std::vector<double> noise_left(const std::vector<WeightedTest>& tests, const Fit& fit) {
+  constexpr double of_curve = 1e-3, of_points = 1e-4;  // less noise than that nothing has
   std::vector<double> left(tests.size(), std::numeric_limits<double>::infinity());
-  bool points = false;
   for (std::size_t i = 0; i < tests.size(); ++i) {
     const WeightedTest& test = tests[i];
     const VectorX& measured = test.test->data().y;
     if (!(test.stated->weight > 0) || fit.predictions[i].values.size() != measured.size()) continue;
-    points |= test.stated->kind->points;
     const double squares =
         ((fit.predictions[i].values - measured).cwiseProduct(test.factor()) * test.noise).squaredNorm();
     left[i] = std::max(std::sqrt(squares / test.stated->weight / test.freedom(fit.values.size())),
                        test.stated->kind->points ? of_points : of_curve);
   }
+  return left;
+}
+
+/// Makes tests count by the noise that the last fit leaves: the least of them as before, the others less. Whether that
+/// changed anything.
+bool weigh_by_noise(std::vector<WeightedTest>& tests, const Fit& fit) {
+  constexpr double little = 0.1;
+  const std::vector<double> left = noise_left(tests, fit);
   const double least = *std::min_element(left.begin(), left.end());
-  if (!points || !std::isfinite(least)) return false;
+  if (!std::isfinite(least)) return false;
   bool changed = false;
-  for (std::size_t i = 0; i < tests.size(); ++i) {
-    if (!std::isfinite(left[i])) continue;
-    changed |= std::abs(std::log(left[i] / least / tests[i].noise)) > little;
-    tests[i].noise = left[i] / least;
-  }
+  for (std::size_t i = 0; i < tests.size(); ++i)
+    changed |= std::isfinite(left[i]) && std::abs(std::log(left[i] / least / tests[i].noise)) > little;
+  for (std::size_t i = 0; i < tests.size() && changed; ++i)
+    if (std::isfinite(left[i])) tests[i].noise = left[i] / least;
   return changed;
 }
 
@@ -419,6 +429,44 @@ Fit fit_by_scatter(std::vector<WeightedTest>& tests, const Fit& before, const Se
   const bool as_before = std::all_of(seen.begin(), seen.end(), [&](std::size_t i) { return tests[i].constant == 0; });
   if (scatters && !as_before) return fit;
   for (const std::size_t i : seen) tests[i].constant = 0;
+  return before;
+}
+
+/// Whether the tests that count scatter, each by itself and not all alike. What has a shape is no scatter, of few
+/// readings it is not known, and who states weights has weighed the tests.                            [Bartlett 1937]
+bool scatter_unlike(const std::vector<WeightedTest>& tests, const Fit& fit) {
+  const std::vector<double> left = noise_left(tests, fit);
+  double all = 0, squares = 0, logarithms = 0, inverses = 0, count = 0, weight = 0;
+  for (std::size_t i = 0; i < tests.size(); ++i) {
+    const WeightedTest& test = tests[i];
+    if (!(test.stated->weight > 0)) continue;
+    const VectorX& measured = test.test->data().y;
+    if (!std::isfinite(left[i]) || measured.size() < kFewest || (weight > 0 && test.stated->weight != weight) ||
+        sign_changes(fit.predictions[i].values - measured).too_few())
+      return false;
+    const double freedom = test.freedom(fit.values.size());
+    weight = test.stated->weight, count += 1, all += freedom, squares += freedom * left[i] * left[i];
+    logarithms += 2 * freedom * std::log(left[i]), inverses += 1 / freedom;
+  }
+  if (count < 2) return false;
+  const double found = (all * std::log(squares / all) - logarithms) / (1 + (inverses - 1 / all) / (3 * (count - 1)));
+  // Of χ², beyond which 5 % lie.                                                        [Wilson & Hilferty 1931]
+  const double spread = 2 / (9 * (count - 1)),
+               limit = (count - 1) * std::pow(1 - spread + 1.645 * std::sqrt(spread), 3);
+  return found > limit;
+}
+
+/// The fit in which tests that scatter unlike count by their noise, so that intervals hold what they state: else the
+/// readings of the better tests make those of the others seem surer than they are.
+Fit fit_by_noise(std::vector<WeightedTest>& tests, const Fit& before, const SearchAgain& search) {
+  constexpr int most = 6;
+  if (has_points(tests)) return before;  // weighed already
+  Fit fit = before;
+  for (int again = 0; again < most && fit.converged && scatter_unlike(tests, fit) && weigh_by_noise(tests, fit);
+       ++again)
+    fit = search(fit, "noise " + std::to_string(again));
+  if (fit.converged && scatter_unlike(tests, fit)) return fit;
+  for (WeightedTest& test : tests) test.noise = 1;
   return before;
 }
 
@@ -492,7 +540,8 @@ Answer identify_one(const IdentifyTask& task, const Catalog& catalog, const Iden
     Fit fit = fit_material(unknown, tests, own_options);
     constexpr int most = 4;
     const bool first = all.empty();  // the laws that are compared with it have the same weights
-    for (int again = 0; first && again < most && !fit.predictions.empty() && weigh_by_noise(tests, fit); ++again) {
+    const bool points = first && has_points(tests);
+    for (int again = 0; points && again < most && !fit.predictions.empty() && weigh_by_noise(tests, fit); ++again) {
       own_options.known = fit, own_options.known->converged = false, own_options.starts = 1;
       fit = fit_material(unknown, tests, own_options);
     }
@@ -501,16 +550,16 @@ Answer identify_one(const IdentifyTask& task, const Catalog& catalog, const Iden
         request.journal->add(key(which), name, found);
     };
     add_to_journal("", fit);
-    if (first && fit.converged)
-      fit = fit_by_scatter(tests, fit, [&](const Fit& from, const std::string& which) {
-        own_options.known = request.journal ? request.journal->find(key(", " + which)) : std::nullopt;
-        if (!own_options.known) own_options.known = from, own_options.known->converged = false;
-        own_options.starts = 1;
-        Fit found = fit_material(unknown, tests, own_options);
-        add_to_journal(", " + which, found);
-        found.starts = from.starts, found.agreeing = from.agreeing, found.seconds += from.seconds;
-        return found;
-      });
+    const SearchAgain again = [&](const Fit& from, const std::string& which) {
+      own_options.known = request.journal ? request.journal->find(key(", " + which)) : std::nullopt;
+      if (!own_options.known) own_options.known = from, own_options.known->converged = false;
+      own_options.starts = 1;
+      Fit found = fit_material(unknown, tests, own_options);
+      add_to_journal(", " + which, found);
+      found.starts = from.starts, found.agreeing = from.agreeing, found.seconds += from.seconds;
+      return found;
+    };
+    if (first && fit.converged) fit = fit_by_noise(tests, fit_by_scatter(tests, fit, again), again);
     LawAnswer law = law_answer(make_answer(unknown, tests, fit, false));
     law.label = unknown.label;
     all.push_back({unknown, std::move(fit), std::move(law)});

@@ -3,6 +3,8 @@
 
 #include "lab/identify/identify.h"
 
+#include <fmt/format.h>
+
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <filesystem>
@@ -297,6 +299,46 @@ TEST_CASE("intervals hold the truth in 95 per cent of trials whether readings sc
         CHECK(count >= 0.9 * trials);  // 95 % less three deviations; a number known to a third, linearly, 92 %
         CHECK(count <= 0.985 * trials);
       }
+    }
+  }
+}
+
+TEST_CASE("intervals of several tests hold the truth in 95 per cent of trials, however unlike the tests scatter",
+          "[identify][slow]") {
+  // Mooney and Rivlin's closed forms: uniaxial 2 (l − l⁻²) (c1 + c2/l), equibiaxial 2 (l − l⁻⁵) (c1 + c2 l²).
+  constexpr double c1 = 60e3, c2 = 20e3;
+  struct Row {
+    int uniaxial, equibiaxial;
+    double of_uniaxial, of_equibiaxial;  // deviations in proportion to the stress
+  };
+  const TemporaryFolder folder;
+  const std::string scene = folder.write("scene.yaml",
+                                         "material: {law: mooney_rivlin, c1: 10 kPa, c2: 1 kPa}\nidentify: {starts: 1, "
+                                         "tests: [{kind: uniaxial, file: u.csv}, {kind: equibiaxial, file: e.csv}]}\n");
+  for (const Row& row : {Row{15, 15, 0.03, 0.03}, {60, 8, 0.01, 0.05}, {15, 15, 0.01, 0.05}, {15, 15, 0.05, 0.01}}) {
+    CAPTURE(row.uniaxial, row.of_uniaxial, row.of_equibiaxial);
+    constexpr int trials = 200;
+    int covered[2] = {0, 0}, weighed = 0;
+    Noise noise(29);
+    const auto write = [&](const std::string& file, int count, double deviation, const auto& stress) {
+      std::string text = "stretch,nominal_stress [Pa]\n";
+      for (const double l : VectorX::LinSpaced(count, 1.05, 1.8).eval())
+        text += fmt::format("{:.9g},{:.9g}\n", l, stress(l) * (1 + deviation * noise.normal()));
+      folder.write(file, text);
+    };
+    for (int trial = 0; trial < trials; ++trial) {
+      write("u.csv", row.uniaxial, row.of_uniaxial, [](double l) { return 2 * (l - std::pow(l, -2)) * (c1 + c2 / l); });
+      write("e.csv", row.equibiaxial, row.of_equibiaxial,
+            [](double l) { return 2 * (l - std::pow(l, -5)) * (c1 + c2 * l * l); });
+      const Answer answer = identify(scene, kCatalog, {}).front();
+      weighed += answer.tests[0].noise != answer.tests[1].noise;
+      for (int i = 0; i < 2; ++i)
+        covered[i] += answer.numbers[i].low <= (i ? c2 : c1) && (i ? c2 : c1) <= answer.numbers[i].high;
+    }
+    CHECK((row.of_uniaxial == row.of_equibiaxial ? weighed < 0.15 * trials : weighed > 0.95 * trials));
+    for (const int count : covered) {
+      CHECK(count >= 0.9 * trials);
+      CHECK(count <= 0.985 * trials);
     }
   }
 }
