@@ -8,6 +8,7 @@
 #include "core/forces/volume.h"
 #include "core/simulation/volume_fit.h"
 #include "elastin/core/base/error.h"
+#include "elastin/core/base/text.h"
 #include "elastin/core/model/share.h"
 #include "lab/run/common_measures.h"
 #include "lab/run/load_path.h"
@@ -275,6 +276,9 @@ std::optional<ElasticTerms> make_rule(const Specimen& specimen, const Experiment
       scale_to_reference(specimen, at_rest, choice, options, run);
     else
       (both ? fit_springs_and_volume : scale_to_modulus)(specimen, at_rest, choice, options.statics, run);
+    if (const auto& law = specimen.material.law; law && !law->directions.empty() && !run.calibrated_to_reference)
+      run.warnings.push_back("calibrated to E = " + number(1e-3 * specimen.material.youngs_modulus, 4) +
+                             " kPa, one value for all directions, where the law " + law->law + " has one for each");
   }
   if (const std::string found =
           first_over(specimen.body, run.constants.allFinite() ? "" : non_finite_text(specimen.body, run.constants));

@@ -2,6 +2,7 @@
 
 #include "lab/report/directions.h"
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <nlohmann/json.hpp>
@@ -274,6 +275,12 @@ TEST_CASE("a law with directions has its own moduli as the target, or none", "[d
   }
   CHECK(no_reference(*load("kind: tension, axis: z, strain: 1 %")).empty());
   CHECK_THAT(no_reference(*load("kind: torsion, axis: z, angle: 1 deg")), Contains("cannot warp"));
+  const auto tension = load("kind: tension, axis: z, strain: 1 %");
+  const Run springs = run_strategy(tension->specimen, *tension->experiment,
+                                   choose_strategy(catalog, "calibrated:patch"), {.statics = tension->statics});
+  CHECK(std::any_of(springs.warnings.begin(), springs.warnings.end(), [](const std::string& warning) {
+    return warning.find("one value for all directions, where the law transversely_isotropic has") != std::string::npos;
+  }));
 }
 
 TEST_CASE("springs that relax are calibrated as the scene says", "[directions][scene]") {
