@@ -189,12 +189,16 @@ std::size_t set_region(Body& body, const Vector3& low, const Vector3& high, doub
       cells.emplace_back(block.cell(cell).begin(), block.cell(cell).end());
     set_those_inside(cells, block.stiffness);
   }
+  for (const auto& cube : body.cubes) count += inside(middle_of(cube));
   if (count == 0)
     set_those_inside(body.connections.ends, body.connection_stiffness);
   else
-    change_by_cells(body, body.connection_stiffness, [&](std::span<const int> molecules, double& factor) {
-      if (inside(middle_of(molecules))) factor = stiffness;
-    });
+    change_by_cells(
+        body, body.connection_stiffness,
+        [&](std::span<const int> molecules, double& factor) {
+          if (inside(middle_of(molecules))) factor = stiffness;
+        },
+        true);
   for (int molecule = 0; molecule < body.size(); ++molecule)
     if (inside(body.rest.col(molecule))) body.mass[molecule] *= mass;
   return count;

@@ -76,9 +76,9 @@ Eigen::SparseMatrix<double, Eigen::RowMajor> shares_of_cells(const std::vector<S
 }
 
 void change_by_cells(const Body& body, VectorX& factors,
-                     const std::function<void(std::span<const int> molecules, double& factor)>& change) {
+                     const std::function<void(std::span<const int> molecules, double& factor)>& change, bool of_cubes) {
   std::vector<SolidCell> cells;
-  if (!body.blocks.empty() || !body.tetrahedra.empty()) cells = solid_cells_of(body);
+  if (of_cubes || !body.blocks.empty() || !body.tetrahedra.empty()) cells = solid_cells_of(body);
   if (cells.empty())
     for (const auto& triangle : body.triangles) cells.push_back({nullptr, {triangle.begin(), triangle.end()}});
   if (factors.size() == 0) factors = VectorX::Ones(body.connections.size());

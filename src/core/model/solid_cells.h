@@ -35,8 +35,10 @@ Eigen::SparseMatrix<double, Eigen::RowMajor> shares_of_cells(const std::vector<S
                                                              int molecules);
 
 /// Changes a factor of each connection: to the mean of what it would be in each of the cells around it that laws see,
-/// of blocks, tetrahedra or triangles; where there are none, to what its own ends make of it.
+/// of blocks, tetrahedra or triangles, if requested of the cubes of a lattice as well; where there are none, to what
+/// its own ends make of it.
 void change_by_cells(const Body& body, VectorX& factors,
-                     const std::function<void(std::span<const int> molecules, double& factor)>& change);
+                     const std::function<void(std::span<const int> molecules, double& factor)>& change,
+                     bool of_cubes = false);
 
 }  // namespace elastin

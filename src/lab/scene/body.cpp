@@ -401,9 +401,12 @@ void apply_picked_region(const Region& region, Body& body, std::vector<std::stri
     return std::all_of(molecules.begin(), molecules.end(), [&](int molecule) { return picked[molecule]; });
   };
   int connections = 0, cells = 0;
-  change_stiffness(body, [&](const auto& molecules, double& factor) {
-    if (are_picked(molecules)) factor = region.stiffness, cells += molecules.size() > 2;
-  });
+  change_stiffness(
+      body,
+      [&](const auto& molecules, double& factor) {
+        if (are_picked(molecules)) factor = region.stiffness, cells += molecules.size() > 2;
+      },
+      true);
   if (cells > 0 || region.stiffness == 1) return;
   for (int connection = 0; connection < body.connections.size(); ++connection)
     if (are_picked(body.connections.ends[connection]))

@@ -241,8 +241,9 @@ void read_constants(const Reader& constants, const MaterialLaw& law, const Mater
   }
 }
 
-void multiply_stiffness(const ValueAt& factor, Body& body) {
-  change_stiffness(body, [&](const auto& members, double& own) { own *= factor(middle_of(body, members)); });
+void multiply_stiffness(const ValueAt& factor, Body& body, bool of_cubes = false) {
+  change_stiffness(
+      body, [&](const auto& members, double& own) { own *= factor(middle_of(body, members)); }, of_cubes);
 }
 
 /// What the material is in some cells.
@@ -332,7 +333,7 @@ void add_regions(const Reader& list, const MaterialLaw* law, const Material& mat
         const RegionSetup* own = regions->at(place);
         return own && own->youngs_modulus ? *own->youngs_modulus / material.youngs_modulus : 1.;
       },
-      body);
+      body, true);
   regions->set_masses(material.density, body);
   setters.push_back([regions, constants](Material& own, const Vector3& place) {
     const RegionSetup* region = regions->at(place);

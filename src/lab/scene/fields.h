@@ -42,6 +42,7 @@ class Regions {
       for (int cell = 0; cell < block.size(); ++cell) add(block.cell(cell), true);
     for (const auto& cell : body.tetrahedra) add(cell, true);
     for (const auto& cell : body.triangles) add(cell, true);
+    for (const auto& cube : body.cubes) add(cube, false);
     for (const auto& ends : body.connections.ends) add(ends, body.tetrahedra.empty() && body.triangles.empty());
     for (std::size_t region = 0; region < setups_.size(); ++region)
       if (!found[region]) setups_[region].place->fail("no cell has all its molecules among these");

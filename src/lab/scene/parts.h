@@ -201,9 +201,10 @@ std::vector<Support> read_supports(const Reader& reader, const Body& body, const
 void read_preamble(Reader& reader);
 
 /// Calls change(molecules, factor) with the factor of stiffness of each cell; a connection gets the mean of what it
-/// would get as each of the cells around it, or in a body without cells what its own ends say.
+/// would get as each of the cells around it, if requested of the cubes of a lattice as well, or in a body without cells
+/// what its own ends say.
 template <class Change>
-void change_stiffness(Body& body, const Change& change) {
+void change_stiffness(Body& body, const Change& change, bool of_cubes = false) {
   const auto change_all = [&](int count, const auto& molecules, VectorX& factors) {
     if (factors.size() == 0) factors = VectorX::Ones(count);
     for (int i = 0; i < count; ++i) change(molecules(i), factors[i]);
@@ -212,7 +213,7 @@ void change_stiffness(Body& body, const Change& change) {
     change_all(
         static_cast<int>(cells.size()), [&](int i) -> const auto& { return cells[i]; }, factors);
   };
-  change_by_cells(body, body.connection_stiffness, std::cref(change));
+  change_by_cells(body, body.connection_stiffness, std::cref(change), of_cubes);
   body.tetrahedra.empty() ? change_cells(body.triangles, body.cell_stiffness)
                           : change_cells(body.tetrahedra, body.cell_stiffness);
   for (CellBlock& block : body.blocks)

@@ -121,6 +121,20 @@ TEST_CASE("supports may jump: the body comes to the equilibrium about where they
     }
 }
 
+TEST_CASE("what is left of a force that relaxes is not of the wave behind the ramp", "[time]") {
+  const double ramp = 0.04, tau = 0.1, share = 0.5;
+  const Run run = run_of(
+      "body: {tetrahedra: {kind: kuhn, cubes: [8, 2, 2], size: [4 cm, 1 cm, 1 cm]}}\n"
+      "material: {youngs_modulus: 100 kPa, poissons_ratio: 0.3, density: 1000 kg/m3, relaxation: {terms: [[0.5, 0.1 "
+      "s]]}}\n"
+      "stiffness: prony:neo_hookean\n"
+      "experiment: {kind: relaxation, ramp: 40 ms, fixture: {kind: tension, axis: x, strain: 0.1 %}}\n"
+      "time: {duration: 1 s, frames: 100, step: 1 ms}\n");
+  const double peak = 1 + share * tau / ramp * (1 - std::exp(-ramp / tau));  // over the force that is left
+  CHECK(measured(run, "relaxed_ratio") == Approx(1 / peak).epsilon(0.01));
+  CHECK(measured(run, "relaxation_time") == Approx(tau).epsilon(0.01));
+}
+
 TEST_CASE("a load put on at once swings to twice its displacement at rest", "[time]") {
   const Run run = run_of(kOscillator +
                          "experiment: {kind: release, load: applied, fixture: {kind: tension, axis: x, force: 0.1 N, "

@@ -183,17 +183,22 @@ TEST_CASE("springs on the border of two materials have the mean of the cells aro
   // Two layers side by side: (10 + 40)/2 of what the homogeneous piece has, however the scene says it.
   const TemporaryFolder folder;
   const auto modulus = [&](const std::string& shape, const std::string& body, const std::string& fields) {
-    const auto scene = scene_of(folder, "title: A laminate\nbody: {" + shape + body +
-                                            "}\nmaterial: {youngs_modulus: 10 kPa, poissons_ratio: 0" + fields +
-                                            "}\nstiffness: van_gelder\nsolver: {displacements: small}\n"
-                                            "experiment: {kind: tension, axis: x, strain: 0.1 %}\n");
+    const bool lattice = shape.find("connections") != std::string::npos;
+    const auto scene =
+        scene_of(folder, "title: A laminate\nbody: {" + shape + body +
+                             "}\nmaterial: {youngs_modulus: 10 kPa, poissons_ratio: " + (lattice ? "0.25" : "0") +
+                             fields + "}\nstiffness: " + (lattice ? "lattice" : "van_gelder") +
+                             "\nsolver: {displacements: small}\n"
+                             "experiment: {kind: tension, axis: x, strain: 0.1 %}\n");
     const Run run = run_strategy(scene->specimen, *scene->experiment, scene->stiffness, {.statics = scene->statics});
     INFO(run.cause);
     REQUIRE(run.outcome == Outcome::converged);
     return run.measures.get("effective_modulus");
   };
-  for (const std::string shape : {"tetrahedra: {kind: kuhn, cubes: [2, 2, 4], size: [2 cm, 2 cm, 4 cm]}",
-                                  "lattice: {kind: cubic, molecules: [3, 3, 5], spacing: 1 cm, order: 1}"}) {
+  for (const std::string shape :
+       {"tetrahedra: {kind: kuhn, cubes: [2, 2, 4], size: [2 cm, 2 cm, 4 cm]}",
+        "lattice: {kind: cubic, molecules: [3, 3, 5], spacing: 1 cm, order: 1}",
+        "lattice: {kind: cubic, molecules: [3, 3, 5], spacing: 1 cm, connections: [axis, face]}"}) {
     INFO(shape);
     const double even = modulus(shape, "", "");
     const std::string upper = "{box: {from: [-1 cm, -1 cm, 2 cm], to: [3 cm, 3 cm, 5 cm]}}";
@@ -202,6 +207,7 @@ TEST_CASE("springs on the border of two materials have the mean of the cells aro
              {", regions: [{molecules: " + upper + ", stiffness: 4}]", ""},
              {"", ", fields: {regions: [{molecules: " + upper + ", youngs_modulus: 40 kPa}]}"},
              {"", ", fields: {stiffness: {expression: \"1 + 3 * min(1, max(0, (z - 2 cm) / 1 nm))\"}}"}}) {
+      if (shape.find("connections") != std::string::npos && fields.find("expression") != std::string::npos) continue;
       INFO(body << fields);
       CHECK(modulus(shape, body, fields) == Approx(2.5 * even).epsilon(0.02));
     }

@@ -267,13 +267,18 @@ class Motion final : public TimedExperiment {
     for (Eigen::Index i = 0; i < all.times.size(); ++i)
       if (std::abs(all.values[i] - whole->end) > 0.05 * std::abs(all.values[0] - whole->end)) late = all.times[i];
     if (all.times.size() >= fewest) late = std::min(late, all.times[all.times.size() - fewest]);
-    auto end = all.times.size() < fewest ? whole : fit_exponential(series_of(history, response_.resistance, late));
+    const Series last = all.times.size() < fewest ? all : series_of(history, response_.resistance, late);
+    auto end = fit_exponential(last);
+    const double since = end ? last.times[0] - setup_.ramp : 0;
     if (!end) end = whole;  // of a run that ends early the last moments are straight
     measures.set("fit_misfit", end->misfit);
     if (end->misfit > kMostForTime) return;
-    read_end(all, end, all.values[0], measures);
+    // The first moments after the ramp have the wave of its sudden stop: a single exponential says what is under it.
+    const bool single = std::abs(whole->time - end->time) < 0.1 * end->time;
+    const double start = single ? end->end + (end->start - end->end) * std::exp(since / end->time) : all.values[0];
+    read_end(all, end, start, measures);
     measures.set("relaxation_time", end->time);
-    measures.set("relaxed_ratio", end->end / all.values[0]);
+    measures.set("relaxed_ratio", end->end / start);
   }
 
   /// Resistance over displacement in the period that begins at `from`: the part in phase with the displacement, and
