@@ -25,7 +25,7 @@ void run_ranges(int count, void* context, void (*range)(void*, int, int));
 /// thread does it all.
 template <class Work>
 void parallel_for(int count, Work&& work, int threshold = kParallelThreshold) {
-  if (count < threshold || threads() == 1) {
+  if (count < std::max(threshold, 2) || threads() == 1) {  // one alone has nobody to share with
     for (int i = 0; i < count; ++i) work(i);
     return;
   }
@@ -47,7 +47,7 @@ Value ordered_sum_of_blocks(int count, Term&& term, Value zero = Value(0), int t
   };
   if (blocks == 1) return block_sum(0);
   Value total = zero;
-  if (count < threshold || threads() == 1) {
+  if (count < std::max(threshold, 2) || threads() == 1) {  // one alone has nobody to share with
     for (int block = 0; block < blocks; ++block) total += block_sum(block);
     return total;
   }

@@ -234,7 +234,8 @@ void add_graded_block(Words& words, const Vector3& sides) {
       cubes += (k ? ", " : "") + std::to_string(count);
       lengths += (k ? ", " : "") + length_text(sides[k]);
       if (ratio > 1.1)
-        grades += fmt::format("{}{{axis: {}, ratio: {:.2g}{}}}", grades.empty() ? "" : ", ", "xyz"[k], 1 / ratio,
+        grades += fmt::format("{}{{axis: {}, ratio: {:.2g}{}}}", grades.empty() ? "" : ", ", "xyz"[k],
+                              std::max(0.01, 1 / ratio),  // what `grade` takes
                               k < 2 ? ", ends: both" : "");
       all *= count;
     }

@@ -172,6 +172,9 @@ TEST_CASE("loads on faces and sets that are read are checked", "[loads][experime
         answer(turned + "experiment: {kind: loads, moved: [{molecules: [0], displacement: [1 mm, 0, 0], fix: [x]}, "
                         "{molecules: [0], displacement: [2 mm, 0, 0]}]}\n"),
         Contains("experiment.moved[1]") && Contains("molecule 0 is moved twice along one direction"));
+  CHECK_THAT(
+      answer("experiment: {kind: loads, moved: [{molecules: [0], displacement: [1 mm, 0, 0.3 mm], fix: [x]}]}\n"),
+      Contains("experiment.moved[0].displacement") && Contains("0.3 mm along directions that `fix` leaves free"));
 }
 
 TEST_CASE("planes of symmetry meet in a corner, at rest and in time, in a turned scene too", "[loads][experiment]") {

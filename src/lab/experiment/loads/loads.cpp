@@ -8,6 +8,7 @@
 
 #include "core/model/block_geometry.h"
 #include "elastin/core/base/error.h"
+#include "elastin/core/base/text.h"
 #include "elastin/core/model/share.h"
 #include "lab/experiment/keys.h"
 #include "lab/run/cell_stress.h"
@@ -332,6 +333,13 @@ void check_name(const Reader& item, LoadsSetup& setup) {
 /// Items may each hold a molecule in directions of their own, as planes of symmetry that meet do.
 void combine(const Reader& item, LoadsSetup& setup) {
   const MovedSet& set = setup.moved.back();
+  Vector3 lost = set.directions.empty() ? Vector3::Zero() : set.displacement;
+  for (const Vector3& direction : set.directions) lost -= direction.dot(lost) * direction;
+  if (lost.norm() > 1e-9 * set.displacement.norm())
+    Reader(item)
+        .at("displacement")
+        .fail("has " + number(1e3 * lost.norm(), 3) +
+              " mm along directions that `fix` leaves free; let `fix` name them, or leave this part out");
   const std::vector<Vector3> all{Vector3::UnitX(), Vector3::UnitY(), Vector3::UnitZ()};
   for (const int molecule : set.molecules)
     for (const Vector3& direction : set.directions.empty() ? all : set.directions) {
