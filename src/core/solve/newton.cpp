@@ -6,6 +6,8 @@
 #include <optional>
 #include <utility>
 
+#include <Eigen/Eigenvalues>
+
 #include "core/linear/linear_choice.h"
 #include "core/linear/mixed.h"
 #include "core/linear/multigrid.h"
@@ -122,6 +124,33 @@ bool may_buckle(const Problem& problem, const Positions& positions) {
     strained = !(std::abs((positions.col(b) - positions.col(a)).norm() - rest) < limit * rest);
   }
   return problem.any(strained);
+}
+
+/// The normal of the plane that all points lie in, but for rounding; or nothing, also for points on a line.
+std::optional<Vector3> plane_normal(const Positions& points) {
+  const Positions about = points.colwise() - points.rowwise().mean();
+  const Eigen::SelfAdjointEigenSolver<Matrix3> spread(about * about.transpose());
+  const Vector3 normal = spread.eigenvectors().col(0);
+  const double size = std::sqrt(spread.eigenvalues()[2] / static_cast<double>(points.cols()));
+  if (!((normal.transpose() * about).cwiseAbs().maxCoeff() < 1e-6 * size)) return {};
+  if (!(spread.eigenvalues()[1] > 1e-9 * spread.eigenvalues()[2])) return {};
+  return normal;
+}
+
+/// Whether an equilibrium is that of a sheet in its plane, which nothing at rest keeps there: springs and membranes
+/// without bending stiffness. In the least compression such a sheet folds as finely as its mesh allows, which may have
+/// no end.
+bool lies_flat(const Problem& problem, const State& state) {
+  const Positions& rest = problem.model.body().rest;
+  if (problem.shared) return false;
+  const auto normal = plane_normal(rest);
+  if (!normal || !plane_normal(state.positions)) return false;
+  State at_rest = state;
+  at_rest.positions = rest;
+  const Tangent tangent(problem.model, at_rest);
+  for (int i = 0; i < rest.cols(); ++i)
+    if (!(std::abs(normal->dot(tangent.diagonal(i) * *normal)) <= 1e-9 * tangent.diagonal(i).norm())) return false;
+  return true;
 }
 
 }  // namespace
@@ -298,6 +327,7 @@ StaticResult balance_once(Model& model, State& state, const StaticOptions& optio
   int growing = growing_limit;
   std::optional<Trial> calm;         // where the first of these steps began
   int saddles = 0, last_saddle = 0;  // how many were left, and after how many iterations
+  std::optional<State> flat;         // the first of them, if it is that of a slack sheet
   double forcing = 1e-3, last = now.forces.norm;
   while (true) {
     if (!std::isfinite(now.forces.norm + now.forces.scale)) {
@@ -327,7 +357,9 @@ StaticResult balance_once(Model& model, State& state, const StaticOptions& optio
       result.unstable = down.size() > 0;
       linearised.reset();
       forget_tangent(kinematics, workspace);
-      if (!result.unstable || !stable_start || !leave_saddle(problem, down, now, workspace.trials)) break;
+      if (!result.unstable || !stable_start) break;
+      if (saddles == 0 && lies_flat(problem, now.state)) flat = now.state;
+      if (!leave_saddle(problem, down, now, workspace.trials)) break;
       ++saddles;
       last_saddle = result.newton_iterations;
       result.left_saddle = true;
@@ -389,6 +421,16 @@ StaticResult balance_once(Model& model, State& state, const StaticOptions& optio
                                 : "no step lowers the unbalanced force";
       break;
     }
+  }
+  if (flat && result.outcome != Outcome::converged && result.outcome != Outcome::interrupted) {
+    now.state = *flat;
+    evaluate(problem, true, now, workspace.trials);
+    result.outcome = Outcome::converged;
+    result.cause.clear();
+    result.residual = now.forces.scale > 0 ? now.forces.norm / now.forces.scale : 0;
+    result.scale = now.forces.scale;
+    result.left_saddle = false;
+    result.unstable = true;
   }
   state = now.state;
   result.solver = "newton " + used.name;
