@@ -182,7 +182,8 @@ void Implicit::set_first_guess(const Model& model, const State& state, double dt
     next_.positions += share * dt * dt / 2 * state.accelerations;
   } else {
     next_.accelerations.setZero(3, model.body().size());
-    balance_as_one(model);
+    // Contact is stiffer than that: a push would throw what sticks far past where it is in balance.
+    if (std::none_of(model.loads().begin(), model.loads().end(), may_push)) balance_as_one(model);
   }
   apply_supports(model, next_.positions);
   if (!any_over(model.body(), !model.admissible(next_.positions))) return;

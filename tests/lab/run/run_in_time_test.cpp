@@ -939,3 +939,21 @@ TEST_CASE("a law without an energy that is drawn slowly is not said to move", "[
   REQUIRE(run.outcome == Outcome::converged);
   CHECK(run.warnings.empty());
 }
+
+TEST_CASE("a block that sticks to a turning table takes few iterations a step", "[time][contact]") {
+  // It turns with the table from the start: speed 0.1 m/s at a radius of 10 cm and 1 rad/s.
+  for (const std::string stepper : {"backward_euler", "newmark"}) {
+    const Run run = run_of(
+        "body: {tetrahedra: {kind: body_centred, cubes: [2, 2, 1], size: [20 mm, 20 mm, 10 mm]}}\n"
+        "material: {youngs_modulus: 100 kPa, poissons_ratio: 0.25, density: 1000 kg/m3}\nstiffness: neo_hookean\n"
+        "experiment: {kind: motion}\ncontact: {friction: 0.5, obstacles: [{name: table, box: {size: [600 mm, 600 mm, "
+        "20 mm]}, at: [-90 mm, 10 mm, -10 mm], spin: [0, 0, 1 1/s]}]}\n"
+        "loads: [{gravity: {acceleration: [0, 0, -9.81 m/s2]}}]\n"
+        "initial: {velocity: [0, 0.1 m/s, 0], spin: [0, 0, 1 1/s]}\n"
+        "time: {duration: 50 ms, step: 1 ms, frames: 5, stepper: " +
+        stepper + "}\n");
+    INFO(stepper << ": " << run.newton_iterations << " iterations");
+    CHECK(measured(run, "sticking") == 24);
+    CHECK(run.newton_iterations <= 6 * 50);
+  }
+}
