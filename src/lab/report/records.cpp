@@ -24,7 +24,11 @@ double angle_to_fibres(const Scene& scene) {
 
 /// ", stress-strain curve"; " at rest of ogden"
 std::string law_text(const Material& material) {
-  if (material.law) return " at rest of " + material.law->law;
+  if (material.law)
+    return " at rest of " + material.law->law +
+           (material.law->directions.empty()
+                ? ""
+                : ", means over all directions (errors are against its own modulus along the load)");
   return material.curve ? ", stress-strain curve" : "";
 }
 

@@ -12,6 +12,7 @@
 #include "elastin/core/model/share.h"
 #include "lab/run/common_measures.h"
 #include "lab/run/load_path.h"
+#include "lab/run/uniform_block.h"
 
 namespace elastin::lab {
 namespace {
@@ -114,13 +115,27 @@ void scale(Run& run, const StrategyChoice& choice, double factor, double volume_
   run.volume_modulus = volume_modulus;
 }
 
+/// What the material's law itself measures in the experiment on a block, where it has directions: there E and ν are
+/// means over them. Nothing for other materials.
+std::optional<Measures> measured_of_law(const Specimen& specimen, const StaticExperiment& experiment,
+                                        const Measures& measured) {
+  const Material& material = specimen.material;
+  if (!specimen.law || !material.law || material.law->directions.empty()) return std::nullopt;
+  const std::optional<UniformTest> test = experiment.uniform(measured);
+  if (!test) return std::nullopt;
+  return measured_on_block(*test, specimen.body, specimen.law->strategy, without_fibres(material),
+                           specimen.law->values);
+}
+
 /// Scales the run's stiffness to the modulus prescribed / measured.
 void scale_to_modulus(const Specimen& specimen, const StaticExperiment& experiment, const StrategyChoice& choice,
                       const StaticOptions& options, Run& run) {
   const auto measures =
       measure_linear(specimen, experiment, assembled(specimen, choice, run, run.volume_modulus), options, run);
   if (note_mechanism(specimen.body, experiment.measures(), measures, run)) return;
-  const MainMeasure target = *calibration_target(experiment, specimen.material);
+  MainMeasure target = *calibration_target(experiment, specimen.material);
+  if (const auto law = measures ? measured_of_law(specimen, experiment, *measures) : std::nullopt)
+    target.prescribed = law->get(target.name);
   const double factor = measures ? target.prescribed / measures->get(target.name) : 0;
   if (!(factor > 0)) return fail_calibration(run, "the linear solve measures no positive modulus");
   scale(run, choice, factor, factor * run.volume_modulus);
