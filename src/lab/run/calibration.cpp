@@ -127,6 +127,12 @@ std::optional<Measures> measured_of_law(const Specimen& specimen, const StaticEx
                            specimen.law->values);
 }
 
+void warn_of_mean(const Specimen& specimen, Run& run) {
+  if (const auto& law = specimen.material.law; law && !law->directions.empty())
+    run.warnings.push_back("calibrated to E = " + number(1e-3 * specimen.material.youngs_modulus, 4) +
+                           " kPa, one value for all directions, where the law " + law->law + " has one for each");
+}
+
 /// Scales the run's stiffness to the modulus prescribed / measured.
 void scale_to_modulus(const Specimen& specimen, const StaticExperiment& experiment, const StrategyChoice& choice,
                       const StaticOptions& options, Run& run) {
@@ -136,6 +142,8 @@ void scale_to_modulus(const Specimen& specimen, const StaticExperiment& experime
   MainMeasure target = *calibration_target(experiment, specimen.material);
   if (const auto law = measures ? measured_of_law(specimen, experiment, *measures) : std::nullopt)
     target.prescribed = law->get(target.name);
+  else
+    warn_of_mean(specimen, run);
   const double factor = measures ? target.prescribed / measures->get(target.name) : 0;
   if (!(factor > 0)) return fail_calibration(run, "the linear solve measures no positive modulus");
   scale(run, choice, factor, factor * run.volume_modulus);
@@ -154,6 +162,7 @@ void fit_springs_and_volume(const Specimen& specimen, const StaticExperiment& ex
   if (!run.suited) return;
   if (!fit) return fail_calibration(run, "the linear solves measure no positive E, or no Poisson's ratio");
   scale(run, choice, fit->spring_factor, fit->volume_modulus);
+  warn_of_mean(specimen, run);
   if (std::abs(fit->poissons_ratio - specimen.material.poissons_ratio) > 0.002)
     run.warnings.push_back("calibration reaches no nearer Poisson's ratio than " + std::to_string(fit->poissons_ratio));
 }
@@ -291,9 +300,6 @@ std::optional<ElasticTerms> make_rule(const Specimen& specimen, const Experiment
       scale_to_reference(specimen, at_rest, choice, options, run);
     else
       (both ? fit_springs_and_volume : scale_to_modulus)(specimen, at_rest, choice, options.statics, run);
-    if (const auto& law = specimen.material.law; law && !law->directions.empty() && !run.calibrated_to_reference)
-      run.warnings.push_back("calibrated to E = " + number(1e-3 * specimen.material.youngs_modulus, 4) +
-                             " kPa, one value for all directions, where the law " + law->law + " has one for each");
   }
   if (const std::string found =
           first_over(specimen.body, run.constants.allFinite() ? "" : non_finite_text(specimen.body, run.constants));
