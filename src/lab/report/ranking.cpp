@@ -56,13 +56,13 @@ double second_error(const Record& record, const Ranking& ranking) {
 
 /// Differences of errors below this say nothing.
 double carried(const Record& a, const Record& b, const Ranking& ranking) {
-  constexpr double kLeast = 1e-5, kMost = 1e-3;
-  double uncertainty = std::max({kLeast, a.run.residual, b.run.residual});
+  constexpr double least = 1e-5, most = 1e-3;
+  double uncertainty = std::max({least, a.run.residual, b.run.residual});
   for (const Reference& reference : a.references)
     if (ranking.by_reference &&
         std::find(ranking.measures.begin(), ranking.measures.end(), reference.measure) != ranking.measures.end())
       uncertainty = std::max(uncertainty, reference.uncertainty);
-  return std::min(uncertainty, kMost);
+  return std::min(uncertainty, most);
 }
 
 /// All that are tied with the best; of them the simplest becomes the best.
