@@ -32,10 +32,11 @@ void write_tables(const Output& output, const std::vector<Record>& records, bool
     write_whole(output.out + "/runs.json", json_text(records));
   }
   if (output.json.empty() || output.json == "-") return;
-  std::error_code none;
-  const bool replaced =
-      !std::filesystem::exists(output.json, none) || std::filesystem::is_regular_file(output.json, none);
-  if (whole || replaced) write_whole(output.json, json_text(records));
+  std::error_code ignored;
+  const auto kind = std::filesystem::status(output.json, ignored).type();
+  using enum std::filesystem::file_type;
+  const bool goes_on = kind == fifo || kind == character || kind == socket;
+  if (whole || !goes_on) write_whole(output.json, json_text(records));
 }
 
 void write_run(const Output& output, const Scene& scene, Record& record) {
