@@ -834,7 +834,11 @@ Image load_image(const std::string& path, const std::function<void(const ImageGr
       ImageReader reader(path, check);
       return (reader.*format.read)();
     }
-  throw InputError(path + ": is no image that is read: " + image_endings());
+  throw InputError(path + ": is no image that is read: " + image_endings() +
+                   (name.ends_with(".dcm") || name.ends_with(".ima") ||
+                            name.find('.', name.find_last_of('/') + 1) == std::string::npos
+                        ? "; convert slices of DICOM: dcm2niix -z y FOLDER"
+                        : "; convert it, with 3D Slicer or ITK-SNAP for example"));
 }
 
 }  // namespace elastin::mesh

@@ -180,11 +180,32 @@ int dimension_of(const CellType& type) {
   return dimensions[static_cast<std::size_t>(type.use)];
 }
 
-int MeshBuilder::point_at(const Vector3& position) {
-  const Eigen::Vector3f at = position.cast<float>().array() + 0.F;  // −0 and 0 are one place
-  const auto [found, fresh] = positions_.try_emplace({at.x(), at.y(), at.z()}, point_count());
-  if (fresh) add_point(position);
-  return found->second;
+double reach_of_place(const std::vector<Vector3>& corners, const std::vector<char>& used) {
+  constexpr double same = 1e-6;  // of the surface's extent
+  constexpr double far = std::numeric_limits<double>::infinity();
+  Vector3 low = Vector3::Constant(far), high = -low;
+  for (std::size_t i = 0; i < corners.size(); ++i)
+    if (used.empty() || used[i]) low = low.cwiseMin(corners[i]), high = high.cwiseMax(corners[i]);
+  return std::max(same * (high - low).maxCoeff(), 0.);
+}
+
+int MeshBuilder::point_at(const Vector3& position, double within) {
+  // Boxes that are a thousand times as wide as what is one place.
+  const double width = within > 0 ? 1e3 * within : std::numeric_limits<double>::infinity();
+  const auto box_of = [&](double slack) -> std::array<long, 3> {
+    const Vector3 at = ((position.array() + slack) / width).floor();
+    return {static_cast<long>(at.x()), static_cast<long>(at.y()), static_cast<long>(at.z())};
+  };
+  const std::array<long, 3> low = box_of(-within), high = box_of(within);
+  for (long x = low[0]; x <= high[0]; ++x)
+    for (long y = low[1]; y <= high[1]; ++y)
+      for (long z = low[2]; z <= high[2]; ++z)
+        if (const auto box = boxes_.find({x, y, z}); box != boxes_.end())
+          for (const int point : box->second)
+            if ((points_[point] - position).norm() <= within) return point;
+  boxes_[box_of(0)].push_back(point_count());
+  add_point(position);
+  return point_count() - 1;
 }
 
 std::string MeshBuilder::add_cell(const CellType& type, std::span<const int> points) {
@@ -355,6 +376,16 @@ void read_data(Cursor& in, NumberType type, std::size_t components, int first_ce
   }
 }
 
+/// The triangles and tetrahedra of a mesh that has all of its cells in blocks: cells with points in common are cut
+/// alike.
+void cut_into_simplices(Mesh& mesh) {
+  if (mesh.blocks.empty()) return;
+  Body simplices;
+  simplices.rest = mesh.points, simplices.blocks = mesh.blocks;
+  set_simplices(simplices);
+  mesh.triangles = std::move(simplices.triangles), mesh.tetrahedra = std::move(simplices.tetrahedra);
+}
+
 Mesh MeshBuilder::finish(const std::string& path) const {
   const auto of = [](int dimensions) {
     return [dimensions](const CellBlock& block) { return block.kind->dimensions == dimensions; };
@@ -419,12 +450,7 @@ Mesh MeshBuilder::finish(const std::string& path) const {
   if (solid) also("triangle", triangles_.size());
   for (const CellBlock& block : blocks_)
     if (solid && block.kind->dimensions == 2) also("triangle", static_cast<std::size_t>(block.size()));
-  if (!mesh.blocks.empty()) {
-    Body simplices;
-    simplices.rest = mesh.points, simplices.blocks = mesh.blocks;
-    set_simplices(simplices);
-    mesh.triangles = std::move(simplices.triangles), mesh.tetrahedra = std::move(simplices.tetrahedra);
-  }
+  cut_into_simplices(mesh);
   std::vector<std::string> parts;
   for (const auto& [what, count] : left_out)
     parts.push_back(count == 0 ? what : counted(static_cast<std::ptrdiff_t>(count), what));
@@ -492,6 +518,9 @@ const KnownFormat& format_of(const std::string& path) {
                                  : std::string(1, letter);
     throw InputError(SourceLocation{path, 0, 0}, ending + " files are not read; convert it: " + command);
   }
+  for (const char* image : {".nii", ".gz", ".nrrd", ".nhdr", ".mha", ".mhd", ".dcm", ".ima", ".tif", ".tiff"})
+    if (ending == image)
+      throw InputError(SourceLocation{path, 0, 0}, "is an image, no mesh: give it as `body: {image: …}`");
   throw InputError(SourceLocation{path, 0, 0}, "unknown ending " + quoted(ending) + suggestion(ending, allowed));
 }
 
@@ -548,6 +577,7 @@ int join_points(Mesh& mesh, double distance) {
     if (std::adjacent_find(corners.begin(), corners.end()) != corners.end())
       throw InputError("two corners of a cell lie within that distance; give a smaller one");
   });
+  format::cut_into_simplices(mesh);
   for (auto& [name, points] : mesh.sets) {
     for (int& point : points) point = first[point];
     std::sort(points.begin(), points.end());

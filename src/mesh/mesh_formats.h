@@ -37,6 +37,11 @@ int dimension_of(const CellType& type);
 /// " is a …; allowed: …", for cells that Elastin does not use.
 std::string refusal(const CellType& type, long long code);
 
+/// How far apart corners of a surface are still one [m]: programs write each triangle by itself, and what they compute
+/// twice differs by rounding.
+/// @param used 1 of the corners that count; empty: all of them do
+double reach_of_place(const std::vector<Vector3>& corners, const std::vector<char>& used = {});
+
 /// Collects points and cells, and makes the mesh of them.
 class MeshBuilder {
  public:
@@ -48,8 +53,9 @@ class MeshBuilder {
   double distance_from_middle(int point, int a, int b) const {
     return (points_[point] - (points_[a] + points_[b]) / 2).norm();
   }
-  /// The point that this one took first at the same position, in single precision; adds it if there is no such point.
-  int point_at(const Vector3& position);
+  /// The first point within this distance [m] of the position; adds one there if there is none. Of one mesh it is
+  /// always the same distance, see reach_of_place.
+  int point_at(const Vector3& position, double within);
   /// Calls `fail`, which throws, for a cell that is refused; for a face in finish(), where there is no solid.
   template <class Fail>
   void admit(const CellType& type, const Fail& fail) {
@@ -96,7 +102,7 @@ class MeshBuilder {
 
   bool surface_;
   std::vector<Vector3> points_;
-  std::map<std::array<float, 3>, int> positions_;  ///< of point_at
+  std::map<std::array<long, 3>, std::vector<int>> boxes_;  ///< of point_at
   Cells<3> triangles_;
   Cells<4> tetrahedra_;
   std::vector<CellBlock> blocks_;

@@ -113,7 +113,7 @@ std::vector<int> read_points(Cursor& in, const Element& element, MeshBuilder& me
     if (std::count_if(element.properties.begin(), element.properties.end(),
                       [&](const Property& property) { return !property.list && property.name == axis; }) != 1)
       in.fail(element.at, "expected a vertex with the properties x, y and z, each once");
-  std::vector<int> points;
+  std::vector<Vector3> places;
   for (std::size_t vertex = 0; vertex < element.count; ++vertex) {
     Vector3 position;
     for (const Property& property : element.properties) {
@@ -125,8 +125,11 @@ std::vector<int> read_points(Cursor& in, const Element& element, MeshBuilder& me
       else
         position[axis] = in.real("a coordinate", property.type);
     }
-    points.push_back(mesh.point_at(position));
+    places.push_back(position);
   }
+  const double within = reach_of_place(places);
+  std::vector<int> points;
+  for (const Vector3& place : places) points.push_back(mesh.point_at(place, within));
   return points;
 }
 

@@ -10,39 +10,6 @@
 namespace elastin::mesh::format {
 namespace {
 
-/// Corners that are no further apart than this share of the surface's extent are one: programs write each triangle by
-/// itself, and what they compute twice differs by rounding.
-constexpr double kSamePlace = 1e-6;
-
-/// Finds points again by their place, in boxes that are a thousand times as wide as what is one place.
-class Places {
- public:
-  explicit Places(double extent)
-      : within_(kSamePlace * extent), box_(extent > 0 ? 1e3 * within_ : std::numeric_limits<double>::infinity()) {}
-
-  /// The mesh's point at this position; adds it if there is no such point.
-  int point_at(const Vector3& position, MeshBuilder& mesh) {
-    const auto box_of = [&](double slack) -> std::array<long, 3> {
-      const Vector3 at = ((position.array() + slack) / box_).floor();
-      return {static_cast<long>(at.x()), static_cast<long>(at.y()), static_cast<long>(at.z())};
-    };
-    const std::array<long, 3> low = box_of(-within_), high = box_of(within_);
-    for (long x = low[0]; x <= high[0]; ++x)
-      for (long y = low[1]; y <= high[1]; ++y)
-        for (long z = low[2]; z <= high[2]; ++z)
-          if (const auto box = boxes_.find({x, y, z}); box != boxes_.end())
-            for (const auto& [point, place] : box->second)
-              if ((place - position).norm() <= within_) return point;
-    boxes_[box_of(0)].emplace_back(mesh.point_count(), position);
-    mesh.add_point(position);
-    return mesh.point_count() - 1;
-  }
-
- private:
-  double within_, box_;
-  std::map<std::array<long, 3>, std::vector<std::pair<int, Vector3>>> boxes_;
-};
-
 /// Corners and faces as a file has them: a corner once for each face, normal or colour that it has.
 struct Polygons {
   std::vector<Vector3> corners;
@@ -52,14 +19,14 @@ struct Polygons {
   void hand_over(MeshBuilder& mesh) const {
     if (faces.empty())  // for the refusal, which counts them
       for (const Vector3& corner : corners) mesh.add_point(corner);
-    Vector3 low = Vector3::Constant(std::numeric_limits<double>::infinity()), high = -low;
+    std::vector<char> used(corners.size(), 0);
     for (const std::vector<int>& face : faces)
-      for (const int corner : face) low = low.cwiseMin(corners[corner]), high = high.cwiseMax(corners[corner]);
-    Places places(faces.empty() ? 0 : (high - low).maxCoeff());
+      for (const int corner : face) used[corner] = 1;
+    const double within = reach_of_place(corners, used);
     std::vector<int> point(corners.size(), -1);
     for (std::vector<int> face : faces) {
       for (int& corner : face) {
-        if (point[corner] < 0) point[corner] = places.point_at(corners[corner], mesh);
+        if (point[corner] < 0) point[corner] = mesh.point_at(corners[corner], within);
         corner = point[corner];
       }
       mesh.add_polygon(face);

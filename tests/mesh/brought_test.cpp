@@ -4,6 +4,9 @@
 #include <sstream>
 
 #include "elastin/core/base/error.h"
+#include "elastin/core/geometry/cell_kind.h"
+#include "elastin/core/model/surface.h"
+#include "elastin/core/shapes/arrays.h"
 #include "mesh/mesh_formats.h"
 #include "support/temporary_folder.h"
 
@@ -61,6 +64,25 @@ TEST_CASE("points at a seam are merged where that is requested", "[brought]") {
   chain.points << 3, 0, 2, 1, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0;
   CHECK(join_points(chain, 1.1) == 3);
   CHECK(chain.points.row(0) == Eigen::RowVector2d(3, 9));
+}
+
+TEST_CASE("cells on both sides of a seam that is joined are cut along the same diagonals", "[brought]") {
+  // Two cubes side by side; the numbers of the second one's points run the other way.
+  TemporaryFolder folder;
+  std::ostringstream text;
+  text << "*NODE\n";
+  const Positions cube = cell_kind("hexahedron8").reference;
+  for (int i = 0; i < 8; ++i) text << i + 1 << "," << cube(0, i) << "," << cube(1, i) << "," << cube(2, i) << "\n";
+  for (int i = 7; i >= 0; --i)
+    text << 16 - i << "," << cube(0, i) + 2 << "," << cube(1, i) << "," << cube(2, i) << "\n";
+  text << "*ELEMENT, TYPE=C3D8\n1,1,2,3,4,5,6,7,8\n2,16,15,14,13,12,11,10,9\n";
+  Mesh mesh = load_mesh(folder.write("seam.inp", text.str()));
+  CHECK(join_points(mesh, 1e-9) == 4);
+  CHECK(volume(mesh) == Approx(16).epsilon(1e-14));
+  BodyArrays arrays;
+  arrays.positions = mesh.points;
+  arrays.tetrahedra = mesh.tetrahedra;
+  CHECK(surface_of(make_body(arrays)).size() == 20);
 }
 
 TEST_CASE("meshes of other programs: cells, points, volume, sets and what is left out", "[brought]") {

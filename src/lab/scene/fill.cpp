@@ -65,7 +65,8 @@ Body fill(const FillSetup& setup, ShapeContext& context) {
   };
   if (surface.triangles.empty() || (!wrong.empty() && surface.widest_hole > kWidestHole * extent()))
     file.fail("'" + name + "' encloses no volume that could be filled: " + wrong +
-              (surface.repairs.empty() ? "" : " after its repair: " + listed(surface.repairs)));
+              (surface.repairs.empty() ? "" : " after its repair: " + listed(surface.repairs)) +
+              "; close its holes in a mesh program, such as MeshLab or Blender");
   if (!surface.repairs.empty()) context.remarks.notes.push_back(name + " repaired: " + listed(surface.repairs));
   const mesh::FillRegion inside(surface.points, surface.triangles, !wrong.empty());
   if (!wrong.empty())

@@ -480,7 +480,9 @@ std::string read_kept(Reader material, const std::string& folder) {
 void check_material(Reader reader, const Material& material, const Body& body) {
   reader.set_section("material");
   const bool membrane = !body.triangles.empty();
-  if (membrane && material.thickness == 0) reader.fail("key 'thickness' is missing: a body of triangles is a membrane");
+  if (membrane && material.thickness == 0)
+    reader.fail(
+        "key 'thickness' is missing: a body of triangles is a membrane (a solid within them: `body: {fill: …}`)");
   const bool solid = !membrane || !body.tetrahedra.empty();
   if (material.law && material.poissons_ratio == 0.5 && solid)
     reader.fail("key 'bulk_modulus' is missing: only membranes, bodies of triangles, are incompressible");
