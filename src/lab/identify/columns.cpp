@@ -40,11 +40,17 @@ constexpr std::array kMachineNames{
     MachineNames{"force", "compressive load|compressive force|druckkraft", true},
     MachineNames{"nominal_strain", "tensile strain|engineering strain|eng strain|工程应变"},
     MachineNames{"nominal_strain", "compressive strain|stauchung", true},
-    MachineNames{"nominal_stress", "tensile stress|engineering stress|eng stress|工程应力"},
+    MachineNames{
+        "nominal_stress",
+        "tensile stress|engineering stress|eng stress|first piola-kirchhoff stress|first piola kirchhoff stress|"
+        "1st piola-kirchhoff stress|1st piola kirchhoff stress|first pk stress|1st pk stress|pk1 stress|pk1|"
+        "工程应力"},
     MachineNames{"nominal_stress", "compressive stress|druckspannung", true},
     MachineNames{"true_strain", "logarithmic strain|hencky strain|真应变"},
-    MachineNames{"true_stress", "cauchy stress|真应力"}, MachineNames{"frequency", "freq|f|frequenz|fréquence|频率"},
-    MachineNames{"frequency", kAngularFrequency},
+    MachineNames{"true_stress", "cauchy stress|cauchy|真应力"},
+    MachineNames{"stretch",
+                 "stretch ratio|principal stretch|axial stretch|extension ratio|lambda|lambda1|λ|λ1|streckung"},
+    MachineNames{"frequency", "freq|f|frequenz|fréquence|频率"}, MachineNames{"frequency", kAngularFrequency},
     MachineNames{"storage_modulus", "e'|g'|e′|g′|speichermodul|module de conservation|储能模量"},
     MachineNames{"loss_modulus", "e''|g''|e\"|g\"|e″|g″|verlustmodul|module de perte|损耗模量"},
     MachineNames{"loss_tangent", "tan delta|tan|tan δ|loss factor|verlustfaktor|损耗因子"},
@@ -170,26 +176,36 @@ class TableColumns {
         fail("column '" + head + "': is it " +
              (quantity == "stress" ? "nominal_stress (force over section at rest) or true_stress"
                                    : "nominal_strain, true_strain or stretch") +
-             "? State it: columns: {\"" + head + "\": 'nominal_" + quantity + unit_behind(head) + "'}");
+             "? State it: columns: {\"" + head + "\": 'nominal_" + quantity +
+             unit_behind(head, find_quantity("nominal_" + quantity)->unit) + "'}");
     const std::string all = fmt::format("{}", fmt::join(allowed, ", "));
     if (known_.size() > 1)
       fail("no column says what " + role + " in a test of kind " + test_.kind->name + "; '" + known_.front().name +
            "' does not; one of: " + all);
-    for (const std::string& head : table_.head)
+    std::vector<std::string> unknown;
+    for (std::size_t number = 0; number < table_.head.size(); ++number)
+      if (std::none_of(known_.begin(), known_.end(), [&](const Column& column) { return column.number == number; }))
+        unknown.push_back(table_.head[number]);
+    for (const std::string& head : unknown)
       if (const std::string near = nearest_name(split(head).name, wanted); !near.empty())
         fail("column '" + head + "' is not known; did you mean '" + near + "'?");
-    const std::string& head = role == "answers" ? table_.head.back() : table_.head.front();
+    const std::vector<std::string>& heads = unknown.empty() ? table_.head : unknown;
+    const std::string& head = role == "answers" ? heads.back() : heads.front();
     fail("no column says what " + role + " in a test of kind " + test_.kind->name + "; one of: " + all +
-         "; or state what a name means, columns: {\"" + head + "\": '" + likely(head, wanted) + "'}");
+         "; or state what a name means, columns: {\"" + head + "\": " + likely(head, wanted) + "}");
   }
 
  private:
-  /// The last of these quantities that has the unit of a column, with that unit; else the last.
+  /// Those of these quantities that have the unit of a column, with that unit; else all of them: 'a' or 'b'.
   std::string likely(const std::string& head, const std::vector<std::string>& wanted) const {
-    const std::string behind = unit_behind(head), unit = behind.empty() ? "" : behind.substr(2, behind.size() - 3);
-    for (auto name = wanted.rbegin(); !unit.empty() && name != wanted.rend(); ++name)
-      if (machine_unit(unit, find_quantity(*name)->unit)) return *name + behind;
-    return shown(*find_quantity(wanted.back()));
+    std::vector<std::string> fitting, all;
+    for (const std::string& name : wanted) {
+      const DataQuantity& quantity = *find_quantity(name);
+      all.push_back(shown(quantity));
+      if (const std::string behind = unit_behind(head, quantity.unit); !behind.empty())
+        fitting.push_back(name + behind);
+    }
+    return fmt::format("'{}'", fmt::join(fitting.empty() ? all : fitting, "' or '"));
   }
 
   [[noreturn]] void fail(const std::string& message) const {
@@ -245,7 +261,10 @@ class TableColumns {
     if (column.factor) return;
     // Periods a second would be another meaning of what the column's name says.
     const std::string own =
-        column.quantity->name == "frequency" && is_angular(column.name) ? "frequency [rad/s]" : shown(*column.quantity);
+        column.quantity->name == "frequency" && is_angular(column.name) ? "frequency [rad/s]"
+        : !column.unit.empty() && machine_unit(column.unit + "f", column.quantity->unit)  // the weight of g, kg or lb
+            ? column.quantity->name + " [" + column.unit + "f]"
+            : shown(*column.quantity);
     if (column.unit.empty())
       fail("column '" + column.name + "' has no unit; write for example '" + own + "'" +
            (column.source == Source::own_name ? "" : ", columns: {\"" + column.name + "\": '" + own + "'}"));
@@ -264,11 +283,12 @@ class TableColumns {
            (column.unit.empty() ? "" : " [" + column.unit + "]") + "'}";
   }
 
-  std::string unit_behind(const std::string& head) const {
+  /// " [unit]" of a column, if it is one of such a quantity.
+  std::string unit_behind(const std::string& head, const Dimension& dimension) const {
     std::string unit = split(head).unit;
     if (const auto number = find_column(table_, head); unit.empty() && number && *number < table_.units.size())
       unit = table_.units[*number];
-    return unit.empty() ? "" : " [" + unit + "]";
+    return unit.empty() || !machine_unit(unit, dimension) ? "" : " [" + unit + "]";
   }
 
   const MachineTable& table_;
