@@ -5,6 +5,7 @@
 
 #include "core/base/named.h"
 #include "elastin/core/base/error.h"
+#include "elastin/core/geometry/cell_kind.h"
 
 namespace elastin {
 namespace {
@@ -77,6 +78,40 @@ std::vector<CellBlock> blocks_of(const Body& whole, const Part& part) {
   return {first, first + part.blocks.count};
 }
 
+bool is_simplex(const CellKind& kind) { return kind.nodes == kind.dimensions + 1; }
+
+/// Where a part has blocks of cells of some dimension, all parts have: those who look at blocks look at nothing else.
+template <class CellList>
+void make_blocks_of_all(Body& whole, int dimensions, const CellList& simplices, CellRange Part::*range) {
+  if (!has_blocks(whole, dimensions)) return;
+  const CellKind& kind = cell_kind(dimensions == 3 ? "tetrahedron4" : "triangle3");
+  int more = 0;
+  for (Part& part : whole.parts) {
+    part.blocks.first += more;
+    const std::vector<CellBlock> own = blocks_of(whole, part);
+    const auto [first, count] = part.*range;
+    if (count == 0 || std::any_of(own.begin(), own.end(),
+                                  [&](const CellBlock& block) { return block.kind->dimensions == dimensions; }))
+      continue;
+    CellBlock block{&kind, {}, {}};
+    for (auto cell = simplices.begin() + first; cell != simplices.begin() + first + count; ++cell)
+      block.nodes.insert(block.nodes.end(), cell->begin(), cell->end());
+    if (whole.cell_stiffness.size() && (dimensions == 3 || whole.tetrahedra.empty()))
+      block.stiffness = whole.cell_stiffness.segment(first, count);
+    whole.blocks.insert(whole.blocks.begin() + part.blocks.first + part.blocks.count, std::move(block));
+    ++part.blocks.count, ++more;
+  }
+}
+
+/// Of a body that is one part again: cells that its triangles and tetrahedra say need no block.
+void leave_simplices(std::vector<CellBlock>& blocks) {
+  for (const int dimensions : {2, 3}) {
+    const auto of = [&](const CellBlock& block) { return block.kind->dimensions == dimensions; };
+    if (std::all_of(blocks.begin(), blocks.end(), [&](const CellBlock& b) { return !of(b) || is_simplex(*b.kind); }))
+      std::erase_if(blocks, of);
+  }
+}
+
 /// A body without an outline is bounded by its molecules.
 void append_outline(Body& whole, const Body& body) {
   if (whole.outline.cols() + body.outline.cols() == 0) return;
@@ -114,6 +149,8 @@ void add_part(Body& whole, const Body& body, Part what) {
   whole.grid.reset(), whole.voronoi.reset();
   what.voronoi = body.voronoi, what.shared.clear();
   whole.parts.push_back(std::move(what));
+  make_blocks_of_all(whole, 2, whole.triangles, &Part::triangles);
+  make_blocks_of_all(whole, 3, whole.tetrahedra, &Part::tetrahedra);
 }
 
 std::vector<int> molecules_of(const Part& part) {
@@ -155,6 +192,7 @@ PartAlone part_alone(const Body& whole, const Part& part) {
   take(body.tetrahedra, whole.tetrahedra, part.tetrahedra);
   take(body.cubes, whole.cubes, part.cubes);
   body.blocks = blocks_of(whole, part);
+  leave_simplices(body.blocks);
   for (CellBlock& block : body.blocks)
     for (int& node : block.nodes) node = own[node];
   if (whole.connection_stiffness.size()) body.connection_stiffness = whole.connection_stiffness(result.connections);
@@ -174,6 +212,7 @@ Body with_cells_of(const Body& whole, const Part& part) {
   };
   keep(body.triangles, part.triangles), keep(body.tetrahedra, part.tetrahedra), keep(body.cubes, part.cubes);
   body.blocks = blocks_of(whole, part);
+  leave_simplices(body.blocks);
   if (whole.cell_stiffness.size()) {
     const CellRange& range = whole.tetrahedra.empty() ? part.triangles : part.tetrahedra;
     body.cell_stiffness = whole.cell_stiffness.segment(range.first, range.count).eval();

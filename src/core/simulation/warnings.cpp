@@ -137,8 +137,17 @@ std::pair<int, int> sides_against_cells(const Body& body, const std::vector<std:
                         behind * area / std::sqrt(std::max(area.norm(), std::numeric_limits<double>::min()));
   }
   const CarriedPoints carried(body, points);
-  return {static_cast<int>(std::count(carried.beyond.begin(), carried.beyond.end(), 0.)),
-          static_cast<int>(points.cols())};
+  int against = 0;
+  for (int point = 0; point < carried.size(); ++point) {
+    // A curved side of a cell may bulge beyond its flat triangle, so that the cell lies behind its own side.
+    const auto begin = carried.molecules.begin() + carried.starts[point],
+               end = carried.molecules.begin() + carried.starts[point + 1];
+    const auto& side = sides[static_cast<std::size_t>(point) * every];
+    const bool own =
+        std::all_of(side.begin(), side.end(), [&](int node) { return std::find(begin, end, node) != end; });
+    against += carried.beyond[point] == 0 && !own;
+  }
+  return {against, carried.size()};
 }
 
 std::string pairs_at_one_place(int count) {

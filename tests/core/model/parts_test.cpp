@@ -5,6 +5,8 @@
 
 #include "elastin/core/base/error.h"
 #include "elastin/core/forces/ties.h"
+#include "elastin/core/geometry/cell_kind.h"
+#include "elastin/core/model/surface.h"
 #include "support/bodies.h"
 #include "support/forces_of.h"
 
@@ -61,6 +63,39 @@ TEST_CASE("parts keep what they were, and come out alone again", "[parts]") {
   CHECK_THROWS_WITH(add_part(whole, lattice, named("skin")), Catch::Contains("'skin' already"));
   CHECK_THROWS_WITH(find_part(whole, "skn"), Catch::Contains("did you mean 'skin'?"));
   CHECK_THROWS_WITH(find_part(lattice, "skin"), Catch::Contains("no named bodies"));
+}
+
+TEST_CASE("a part of first-order cells beside one of blocks is in all that reads blocks", "[parts]") {
+  const Body tetrahedra = block(2, 0.02),
+             hexahedra = cell_box(cell_kind("hexahedron8"), {2, 2, 2}, {0.03, 0.03, 0.02}, 0),
+             curved = cell_box(cell_kind("hexahedron27"), {1, 1, 1}, {0.03, 0.03, 0.02}, 0);
+  std::vector<const Body*> bodies{&tetrahedra, &hexahedra, &curved, &tetrahedra};
+  for (int turn = 0; turn < 4; ++turn) {
+    std::rotate(bodies.begin(), bodies.begin() + 1, bodies.end());
+    Body whole;
+    for (std::size_t i = 0; i < bodies.size(); ++i) {
+      Body moved = *bodies[i];
+      moved.rest.row(2).array() += 0.1 * static_cast<double>(i);
+      add_part(whole, moved, named(("part" + std::to_string(i)).c_str()));
+    }
+    const Body given = whole;
+    std::size_t cells = 0, sides = 0;
+    for (const Body* body : bodies) cells += count_cells(*body), sides += surface_of(*body).size();
+    CHECK(count_cells(whole) == cells);
+    CHECK(surface_of(whole).size() == sides);
+    Body cut = whole;  // the tetrahedra of its blocks, in their order, are those of the parts
+    set_simplices(cut);
+    for (Body* one : {&cut, &whole})
+      for (auto& cell : one->tetrahedra) std::sort(cell.begin(), cell.end());
+    CHECK(cut.tetrahedra == whole.tetrahedra);
+    for (std::size_t i = 0; i < bodies.size(); ++i) {
+      const PartAlone alone = part_alone(given, given.parts[i]);
+      CHECK(alone.body.tetrahedra == bodies[i]->tetrahedra);
+      CHECK(alone.body.blocks.size() == bodies[i]->blocks.size());
+      for (std::size_t k = 0; k < alone.body.blocks.size(); ++k)
+        CHECK(alone.body.blocks[k].nodes == bodies[i]->blocks[k].nodes);
+    }
+  }
 }
 
 TEST_CASE("regions go with their part", "[parts]") {
