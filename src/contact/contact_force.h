@@ -48,6 +48,7 @@ struct ContactSetting {
   double onset = 0;                    ///< largest depth over which damping sets in [m]
   double multiplier = 0;               ///< [N]
   double adhesion = 0, range = 0;      ///< work of adhesion [J], and the gap at which it ends [m]
+  bool anchored = false;               ///< whether there is an anchor
   Vector3 slip = Vector3::Zero();      ///< from the anchor, tangential or not [m]
   Vector3 velocity = Vector3::Zero();  ///< of the sample against the target [m/s]
 };

@@ -28,14 +28,15 @@ void set_friction(const ContactPoint& geometry, const ContactSetting& setting, C
   const Matrix3 across = Matrix3::Identity() - n * n.transpose();
   const double k = setting.stiffness, most = setting.friction * response.pressing;
   const double c = 2 * kSlipDampingRatio * std::sqrt(k * setting.mass);
+  const double held = setting.anchored ? k : 0;  // what has no anchor resists a speed alone
   const Vector3 slip = across * setting.slip, rate = across * setting.velocity;
-  const Vector3 trial = -k * slip - c * rate;
+  const Vector3 trial = -held * slip - c * rate;
   const double size = trial.norm();
   // What just touches sticks: whether rounding has left it a force decides nothing.
   if (size <= most + 1e-3 * kNearness * k * setting.onset) {
     response.friction = trial;
     response.slip = slip;
-    response.friction_stiffness = k * across;
+    response.friction_stiffness = held * across;
     response.friction_damping = c * across;
     return;
   }
@@ -43,7 +44,7 @@ void set_friction(const ContactPoint& geometry, const ContactSetting& setting, C
   response.friction = most * direction;
   response.slip = -response.friction / k;
   const Matrix3 turning = most / size * (across - direction * direction.transpose());
-  response.friction_stiffness = k * turning;
+  response.friction_stiffness = held * turning;
   response.friction_damping = c * turning;
   response.friction_gap_slope = setting.friction * k * direction;
   response.friction_gap_rate_slope = setting.friction * direction * (response.damping * n).transpose();

@@ -163,6 +163,7 @@ ContactSetting ContactForce::setting_of(const State& state, const ContactPoint& 
   setting.damping_ratio = damping_ratio_;
   setting.friction = friction_against(contact_point.target);
   setting.onset = 1e-3 * std::sqrt(sample.area);
+  setting.anchored = memory != nullptr;
   if (memory) setting.slip = slip_from(state, contact_point, *memory);
   return setting;
 }

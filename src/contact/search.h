@@ -1,6 +1,7 @@
 #pragma once
 #include <array>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "elastin/contact/obstacle.h"
@@ -28,6 +29,8 @@ struct SurfaceSides {
 /// Sides of one cell alone, those of second order in the flat sides that their nodes make, and cells of two dimensions.
 /// Empty where the body has no such cells.
 SurfaceSides surface_sides(const Body& body);
+/// The names of a body's parts of which nothing is in these sides, such as ropes and packings.
+std::vector<std::string> parts_without(const SurfaceSides& sides, const Body& body);
 
 /// The molecules' own spheres; area (2r)². `molecules` names those that can touch.
 std::vector<Sample> sphere_samples(const Body& body, const std::vector<int>& molecules);

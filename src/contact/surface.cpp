@@ -5,6 +5,7 @@
 #include "core/geometry/boundary.h"
 #include "core/model/block_geometry.h"
 #include "core/shapes/surfaces.h"
+#include "elastin/core/model/parts.h"
 
 namespace elastin::contact {
 namespace {
@@ -127,6 +128,21 @@ SurfaceSides surface_sides(const Body& body) {
     for (const auto& triangle : body.triangles)
       if (is_free(triangle)) collector.add(triangle);
   return collector.sides();
+}
+
+std::vector<std::string> parts_without(const SurfaceSides& sides, const Body& body) {
+  std::vector<char> met(static_cast<std::size_t>(body.size()), 0);
+  const auto mark = [&](const auto& cells) {
+    for (const auto& cell : cells)
+      for (const int molecule : cell) met[molecule] = 1;
+  };
+  mark(sides.triangles), mark(sides.quadrilaterals);
+  std::vector<std::string> names;
+  for (const Part& part : body.parts) {
+    const std::vector<int> own = molecules_of(part);
+    if (std::none_of(own.begin(), own.end(), [&](int molecule) { return met[molecule]; })) names.push_back(part.name);
+  }
+  return names;
 }
 
 std::vector<int> surface_molecules(const Body& body) {

@@ -223,6 +223,9 @@ namespace {
 StaticResult find_equilibrium(Model& model, State& state, const StaticOptions& options, LastSolve* last) {
   for (Support& support : model.supports) support.free = without_rounding(support.free);
   model.declare_history(state);
+  if (state.contact_history.empty())  // what touches at the start sticks where it is
+    for (const auto& load : model.loads())
+      if (load->history().empty()) load->commit_step(state);
   model.begin_step(state, std::numeric_limits<double>::infinity());
   if (last) last->begin(model);
   if (options.linear) return solve_linear_statics(model, state, options, last);

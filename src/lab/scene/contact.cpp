@@ -3,6 +3,7 @@
 #include <cctype>
 #include <optional>
 
+#include "contact/search.h"
 #include "contact/surface_check.h"
 #include "core/base/dense.h"
 #include "core/base/named.h"
@@ -206,7 +207,7 @@ const Keys<SceneContact>& all_contact_keys() {
       key::choice("surface", &S::surface,
                   {{"triangles", ContactSurface::triangles}, {"spheres", ContactSurface::spheres}},
                   "what meets others: the surface of the cells, or the molecules")
-          .otherwise("`triangles` with cells, else `spheres`"),
+          .otherwise("`triangles` where every body has cells, else `spheres`"),
       Key<S>(
           {"stiffness", "number, or quantity", "Pa/m", "> 0", "10", "a number is times E over a molecule's diameter"},
           [](const Reader& value, S& contact) { set_stiffness(value, contact); }),
@@ -244,10 +245,19 @@ const Keys<SceneContact>& all_contact_keys() {
 
 }  // namespace
 
-SceneContact read_contact(const Reader& reader, const Body& body, const Material& material, const Matrix3& rotation) {
+SceneContact read_contact(const Reader& reader, const Body& body, const Material& material, const Matrix3& rotation,
+                          Findings& findings) {
   SceneContact contact;
   const bool cells = !body.tetrahedra.empty() || !body.triangles.empty();
-  contact.surface = cells ? contact::ContactSurface::triangles : contact::ContactSurface::spheres;
+  const auto without = cells ? contact::parts_without(contact::surface_sides(body), body) : std::vector<std::string>();
+  const std::string named = without.empty() ? "" : "body '" + without.front() + "' has no cells, and so no surface";
+  contact.surface = cells && named.empty() ? contact::ContactSurface::triangles : contact::ContactSurface::spheres;
+  Reader asked = reader;
+  const bool chosen = asked.has("surface");
+  if (!named.empty() && !chosen)
+    findings.notes.push_back(named + ": contact is between the molecules of all bodies as spheres");
+  if (!named.empty() && chosen && asked.at("surface").text() == "triangles")
+    findings.warnings.push_back(named + ": with `contact.surface: triangles` it touches nothing");
   contact.stiffness = contact::default_contact_stiffness(body, material.youngs_modulus);
   return all_contact_keys().read(reader, {rotation, &body}, std::move(contact));
 }

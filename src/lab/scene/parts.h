@@ -173,7 +173,8 @@ EngineStudy read_engine_study(const Reader& reader);
 struct SceneContact : contact::ContactOptions {
   std::vector<Reader> by_load, by_time;
 };
-SceneContact read_contact(const Reader& reader, const Body& body, const Material& material, const Matrix3& rotation);
+SceneContact read_contact(const Reader& reader, const Body& body, const Material& material, const Matrix3& rotation,
+                          Findings& findings);
 /// Throws InputError on a motion that means nothing in this experiment.
 void check_motions(const SceneContact& contact, bool timed);
 /// The path of a file that a value names, relative to the folder of the scene or file in which the value stands.

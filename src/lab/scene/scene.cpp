@@ -423,7 +423,7 @@ std::unique_ptr<Scene> read_scene(const SceneSource& source, const Catalog& cata
   context.findings = &found;
   std::optional<SceneContact> contact;
   if (auto value = reader.find("contact")) {
-    contact = read_contact(*value, scene->specimen.body, scene->specimen.material, rotation);
+    contact = read_contact(*value, scene->specimen.body, scene->specimen.material, rotation, found);
     context.contact = &*contact;
   }
   std::unique_ptr<Experiment> made = read_experiment(experiment, context);

@@ -88,6 +88,51 @@ TEST_CASE("contact has defaults that suit the body", "[scene][contact]") {
   CHECK(options_of("{surface: triangles}", kLattice).surface == ContactSurface::triangles);
 }
 
+TEST_CASE("a body without cells among others touches as spheres, or it is said that it does not", "[scene][contact]") {
+  const auto scene = [](const std::string& contact) {
+    return load("bodies: [{name: block, " + std::string(kCells) +
+                "}, {name: rope, molecules: [[0, 0, 12 mm], [5 mm, 0, 12 mm]], "
+                "connections: [[0, 1]], radius: 1 mm}]\nmaterial: {youngs_modulus: 10 kPa, poissons_ratio: 0.3, "
+                "density: 1000 kg/m3}\n"
+                "stiffness: standard\nexperiment: {kind: loads}\ncontact: " +
+                contact + "\n");
+  };
+  const auto automatic = scene("{friction: 0}"), triangles = scene("{surface: triangles}"),
+             spheres = scene("{surface: spheres}");
+  CHECK(automatic->specimen.contact->surface == ContactSurface::spheres);
+  REQUIRE(!automatic->notes.empty());
+  CHECK_THAT(automatic->notes.back(), StartsWith("body 'rope' has no cells") && Contains("as spheres"));
+  CHECK(triangles->specimen.contact->surface == ContactSurface::triangles);
+  REQUIRE(!triangles->warnings.empty());
+  CHECK_THAT(triangles->warnings.back(), StartsWith("body 'rope' has no cells") && Contains("touches nothing"));
+  CHECK(spheres->warnings.size() + 1 == triangles->warnings.size());
+}
+
+TEST_CASE("what touches with friction from the start is at rest in few iterations, and sticks", "[scene][contact]") {
+  const std::string gravity = "loads: [{gravity: {acceleration: [2 m/s2, 0, -9.81 m/s2]}}]\n",
+                    wall = "obstacles: [{name: wall, plane: {point: [10 mm, 0, 0], normal: -x}}]}";
+  const auto run_of = [&](const std::string& friction) {
+    const auto scene = load(scene_with("{friction: " + friction + ", " + wall, kCells,
+                                       "kind: tension, axis: z, strain: 0.01 %, fixed_grip: clamped", gravity));
+    const Run run = run_strategy(scene->specimen, *scene->experiment, scene->stiffness, {.statics = scene->statics});
+    INFO(friction << ": " << run.cause);
+    CHECK(run.outcome == Outcome::converged);
+    CHECK(run.newton_iterations < 30);
+    return run.measures.get("contact_force");
+  };
+  const double free = run_of("0"), held = run_of("0.5");
+  CHECK(held > 1.02 * free);  // the wall bears weight, too
+  // A block on a slope of 16.7 degrees stays where 0.35 > tan 16.7° = 0.3, and has no equilibrium at 0.25.
+  for (const auto& [friction, stays] : {std::pair{"0.35", true}, {"0.25", false}}) {
+    const auto scene = load(scene_with(
+        std::string("{friction: ") + friction + ", obstacles: [{name: slope, plane: {point: [0, 0, 0], normal: z}}]}",
+        kCells, "kind: loads", "loads: [{gravity: {acceleration: [2.82 m/s2, 0, -9.4 m/s2]}}]\n"));
+    const Run run = run_strategy(scene->specimen, *scene->experiment, scene->stiffness, {.statics = scene->statics});
+    INFO(friction << ": " << run.cause);
+    CHECK((run.outcome == Outcome::converged) == stays);
+  }
+}
+
 TEST_CASE("contact takes its numbers with their units", "[scene][contact]") {
   const ContactOptions options =
       options_of("{stiffness: 40, friction: 0.3, restitution: 0.5, penetration: 10 um, self: true}");
