@@ -109,17 +109,20 @@ double polygon_area(const Points2& polygon) {
   return points.size() < 3 ? 0 : area(points);
 }
 
-double polygon_second_moment(const Points2& polygon) {
-  double twice_area = 0, first = 0, second = 0;
+Eigen::Matrix2d polygon_second_moments(const Points2& polygon) {
+  double twice_area = 0;
+  Point first = Point::Zero();
+  Eigen::Matrix2d second = Eigen::Matrix2d::Zero();
   const Point start = polygon.cols() > 0 ? Point(polygon.col(0)) : Point(0, 0);  // near the polygon: fewer digits lost
   for (int i = 0; i < polygon.cols(); ++i) {
-    const Point a = polygon.col(i) - start, b = polygon.col((i + 1) % polygon.cols()) - start;
+    const Point a = polygon.col(i) - start, b = polygon.col((i + 1) % polygon.cols()) - start, sum = a + b;
     const double part = cross(a, b);
     twice_area += part;
-    first += part * (a.x() + b.x()) / 6;
-    second += part * (a.x() * a.x() + a.x() * b.x() + b.x() * b.x()) / 12;
+    first += part * sum / 6;
+    second += part * (a * a.transpose() + b * b.transpose() + sum * sum.transpose()) / 24;
   }
-  return twice_area == 0 ? 0 : second - 2 * first * first / twice_area;
+  if (twice_area == 0) return Eigen::Matrix2d::Zero();
+  return second - 2 * first * first.transpose() / twice_area;
 }
 
 std::vector<double> tributary_areas(const Points2& points, const Points2& polygon) {

@@ -13,8 +13,8 @@ Points2 convex_hull(const Points2& points);
 /// Area of a polygon, positive counter-clockwise.
 double polygon_area(const Points2& polygon);
 
-/// Second moment of area of a polygon, ∫ (x − x̄)² dA [m⁴], x̄ that of its centroid; positive counter-clockwise.
-double polygon_second_moment(const Points2& polygon);
+/// Second moments of area of a polygon, ∫ (x − x̄) (x − x̄)ᵀ dA [m⁴], x̄ its centroid; positive counter-clockwise.
+Eigen::Matrix2d polygon_second_moments(const Points2& polygon);
 
 /// The part of a convex polygon that is nearest to each point (its Voronoi cell clipped by the polygon): the parts sum
 /// to the polygon's area. Points must be distinct. Cost O(n log n) for points of even density.

@@ -217,6 +217,50 @@ Section find_section(const Body& body, const Vector3& axis, double from, double 
   return slabs.section();
 }
 
+std::optional<Eigen::Matrix2d> second_moments_of_cells(const Body& body, const Eigen::Matrix<double, 3, 2>& plane,
+                                                       double area) {
+  if (!fill(body, body.tetrahedra)) return std::nullopt;
+  const Points2 seen = plane.transpose() * (body.rest.colwise() - body.rest.col(0));
+  std::array<double, 6> sums{};  // volume, volume times y, and times y yᵀ
+  const auto add = [&](double volume, const Eigen::Vector2d& y, const Eigen::Matrix2d& square) {
+    const std::array terms{1., y.x(), y.y(), square(0, 0), square(0, 1), square(1, 1)};
+    for (std::size_t i = 0; i < terms.size(); ++i) sums[i] += volume * terms[i];
+  };
+  const auto counts = [&](const auto& cell) { return lowest_in_whole(body, cell) < owned_molecules(body); };
+  const auto add_tetrahedron = [&](std::span<const int> cell) {
+    const Points2 y = seen(Eigen::all, std::vector<int>(cell.begin(), cell.end()));
+    const Eigen::Vector2d sum = y.rowwise().sum();
+    add(std::abs(signed_volume(body.rest, {cell[0], cell[1], cell[2], cell[3]})), sum / 4,
+        (y * y.transpose() + sum * sum.transpose()) / 20);
+  };
+  if (!has_blocks(body, 3))
+    for (const auto& cell : body.tetrahedra)
+      if (counts(cell)) add_tetrahedron(cell);
+  for (const CellBlock& block : body.blocks) {
+    if (block.kind->dimensions != 3) continue;
+    const ReferenceSlopes<3> slopes(*block.kind);
+    PointGradients<3> edges;
+    for (int own = 0; own < block.size(); ++own) {
+      const auto nodes = block.cell(own);
+      if (!counts(nodes)) continue;
+      if (nodes.size() == 4) {
+        add_tetrahedron(nodes);
+        continue;
+      }
+      slopes.gradients(positions_of(body.rest, nodes), edges);
+      const Points2 at = seen(Eigen::all, std::vector<int>(nodes.begin(), nodes.end())) * block.kind->values;
+      for (Eigen::Index g = 0; g < block.kind->weights.size(); ++g)
+        add(block.kind->weights[g] * edges[static_cast<std::size_t>(g)].determinant(), at.col(g),
+            at.col(g) * at.col(g).transpose());
+    }
+  }
+  sum_over(body, sums);
+  const Eigen::Vector2d middle = Eigen::Vector2d(sums[1], sums[2]) / sums[0];
+  Eigen::Matrix2d moments;
+  moments << sums[3], sums[4], sums[4], sums[5];
+  return area * (moments / sums[0] - middle * middle.transpose());
+}
+
 std::optional<WallSection> wall_section(const Body& body, const Vector3& axis, const Eigen::Matrix<double, 3, 2>& plane,
                                         double from, double to, double thickness) {
   if (fill(body, body.tetrahedra) || fill(body, body.cubes) || !fill(body, body.triangles)) return std::nullopt;

@@ -22,6 +22,11 @@ struct Section {
 /// slabs, or, for the hull, of slabs at least two mean connections thick.
 Section find_section(const Body& body, const Vector3& axis, double from, double to, double thickness);
 
+/// ∫ y yᵀ dA [m⁴] about the middle of the section of a prism with this area [m²], as the cells of solids have it,
+/// curved ones as they are; y in the plane. None of a body that none fill.
+std::optional<Eigen::Matrix2d> second_moments_of_cells(const Body& body, const Eigen::Matrix<double, 3, 2>& plane,
+                                                       double area);
+
 /// The section of a wall: a body of triangles alone, by its middle surface and thickness.
 struct WallSection {
   Section section;

@@ -69,9 +69,13 @@ TEST_CASE("second moments of area: rectangle, triangle, a shifted one", "[tribut
   Points2 rectangle(2, 4), triangle(2, 3);
   rectangle << 0, 2, 2, 0, 0, 0, 3, 3;  // b h³/12 about its middle
   triangle << 0, 6, 0, 0, 0, 4;         // b h³/36, h along the first coordinate
-  CHECK(polygon_second_moment(rectangle) == Approx(3 * 8 / 12.).epsilon(1e-12));
-  CHECK(polygon_second_moment(triangle) == Approx(4 * 216 / 36.).epsilon(1e-12));
+  const Eigen::Matrix2d of_rectangle = polygon_second_moments(rectangle),
+                        of_triangle = polygon_second_moments(triangle);
+  CHECK(of_rectangle.isApprox(Eigen::Matrix2d(Eigen::Vector2d(3 * 8 / 12., 2 * 27 / 12.).asDiagonal()), 1e-12));
+  CHECK(of_triangle(0, 0) == Approx(4 * 216 / 36.).epsilon(1e-12));
+  CHECK(of_triangle(1, 1) == Approx(6 * 64 / 36.).epsilon(1e-12));
+  CHECK(of_triangle(0, 1) == Approx(-36 * 16 / 72.).epsilon(1e-12));  // −b² h²/72
   triangle.colwise() += Eigen::Vector2d(1e4, -3e3);
-  CHECK(polygon_second_moment(triangle) == Approx(4 * 216 / 36.).epsilon(1e-10));
-  CHECK(polygon_second_moment(Points2(2, 0)) == 0);
+  CHECK(polygon_second_moments(triangle).isApprox(of_triangle, 1e-10));
+  CHECK(polygon_second_moments(Points2(2, 0)).isZero(0));
 }

@@ -108,6 +108,15 @@ class Bending final : public StaticExperiment {
     double area = 0, moment = 0, shear = 0;
   };
 
+  /// Of the deflection along a load that has the direction of the first coordinate: 1 / n·M⁻¹n. Where that is no
+  /// principal axis the beam goes aside, too, and is softer than by its own moment.   [Timoshenko & Goodier 1970, §102]
+  static double moment_along_load(const Eigen::Matrix2d& moments) {
+    constexpr double principal = 1e-9;
+    const double mixed = std::pow(moments(0, 1), 2);
+    if (mixed <= principal * moments(0, 0) * moments.trace()) return moments(0, 0);
+    return moments(0, 0) - mixed / moments(1, 1);
+  }
+
   /// E A over the shear stiffness is (12 + 11ν)/5 of rectangles and 4 + 3ν of thin round tubes.          [Cowper 1966]
   BeamSection beam_section(double low, double high, const Material& material) {
     Eigen::Matrix<double, 3, 2> plane;
@@ -115,7 +124,7 @@ class Bending final : public StaticExperiment {
     const double rectangle = (12 + 11 * material.poissons_ratio) / 5, tube = 4 + 3 * material.poissons_ratio;
     const auto wall = wall_section(body_, setup_.axis, plane, low, high, material.thickness);
     if (wall && wall->section.area > 0) {
-      const double area = wall->section.area, moment = wall->second_moment(0, 0);
+      const double area = wall->section.area, moment = moment_along_load(wall->second_moment);
       if (!(moment > 1e-9 * wall->second_moment.trace()))
         throw InputError(
             "the load bends a flat sheet out of its plane, for which effective_modulus has no formula; `kind: loads` "
@@ -125,7 +134,7 @@ class Bending final : public StaticExperiment {
       return {area, moment, (wall->kind == WallSection::Kind::tube ? tube : rectangle) / area};
     }
     const Points2 hull = hull_of_section(body_, root_, plane);
-    const double area = polygon_area(hull), moment = polygon_second_moment(hull);
+    const double area = polygon_area(hull), moment = moment_along_load(polygon_second_moments(hull));
     if (!(area > 0 && moment > 0))
       throw InputError(
           "the body's molecules span no cross-section that could bend; `kind: loads` bends a sheet or a line of "
@@ -133,6 +142,8 @@ class Bending final : public StaticExperiment {
     const Section solid = find_section(body_, setup_.axis, low, high, 0);
     if (wall || !solid.prism() || std::abs(solid.area / area - 1) > kSameSection)
       apparent_ = "its formula takes the convex hull for the section, and the body is hollow, notched or tapered";
+    else if (const auto of_cells = second_moments_of_cells(body_, plane, solid.area))
+      return {solid.area, moment_along_load(*of_cells), rectangle / solid.area};
     return {area, moment, rectangle / area};
   }
 
