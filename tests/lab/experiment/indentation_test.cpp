@@ -121,6 +121,38 @@ TEST_CASE("an obstacle of the scene serves as indenter, and all of it turns with
             .measures.get("force") == Approx(own).epsilon(1e-6));
 }
 
+TEST_CASE("an indenter comes down in the middle of the body as it was before it was turned", "[indentation]") {
+  // A plate that is half as wide at one end: hexahedra in a file.
+  const TemporaryFolder folder;
+  std::string nodes, cells;
+  const int n = 8, layers = 3;
+  const auto number = [&](int i, int j, int k) { return std::to_string(1 + i + (n + 1) * (j + (n + 1) * k)); };
+  for (int k = 0; k <= layers; ++k)
+    for (int j = 0; j <= n; ++j)
+      for (int i = 0; i <= n; ++i)
+        nodes += number(i, j, k) + "," + std::to_string(i * (1 - 0.5 * j / n)) + "," + std::to_string(j) + "," +
+                 std::to_string(k) + "\n";
+  int cell = 0;
+  for (int k = 0; k < layers; ++k)
+    for (int j = 0; j < n; ++j)
+      for (int i = 0; i < n; ++i) {
+        cells += std::to_string(++cell);
+        for (const int up : {0, 1})
+          for (const auto& [a, b] : {std::pair{0, 0}, {1, 0}, {1, 1}, {0, 1}})
+            cells += "," + number(i + a, j + b, k + up);
+        cells += "\n";
+      }
+  const std::string file = folder.write("plate.inp", "*NODE\n" + nodes + "*ELEMENT, TYPE=C3D8\n" + cells);
+  const auto force = [&](const std::string& turned) {
+    return run_of("mesh: {file: '" + file + "', length_unit: mm}", "indenter: {sphere: {radius: 4 mm}}, depth: 0.3 mm",
+                  "friction: 0", turned)
+        .measures.get("force");
+  };
+  const double straight = force("");
+  for (const char* turn : {"{axis: z, angle: 30 deg}", "{axis: [1, 1, 1], angle: 50 deg}"})
+    CHECK(force(std::string("rotate: ") + turn + "\n") == Approx(straight).epsilon(1e-5));
+}
+
 TEST_CASE("a tool that is pressed in deeper than its own half in one step meets what it meets in many",
           "[indentation][slow]") {
   for (const std::string shape : {"sphere: {radius: 8 mm}", "box: {size: [15 mm, 15 mm, 16 mm]}"}) {

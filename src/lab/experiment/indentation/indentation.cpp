@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -36,6 +37,7 @@ struct IndentationSetup : GripSetup {
   Grip bottom = Grip::clamped;
   std::vector<Vector3> symmetry;  ///< unit normals of planes through the origin, across each other and the axis
   int load_steps = 1;
+  Matrix3 frame = Matrix3::Identity();  ///< columns: along x, y and z of the scene before it was turned
 };
 
 const MeasureList& indentation_measures() {
@@ -171,14 +173,25 @@ class Indentation final : public StaticExperiment {
     }
   }
 
+  /// Its least and largest place along x, y and z as the scene was before it was turned.
+  std::array<Vector3, 2> outline(const Body& body) const {
+    const Positions own = setup_.frame.transpose() * body.rest;
+    return {own.rowwise().minCoeff(), own.rowwise().maxCoeff()};
+  }
+
+  Vector3 middle_of(const Body& body) const {
+    const auto [low, high] = outline(body);
+    return setup_.frame * (low + high) / 2;
+  }
+
   /// What the radius of contact is of the body's thickness along the axis, or of the way to its nearest free side.
   void find_extent(const Body& body, double depth) {
     const double radius = setup_.shape == IndenterShape::sphere ? std::sqrt(setup_.radius * depth) : setup_.radius;
-    const Vector3 low = body.rest.rowwise().minCoeff(), high = body.rest.rowwise().maxCoeff();
-    const Vector3 at = setup_.at.value_or((low + high) / 2);
-    double extent = setup_.axis.cwiseAbs().dot(high - low);
+    const auto [low, high] = outline(body);
+    const Vector3 at = setup_.frame.transpose() * setup_.at.value_or(middle_of(body));
+    double extent = (setup_.frame.transpose() * setup_.axis).cwiseAbs().dot(high - low);
     for (int axis = 0; axis < 3; ++axis) {
-      const Vector3 across = Vector3::Unit(axis);
+      const Vector3 across = setup_.frame.col(axis);
       if (std::abs(across.dot(setup_.axis)) > 0.5) continue;
       const auto mirrors = [&](const Vector3& normal) { return std::abs(normal.dot(across)) > 0.5; };
       const bool mirrored = std::any_of(setup_.symmetry.begin(), setup_.symmetry.end(), mirrors);
@@ -190,8 +203,7 @@ class Indentation final : public StaticExperiment {
 
   /// The foot of the indenter's axis, in the plane through the origin across it.
   void choose_base(const Body& body) {
-    const Vector3 middle = (body.rest.rowwise().maxCoeff() + body.rest.rowwise().minCoeff()) / 2;
-    base_ = setup_.at.value_or(middle);
+    base_ = setup_.at.value_or(middle_of(body));
     for (const Vector3& normal : setup_.symmetry) base_ -= normal.dot(base_) * normal;
     base_ -= setup_.axis.dot(base_) * setup_.axis;
   }
@@ -406,7 +418,8 @@ ExperimentInfo indentation_row() {
               if (std::abs(normal.dot(setup.axis)) > 1e-9) value.fail("must be perpendicular to the indenter's axis");
           }),
           load_steps_key(&IndentationSetup::load_steps)},
-      [](const ExperimentContext& context, const IndentationSetup& setup) {
+      [](const ExperimentContext& context, IndentationSetup setup) {
+        setup.frame = context.rotation;
         return std::make_unique<Indentation>(context.body, setup, context.material, contact_of_scene(context));
       });
 }
