@@ -358,7 +358,8 @@ void add_trajectory(py::module_& module, Class& simulation) {
       .def("vjp", &trajectory_vjp, py::arg("positions") = py::none(), py::arg("velocities") = py::none(),
            "What a function of the end changes with, by one sweep backward: from its derivatives by positions and "
            "velocities there, each (n, 3) or None, a dict of those by 'positions' and 'velocities' at the start and by "
-           "'forces' on molecules throughout, each (n, 3), and a list, 'stiffness', as that of Simulation.vjp.");
+           "'forces' on molecules throughout, each (n, 3), and a list, 'stiffness', as that of Simulation.vjp, whose "
+           "arrays are empty where `rayleigh` damps by the stiffness.");
   simulation.def(
       "trajectory",
       [](const std::shared_ptr<Moving>& self, double dt, int steps, const std::string& stepper,

@@ -2,9 +2,10 @@
 
 #include <utility>
 
+#include "core/base/unsuited_error.h"
+#include "core/forces/stiffness_damping.h"
 #include "core/laws/solids/st_venant_kirchhoff.h"
 #include "core/parallel/parallel.h"
-#include "elastin/core/base/error.h"
 #include "elastin/core/forces/cells.h"
 
 namespace elastin {
@@ -33,16 +34,17 @@ class ConnectionDamping final : public Viscosity {
 };
 
 /// q = β Σ (∂q/∂s) ṡ with the slopes that laws have at rest.
-class RestDamping final : public Viscosity {
+class RestDamping : public Viscosity {
  public:
   RestDamping(const Body& body, ElasticTerms laws, double time) : laws_(std::move(laws.terms)), time_(time) {
     own_slopes_ = VectorX::Zero(body.connections.size());
     for (const auto& law : laws_) {
       const auto* edges = dynamic_cast<const EdgeDensities*>(law.get());
       if (!edges)
-        throw InputError(
-            "this damping works on springs, tetrahedra and triangles of first order; use damping of "
-            "connections or of mass on other cells");
+        throw UnsuitedError(
+            "damping by the stiffness at rest (`stiffness` of `rayleigh`) works on springs, tetrahedra and triangles "
+            "of "
+            "first order; use damping of connections or of mass on other cells");
       coupled_ |= edges->coupled();
       slopes_.push_back(edges->slopes());
       slopes_.back()->linearise_at(body.rest);
@@ -81,6 +83,11 @@ class RestDamping final : public Viscosity {
   VectorX own_slopes_;  // times β
 };
 
+class StiffnessDamping final : public RestDamping, public GrowsWithStiffness {
+ public:
+  using RestDamping::RestDamping;
+};
+
 /// The law whose slopes are those of Labelle's damping; its stress is of no use.
 struct LabelleDamping {
   static constexpr std::string_view name = "cell_damping", summary = "viscous stress of solids", source = "[L03]";
@@ -98,7 +105,7 @@ std::unique_ptr<Viscosity> make_cell_damping(const Body& body, double bulk, doub
 }
 
 std::unique_ptr<Viscosity> make_stiffness_damping(const Body& body, const Elasticity& law, double time) {
-  return std::make_unique<RestDamping>(body, law.clone(), time);
+  return std::make_unique<StiffnessDamping>(body, law.clone(), time);
 }
 
 }  // namespace elastin

@@ -5,6 +5,7 @@
 #include <string>
 #include <utility>
 
+#include "core/forces/stiffness_damping.h"
 #include "core/solve/stable_step.h"
 #include "core/solve/stiffness_slopes.h"
 #include "core/solve/transposed_step.h"
@@ -132,14 +133,18 @@ TrajectoryAdjoint Trajectory::adjoint(const AddSlopes& add_slopes, const std::ve
           "beginning: take velocity_verlet");
   const Positions none = Positions::Zero(3, molecules);
   TrajectoryAdjoint found{none, none, none, {}, std::vector<double>(varied.size(), 0)};
+  const bool damps = std::any_of(model.viscosity().begin(), model.viscosity().end(), [](const auto& viscosity) {
+    return dynamic_cast<const GrowsWithStiffness*>(viscosity.get());
+  });
+  const auto elements_of = [&](const Elasticity& law) { return damps ? nullptr : law.local(); };
   for (const auto& law : model.elasticity())
-    found.stiffness.push_back(VectorX::Zero(law->local() ? law->local()->elements() : 0));
+    found.stiffness.push_back(VectorX::Zero(elements_of(*law) ? elements_of(*law)->elements() : 0));
   StateSlopes slopes{none, none, none, in.end.history};
   for (HistoryBlock& block : slopes.history) std::fill(block.values.begin(), block.values.end(), 0.);
   const auto note = [&](const State& from, const State& at, const Positions& lambda) {
     found.forces += lambda;
     for (std::size_t law = 0; law < found.stiffness.size(); ++law)
-      if (const LocalElasticity* local = model.elasticity()[law]->local())
+      if (const LocalElasticity* local = elements_of(*model.elasticity()[law]))
         found.stiffness[law] += work_by_stiffness(*local, at.positions, lambda);
     for (std::size_t i = 0; i < varied.size(); ++i)
       found.numbers[i] += (power(*varied[i].above, from, at, lambda) - power(*varied[i].below, from, at, lambda)) /

@@ -217,7 +217,8 @@ class Trajectory:
     def vjp(self, positions: ArrayLike | None = None, velocities: ArrayLike | None = None) -> dict[str, Any]:
         """What a function of the end changes with, by one sweep backward: from its derivatives by positions and
         velocities there, each (n, 3) or None, a dict of those by 'positions' and 'velocities' at the start and by
-        'forces' on molecules throughout, each (n, 3), and a list, 'stiffness', as that of Simulation.vjp."""
+        'forces' on molecules throughout, each (n, 3), and a list, 'stiffness', as that of Simulation.vjp, whose
+        arrays are empty where `rayleigh` damps by the stiffness."""
 
 class StepResult:
     """How a step ended; true if it went well."""

@@ -276,6 +276,21 @@ TEST_CASE("a sweep stores about two square roots of its steps, and is bitwise id
   }
 }
 
+TEST_CASE("what damping by the stiffness makes of each element's share is not said", "[adjoint][trajectory]") {
+  for (const bool damps : {false, true}) {
+    Problem problem(springs("springs",
+                            [&](Model& model) {
+                              const auto law = model.elasticity().front()->clone();
+                              if (damps) model.add(make_stiffness_damping(model.body(), *law, 1e-3));
+                            }),
+                    nullptr, 0);
+    Trajectory run(problem.model, problem.start, 1e-4, 3, method("newmark"));
+    const auto found = run.adjoint([](int, const State&, Positions& positions, Positions&) { positions.setOnes(); });
+    REQUIRE(found.stiffness.size() == 1);
+    CHECK((found.stiffness[0].size() == 0) == damps);
+  }
+}
+
 TEST_CASE("a run without a transpose is refused by name", "[adjoint][trajectory]") {
   const Case one = springs("springs", [](Model&) {});
   Problem problem(one, nullptr, 0);

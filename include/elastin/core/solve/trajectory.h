@@ -19,7 +19,8 @@ struct TrajectoryAdjoint {
   Positions positions, velocities;  ///< ∂m/∂(those at the start) in the free directions, 3 × n
   Positions forces;                 ///< ∂m/∂(a force on each molecule that acts throughout) [by N], 3 × n
   /// Of each elastic law ∂m/∂(ln stiffness) of each element, of a spring k ∂m/∂k, of a cell E ∂m/∂E; empty of laws that
-  /// are no sums of elements, such as those with a history.
+  /// are no sums of elements, such as those with a history, and where the model has damping by its laws' stiffness
+  /// (`rayleigh`), which grows with them: take `numbers`.
   std::vector<VectorX> stiffness;
   std::vector<double> numbers;  ///< ∂m/∂ each number that was given as models, to the differences' error
 };
