@@ -210,6 +210,11 @@ void add_notes(const Scene& scene, const StrategyChoice& choice, const Run& run,
   say(!specimen.body.cables.empty(), "cables are not written");
   say(!specimen.body.ties.empty(), "ties between bodies are not written");
   say(specimen.contact.has_value(), "contact is not written");
+  say(static_cast<bool>(specimen.start),
+      "the start away from rest (`initial`) is in csv and json alone: the others begin at rest");
+  say(scene.statics.linear,
+      "the scene has small displacements, for which springs keep their directions: an engine's turn with the body, and "
+      "show other forces");
   say(!scene.experiment->at_rest(), "the experiment runs in time: its supports and loads are not written");
 }
 

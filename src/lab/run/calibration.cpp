@@ -293,6 +293,15 @@ std::optional<ElasticTerms> make_rule(const Specimen& specimen, const Experiment
     run.constants = choice.strategy.constants(specimen.body, specimen.material, choice.values);
     if (with_volume) run.volume_modulus = choice.strategy.volume_modulus(specimen.material);
   }
+  const auto is_finite = [&] {
+    const std::string found =
+        first_over(specimen.body, run.constants.allFinite() ? "" : non_finite_text(specimen.body, run.constants));
+    if (found.empty()) return true;
+    run.outcome = Outcome::diverged;
+    run.cause = found;
+    return false;
+  };
+  if (!is_finite()) return std::nullopt;
   if (choice.name.calibrated) {
     const StaticExperiment& at_rest = *calibration;
     const bool both = with_volume && measures_both(at_rest, specimen.material);
@@ -301,12 +310,7 @@ std::optional<ElasticTerms> make_rule(const Specimen& specimen, const Experiment
     else
       (both ? fit_springs_and_volume : scale_to_modulus)(specimen, at_rest, choice, options.statics, run);
   }
-  if (const std::string found =
-          first_over(specimen.body, run.constants.allFinite() ? "" : non_finite_text(specimen.body, run.constants));
-      !found.empty()) {
-    run.outcome = Outcome::diverged;
-    run.cause = found;
-  }
+  if (!is_finite()) return std::nullopt;
   if (!run.suited || run.outcome != Outcome::converged) return std::nullopt;
   std::optional<StressStrain> curve = specimen.material.curve;
   if (curve && choice.name.calibrated && !run.calibrated_to_reference && !options.statics.linear && calibration->axis())

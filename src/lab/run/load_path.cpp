@@ -83,8 +83,12 @@ LoadPath::LoadPath(Model& model, StaticRig& rig, const StaticOptions& options, S
   model_.commit_step(state_);
 }
 
-/// Extrapolation of the path: near the next equilibrium, unless a cell inverts or, under loads, the
-/// energy is higher than where the body stands (a bar that turns far would be torn).
+/// Of the energy that the last step has added, in as much of the path: what more an extrapolation adds is its own.
+constexpr double kOwnEnergy = 4;
+
+/// Extrapolation of the path: near the next equilibrium, unless a cell inverts or the energy is too high: under loads,
+/// higher than where the body stands (a bar that turns far would be torn); else, much higher than the path goes on to
+/// (one that is twisted, nearly incompressible, would be blown up).
 State LoadPath::start_of(double factor) const {
   if (options_.linear) return state_;
   State next = state_;
@@ -98,7 +102,8 @@ State LoadPath::start_of(double factor) const {
   const double gain = model_.elastic_energy(next.positions) + model_.load_energy(next) -
                       model_.elastic_energy(state_.positions) - model_.load_energy(state_);
   const bool loaded = model_.conservative() && !model_.load_forces(state_).isZero(0);
-  return std::isfinite(gain) && !(loaded && gain > 0) ? next : state_;
+  const double usual = loaded ? 0 : kOwnEnergy * std::abs((factor - factor_) / last_step_) * std::abs(last_gain_);
+  return std::isfinite(gain) && gain <= usual ? next : state_;
 }
 
 /// In how many parts obstacles go to the load `factor`.
@@ -160,6 +165,7 @@ StaticResult LoadPath::advance(double factor, double smallest) {
   if (solved.outcome == Outcome::converged) {
     model_.commit_step(next);
     displacement_ = next.positions - state_.positions;
+    last_gain_ = model_.elastic_energy(next.positions) - model_.elastic_energy(state_.positions);
     state_ = std::move(next);
     last_step_ = factor - factor_;
     factor_ = factor;

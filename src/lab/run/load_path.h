@@ -48,6 +48,7 @@ class LoadPath {
   LastSolve* last_;
   Positions displacement_;             // from the equilibrium before
   double factor_ = 0, last_step_ = 0;  // of the load: now, and how much the last part added
+  double last_gain_ = 0;               // of the elastic energy [J], by that part
   int halvings_ = 0;
 };
 

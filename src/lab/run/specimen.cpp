@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/base/stopwatch.h"
+#include "core/base/unsuited_error.h"
 #include "core/forces/volume.h"
 #include "core/shapes/surfaces.h"
 #include "core/simulation/fibres.h"
@@ -136,7 +137,8 @@ void count_modes(const Specimen& specimen, const HeldModel& held, const Experime
   const Body& body = model.body();
   const bool one = body.parts.empty(),
              each_alone = body.ties.empty() && inspect(body).pieces >= static_cast<int>(body.parts.size());
-  if (report.rigid_motions > 0 && own_loads && !own_loads->calibration() && (one || each_alone) && !contact_of(model))
+  if (report.rigid_motions > 0 && own_loads && !own_loads->calibration() && !own_loads->leaves_out_rigid_motions() &&
+      (one || each_alone) && !contact_of(model))
     run.warnings.push_back("the supports leave " + counted(report.rigid_motions, "rigid motion") + " of the " +
                            (one ? "body" : "bodies") +
                            " free, any of which may be in its displacements: hold more of " + (one ? "it" : "them"));
@@ -286,7 +288,13 @@ std::optional<HeldModel> make_model(const Specimen& specimen, const Experiment& 
   if (specimen.body.share && experiment.in_time())
     held.model->complete_rows(options.statics.engine->spreading(specimen.body));
   held.model->add(std::move(*elasticity));
-  held.rig = add_surroundings(*held.model, specimen, experiment, choice);
+  try {
+    held.rig = add_surroundings(*held.model, specimen, experiment, choice);
+  } catch (const UnsuitedError& error) {
+    run.cause = error.what();
+    run.suited = false;
+    return std::nullopt;
+  }
   return held;
 }
 

@@ -138,8 +138,6 @@ TEST_CASE("supports that leave a rigid motion free are named where displacements
   }
 }
 
-// With nu = 0 nothing moves across: the nominal stress is mu (l - 1/l), and that of the fibres T f(l)/l, f = 1 - 4 (1 -
-// l)^2.
 TEST_CASE("rigid motions of several bodies that nothing joins are named, too", "[statics][load_path]") {
   const TemporaryFolder folder;
   const std::string block = "tetrahedra: {kind: body_centred, cubes: [2, 2, 2], size: [4 mm, 4 mm, 4 mm]}";
@@ -159,6 +157,72 @@ TEST_CASE("rigid motions of several bodies that nothing joins are named, too", "
   }
 }
 
+TEST_CASE("a bar near nu = 1/2 is twisted in few Newton iterations a step", "[statics][load_path]") {
+  // The torque is that of 40 steps, whose extrapolation is near the path.
+  const TemporaryFolder folder;
+  const auto twisted = [&](int steps) {
+    const auto scene = load_scene(
+        folder.write("scene.yaml",
+                     "body: {lattice: {kind: cubic, molecules: [3, 3, 4], spacing: 5 mm, order: 2}}\n"
+                     "material: {youngs_modulus: 30 kPa, poissons_ratio: 0.4995}\nstiffness: neo_hookean+volume\n"
+                     "experiment: {kind: torsion, axis: z, angle: 60 deg, load_steps: " +
+                         std::to_string(steps) + "}\n"),
+        built_in_catalog());
+    const Run run = run_strategy(scene->specimen, *scene->experiment, scene->stiffness, {.statics = scene->statics});
+    INFO(steps << ": " << run.cause);
+    CHECK(run.outcome == Outcome::converged);
+    CHECK(run.newton_iterations <= 8 * steps);
+    return run.measures.get("torque");
+  };
+  CHECK(twisted(10) == Approx(twisted(40)).epsilon(1e-8));
+}
+
+TEST_CASE("what one strategy cannot do is its own outcome, and no error of the scene", "[statics][load_path]") {
+  const TemporaryFolder folder;
+  const auto run_of = [&](const std::string& text, const char* strategy) {
+    const auto scene =
+        load_scene(folder.write("scene.yaml", text + "stiffness: " + strategy + "\n"), built_in_catalog());
+    RunOptions options{.statics = scene->statics};
+    options.time = scene->time;
+    return run_strategy(scene->specimen, *scene->experiment, scene->stiffness, options);
+  };
+  const std::string chain =
+      "body: {molecules: [[0, 0, 0], [0, 0, 1 cm], [0, 0, 1 cm], [0, 0, 2 cm]], connections: [[0, 1], [1, 2], [2, "
+      "3]]}\n"
+      "material: {youngs_modulus: 10 kPa}\n"
+      "experiment: {kind: tension, axis: z, force: 1 mN, cross_section: 16 mm2}\n";
+  for (const char* strategy : {"standard", "calibrated:standard"}) {
+    INFO(strategy);
+    const Run run = run_of(chain, strategy);
+    CHECK(run.outcome == Outcome::diverged);
+    CHECK_THAT(run.cause, Contains("it has no length"));
+  }
+  const std::string damped =
+      "body: {lattice: {kind: cubic, molecules: [3, 3, 4], spacing: 1 mm, order: 1}}\n"
+      "material: {youngs_modulus: 20 kPa, poissons_ratio: 0.25, density: 1 g/cm^3}\n"
+      "loads: [{rayleigh: {stiffness: 20 us}}]\ntime: {duration: 2 ms, frames: 2}\n"
+      "experiment: {kind: release, fixture: {kind: tension, axis: z, strain: 2 %}}\n";
+  CHECK(run_of(damped, "standard").suited);
+  const Run cells = run_of(damped, "neo_hookean");
+  CHECK(!cells.suited);
+  CHECK_THAT(cells.cause, Contains("`stiffness` of `rayleigh`"));
+}
+
+TEST_CASE("a free body that vibrates needs no support", "[statics][load_path]") {
+  const TemporaryFolder folder;
+  const auto scene =
+      load_scene(folder.write("scene.yaml",
+                              "body: {tetrahedra: {kind: body_centred, cubes: [4, 2, 2], size: [10 mm, 4 mm, 4 mm]}}\n"
+                              "material: {youngs_modulus: 10 kPa, poissons_ratio: 0.3, density: 1 g/cm^3}\n"
+                              "stiffness: neo_hookean\nexperiment: {kind: vibration}\n"),
+                 built_in_catalog());
+  const Run run = run_strategy(scene->specimen, *scene->experiment, scene->stiffness, {.statics = scene->statics});
+  CHECK(run.measures.get("rigid_motions") == 6);
+  CHECK(run.warnings == std::vector<std::string>{});
+}
+
+// With nu = 0 nothing moves across: the nominal stress is mu (l - 1/l), and that of the fibres T f(l)/l, f = 1 - 4 (1 -
+// l)^2.
 TEST_CASE("a muscle at work bears stress before the load, and the modulus is of what the load adds",
           "[statics][load_path][muscle]") {
   const TemporaryFolder folder;

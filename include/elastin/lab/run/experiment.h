@@ -217,6 +217,8 @@ class StaticExperiment : public Experiment {
   virtual ResponseMeasures response_measures() const { return {}; }
   /// Whether what it measures is the response to small strains, however large its load is.
   virtual bool of_small_strains() const { return false; }
+  /// Whether it takes out of what it measures the rigid motions that supports leave free, and says how many these are.
+  virtual bool leaves_out_rigid_motions() const { return false; }
   /// The test that shows a law's own value of what was measured (a curve has another secant modulus at every strain);
   /// none where no uniform strain does.
   virtual std::optional<UniformTest> uniform(const Measures& /*measured*/) const { return std::nullopt; }

@@ -70,6 +70,7 @@ class Vibration final : public StaticExperiment {
   /// The fixture, which knows no further supports.
   const StaticExperiment* calibration() const override { return further_supports().empty() ? fixture_.get() : this; }
   bool stiffened_by_load() const override { return loaded_; }
+  bool leaves_out_rigid_motions() const override { return true; }
   int load_steps() const override { return loaded_ ? fixture_->load_steps() : 1; }
   double load_factor(int step) const override { return loaded_ ? fixture_->load_factor(step) : 1; }
 
