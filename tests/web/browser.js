@@ -50,7 +50,7 @@ class Browser {
     }
     await this.send('Emulation.setDeviceMetricsOverride', {width, height, deviceScaleFactor: 1, mobile: width < 600});
     await this.send('Emulation.setTouchEmulationEnabled', {enabled: false});
-    await this.send('Emulation.setEmulatedMedia', {features: [{name: 'prefers-color-stepper', value: dark ? 'dark' : 'light'}]});
+    await this.send('Emulation.setEmulatedMedia', {features: [{name: 'prefers-color-scheme', value: dark ? 'dark' : 'light'}]});
     await this.send('Page.navigate', {url: 'about:blank'});  // an address that differs after # alone opens nothing new
     await this.send('Page.navigate', {url});
     await this.until('document.documentElement.dataset.ready');

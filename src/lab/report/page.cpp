@@ -271,6 +271,7 @@ std::string stage_html(const Scenery& scene, const std::vector<std::string>& vie
       bodies[head.value("molecules", 0)].push_back({std::move(head), &line});
   }
   const std::string best = scene.ranking.best ? scene.ranking.best->run.strategy : "";
+  bool has_states = false;
   for (auto at = bodies.rbegin(); at != bodies.rend(); ++at) {
     const auto wanted = static_cast<std::size_t>(kBytesOfMolecule * at->first);
     const std::size_t all = std::min(std::max(kPageBytes, wanted), kMostPageBytes) / scenes;
@@ -283,6 +284,7 @@ std::string stage_html(const Scenery& scene, const std::vector<std::string>& vie
     std::map<std::string, const View*> latest;  // a run that was cut off and run again left two
     for (const View& view : at->second)
       if (view.head["kind"] == "states") latest[view.head.value("strategy", "")] = &view;
+    has_states |= !latest.empty();
     std::vector<const View*> order;
     if (latest.contains(best)) order.push_back(latest[best]);
     for (const Record& record : scene.records)
@@ -296,7 +298,9 @@ std::string stage_html(const Scenery& scene, const std::vector<std::string>& vie
     return fmt::format(fmt::runtime(kStage), note.empty() ? "" : " Shown: " + escaped(note) + ".") + body + states +
            "</section>\n";
   }
-  return bodies.empty() ? "" : "<p class=\"note\">The body is not drawn here: the page has no room for it.</p>\n";
+  if (bodies.empty()) return "";
+  return fmt::format("<p class=\"note\">The body is not drawn here: {}.</p>\n",
+                     has_states ? "the page has no room for it" : "no run has come as far as that");
 }
 
 /// What a page filters the runs by.

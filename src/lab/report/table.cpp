@@ -203,9 +203,15 @@ namespace {
 std::string with_prefix(double value, const std::string& unit, int digits) {
   if (!std::isfinite(value)) return "";
   if (unit.empty()) return fmt::format("{:.4f}", std::abs(value) < 5e-5 ? 0. : value);
-  // Prefixes fit units that stand alone: not m^2 or kg/m^3.
-  if (unit != "m" && unit != "Pa" && unit != "N" && unit != "J" && unit != "N/m" && unit != "N m")
+  const bool area = unit == "m^2", time = unit == "s";
+  // Prefixes fit units that stand alone: not kg/m^3. Nobody writes ks, and a prefix of m^2 counts twice.
+  if (unit != "m" && unit != "Pa" && unit != "N" && unit != "J" && unit != "N/m" && unit != "N m" && !area &&
+      !(time && std::abs(value) < 1))
     return fmt::format("{:.{}g} {}", value, digits, unit);
+  if (area && std::abs(value) < 0.1 && value != 0)
+    return std::abs(value) < 1e-8 ? fmt::format("{:.{}g} µm^2", 1e12 * value, digits)
+                                  : fmt::format("{:.{}g} mm^2", 1e6 * value, digits);
+  if (area) return fmt::format("{:.{}g} {}", value, digits, unit);
   if (std::abs(value) >= 1e15) return fmt::format("{:.{}g} {}", value, digits, unit);
   static constexpr std::pair<double, const char*> prefixes[]{{1e9, "G"},  {1e6, "M"},  {1e3, "k"}, {1, ""},
                                                              {1e-3, "m"}, {1e-6, "µ"}, {1e-9, "n"}};

@@ -151,9 +151,11 @@ void Results::finish(const std::vector<ScenePlan>& plans, bool stopped, bool pag
   }
   if (request_.json == "-") fmt::print("{}", json_text(records_));
   const bool all_varied = std::all_of(plans.begin(), plans.end(), [](const ScenePlan& plan) { return plan.varied(); });
+  const bool no_curve =
+      std::all_of(records_.begin(), records_.end(), [](const Record& record) { return record.run.curve.empty(); });
   if (request_.to_screen() && !request_.out.empty())
     fmt::print("  files in {}/: report.html, runs.csv, runs.json{}\n", request_.out,
-               all_varied ? "" : ", curves, and .pvd for ParaView");
+               all_varied || no_curve ? "" : ", curves, and .pvd for ParaView");
 }
 
 }  // namespace elastin::lab

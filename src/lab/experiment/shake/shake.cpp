@@ -23,7 +23,7 @@ const MeasureList& shake_measures() {
   using Role = MeasureRole;
   static const MeasureList list{
       {{"amplitude_ratio", none, "amplitude of the far end / of the shaken one, over the last periods"},
-       {"phase", none, "angle by which the far end is behind [rad]"},
+       {"phase", none, "angle by which the far end is behind", Role::none, "", "rad"},
        {"sine_misfit", none,
         "residual of the sine fitted to the far end over the last periods / all, as root mean squares"},
        {"base_displacement", length, "displacement of the shaken end", Role::none, "displacement of the shaken end", "",

@@ -40,8 +40,8 @@ const MeasureList& sliding_measures() {
       {"slide_acceleration", acceleration, "acceleration down the slope while it slides: a line fitted to the speed"},
       {"creep", length, "largest displacement of a molecule on the slope, of all frames"},
       {"turn", none, "angle by which the body has turned down the slope since the start [rad]", Role::share},
-      {"slope", none, "slope of the plane [rad]"},
-      {"slip_angle", none, "slope at which the body begins to slide [rad]"},
+      {"slope", none, "slope of the plane", Role::none, "", "rad"},
+      {"slip_angle", none, "slope at which the body begins to slide", Role::none, "", "rad"},
       {"slip_friction", none, "tan of that angle"}};
   return list;
 }

@@ -20,7 +20,7 @@ const MeasureList& torsion_measures() {
       {{"torque", dimension::energy, "torque about the axis on the turned end; beyond preload", Role::torque, "",
         "N m"},
        {"axial_force", force, "force along the axis; positive = the plate pulls the body up"},
-       {"angle", none, "angle by which the loaded end is turned [rad]"},
+       {"angle", none, "angle by which the loaded end is turned", Role::none, "", "rad"},
        {"torsional_stiffness", dimension::energy, "torque / angle [a radian]", Role::modulus, "", "N m"},
        {"shear_modulus", pressure, "secant modulus G: torque / twist of the bar", Role::shear_modulus, "G"}},
       {{"angle", "torque", true}, {"load", "angle", true}}};

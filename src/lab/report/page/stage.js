@@ -216,6 +216,9 @@ class Stage {
       numbers.forEach(v => { low = Math.min(low, v); high = Math.max(high, v); }));
     widen(frames.length - 1);
     if (!(low <= high)) low = high = 0;  // nothing is shown
+    // What differs by less than a thousandth has one colour: its differences are not worth a scale.
+    const alike = high - low < 1e-3 * Math.max(Math.abs(low), Math.abs(high));
+    if (alike) [low, high] = [Math.min(low, 0), Math.max(high, 0)];
     if (kind !== 'tension' && kind !== 'strain') low = 0;
     let range = {low, high, map: 'rising'};
     if (low < -0.02 * high && high > -0.02 * low) {
