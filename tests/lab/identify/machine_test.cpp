@@ -537,7 +537,7 @@ TEST_CASE("a record of relaxation is read from where the load begins, and by its
       {"the machine's clock, as the scene says", head + record(pulls, 3.2), ", strain: 0.2, begins: 3.2 s", ""},
       {"the clock, with readings before", head + "1,0.5\n3,0.4\n" + record(pulls, 3.2), ", strain: 0.2, begins: 3.2 s",
        ""},
-      {"a ramp that is not stated", head + slow + record(pulls, 0.5), ", strain: 0.2", "the load grows until 0.501 s",
+      {"a ramp that is not stated", head + slow + record(pulls, 0.5), ", strain: 0.2", "the load grows until 501.00 ms",
        false},
       {"pressed, with its sign", head + record(presses), ", strain: -0.2", ""},
       {"pressed, counted positive", head + record(-presses), ", strain: -0.2", ""},

@@ -645,7 +645,12 @@ TEST_CASE("values are printed with a prefix that keeps them readable", "[files]"
   CHECK(readable(5e12, pressure) == "5000.00 GPa");
   CHECK(readable(0, length) == "0 m");
   CHECK(readable(1e-15, energy) == "1e-15 J");
-  CHECK(readable(9e-4, area) == "0.0009 m^2");
+  CHECK(readable(9e-4, area) == "900 mm^2");
+  CHECK(readable(0.25, area) == "0.25 m^2");
+  CHECK(readable(2.5e-11, area) == "25 µm^2");
+  CHECK(readable(0, area) == "0 m^2");
+  CHECK(readable(0.011322, dimension::time) == "11.322 ms");
+  CHECK(readable(1200, dimension::time) == "1200 s");
   CHECK(readable(0.25, none) == "0.2500");
   CHECK(readable(-1e-17, none) == "0.0000");
   CHECK(readable(std::nan(""), pressure).empty());
