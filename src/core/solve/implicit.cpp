@@ -48,47 +48,41 @@ void set_push(const Model& model, const State& state, Push& push) {
 
 /// A load that a balance within a step takes as it is at the step's end, times a factor. That end lies beyond what the
 /// balance seeks: x₀ + (x − x₀)/share.
-class AtEnd final : public Load {
+class AtEnd final : public LoadOf {
  public:
-  AtEnd(std::unique_ptr<Load> own, const State& start, double share, double factor)
-      : load(std::move(own)), start_(start), share_(share), factor_(factor) {}
+  AtEnd(std::unique_ptr<Load> load, const State& start, double share, double factor)
+      : LoadOf(std::move(load)), start_(start), share_(share), factor_(factor) {}
   void add_forces(const State& state, Positions& forces) const override {
     sum_.setZero(3, forces.cols());
-    load->add_forces(end_of(state), sum_);
+    load_->add_forces(end_of(state), sum_);
     forces += factor_ * sum_;
   }
-  double energy(const State& state) const override { return factor_ * share_ * load->energy(end_of(state)); }
-  bool changes() const override { return true; }
+  double energy(const State& state) const override { return factor_ * share_ * load_->energy(end_of(state)); }
   void add_change(const State& state, const Positions& motion, const Positions& sped,
                   Positions& forces) const override {
     sum_.setZero(3, forces.cols());
-    load->add_change(end_of(state), motion, sped, sum_);
+    load_->add_change(end_of(state), motion, sped, sum_);
     forces += factor_ / share_ * sum_;
   }
   void visit_blocks(const State& state, double velocity_weight, const BlockVisitor& visit) const override {
     const auto scaled = [&](int a, int b, const Matrix3& block) { visit(a, b, factor_ / share_ * block); };
-    load->visit_blocks(end_of(state), velocity_weight, std::ref(scaled));
+    load_->visit_blocks(end_of(state), velocity_weight, std::ref(scaled));
   }
   std::vector<WideTerm> wide_terms(const State& state) const override {
-    std::vector<WideTerm> terms = load->wide_terms(end_of(state));
+    std::vector<WideTerm> terms = load_->wide_terms(end_of(state));
     for (WideTerm& term : terms) term.factor *= factor_ / share_;
     return terms;
   }
-  bool has_energy() const override { return load->has_energy(); }
-  bool steady() const override { return load->steady(); }
-  bool resists() const override { return load->resists(); }
-  bool feels_velocity() const override { return load->feels_velocity(); }
-  bool symmetric() const override { return load->symmetric(); }
-  std::vector<HistoryBlock> history() const override { return load->history(); }
   bool update_multipliers(State& state) const override {
-    if (share_ == 1) return load->update_multipliers(state);
+    if (share_ == 1) return load_->update_multipliers(state);
     State end = end_of(state);
-    if (!load->update_multipliers(end)) return false;
+    if (!load_->update_multipliers(end)) return false;
     state.carry_over(end);
     return true;
   }
 
-  std::unique_ptr<Load> load;
+  /// The load itself; nothing is left here.
+  std::unique_ptr<Load> extract() { return std::move(load_); }
 
  private:
   const State& end_of(const State& state) const {
@@ -199,7 +193,7 @@ PushesAtEnd::PushesAtEnd(Model& model, const State& start, double share, double 
 PushesAtEnd::~PushesAtEnd() {
   for (auto& load : model_.extract_loads()) {
     auto* at_end = dynamic_cast<AtEnd*>(load.get());
-    model_.add(at_end ? std::move(at_end->load) : std::move(load));
+    model_.add(at_end ? at_end->extract() : std::move(load));
   }
 }
 

@@ -93,22 +93,15 @@ class PointLoads final : public Load {
   bool steady_ = true;
 };
 
-/// A load times a factor, which may change with time and between steps. All else it says of itself stays.
-class ScaledLoad : public Load {
+/// What gives the forces of another load in its own manner: all else that it says of itself is that of the other load.
+class LoadOf : public Load {
  public:
-  explicit ScaledLoad(std::unique_ptr<Load> load) : load_(std::move(load)) {}
-  void add_forces(const State& state, Positions& forces) const override;
-  double energy(const State& state) const override { return factor(state.time) * load_->energy(state); }
+  explicit LoadOf(std::unique_ptr<Load> load) : load_(std::move(load)) {}
   bool changes() const override { return load_->changes(); }
-  void add_change(const State& state, const Positions& change_of_positions, const Positions& change_of_velocities,
-                  Positions& change_of_forces) const override;
-  void visit_blocks(const State& state, double velocity_weight, const BlockVisitor& visit) const override;
-  std::vector<WideTerm> wide_terms(const State& state) const override;
   bool has_energy() const override { return load_->has_energy(); }
   bool steady() const override { return load_->steady(); }
   bool acts_at_rest() const override { return load_->acts_at_rest(); }
   bool resists() const override { return load_->resists(); }
-  void add_resistance(const State& state, Positions& forces) const override;
   bool feels_velocity() const override { return load_->feels_velocity(); }
   bool symmetric() const override { return load_->symmetric(); }
   std::vector<HistoryBlock> history() const override { return load_->history(); }
@@ -117,12 +110,27 @@ class ScaledLoad : public Load {
   double max_step_fraction(const State& from, const State& to) const override {
     return load_->max_step_fraction(from, to);
   }
+
+ protected:
+  std::unique_ptr<Load> load_;
+};
+
+/// A load times a factor, which may change with time and between steps.
+class ScaledLoad : public LoadOf {
+ public:
+  using LoadOf::LoadOf;
+  void add_forces(const State& state, Positions& forces) const override;
+  double energy(const State& state) const override { return factor(state.time) * load_->energy(state); }
+  void add_change(const State& state, const Positions& change_of_positions, const Positions& change_of_velocities,
+                  Positions& change_of_forces) const override;
+  void visit_blocks(const State& state, double velocity_weight, const BlockVisitor& visit) const override;
+  std::vector<WideTerm> wide_terms(const State& state) const override;
+  void add_resistance(const State& state, Positions& forces) const override;
   double square_frequency(const State& state, double ahead) const override;
 
  protected:
   /// At a time [s].
   virtual double factor(double time) const = 0;
-  std::unique_ptr<Load> load_;
 
  private:
   mutable Positions whole_;  // of the load alone: a step must not allocate memory
