@@ -1,6 +1,7 @@
 #pragma once
 #include <algorithm>
 #include <array>
+#include <limits>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -75,6 +76,15 @@ inline int nearest_of(const Sample& sample) {
 struct MoleculePressure {
   int molecule = 0, target = 0;
   double pressure = 0;  ///< [Pa], ≥ 0
+  bool operator==(const MoleculePressure&) const = default;
+};
+
+/// Of updates that follow each other: what the last one made, the depth that it met, and by which factor the penalty is
+/// raised from there on.
+struct MultiplierUpdates {
+  std::vector<MoleculePressure> made;
+  double depth = std::numeric_limits<double>::infinity();  ///< [m]
+  double raised = 1;
 };
 
 /// The one kind of Contact. Its files: contact_force.cpp what a load does; contact_state.cpp the touches of a state,
@@ -98,6 +108,7 @@ class ContactForce final : public Contact {
   void visit_blocks(const State& state, double velocity_weight, const BlockVisitor& visit) const override;
   void commit_step(State& state) const override;
   bool update_multipliers(State& state) const override;
+  bool has_multipliers() const override { return options_.penetration > 0; }
   double max_step_fraction(const State& from, const State& to) const override;
   double square_frequency(const State& state, double ahead) const override;
 
@@ -153,7 +164,7 @@ class ContactForce final : public Contact {
     const Sample& sample = search_.samples()[memory.sample];
     return sample.molecules[nearest_of(sample)];
   }
-  /// Sets pressures_ to what the state's history says.
+  /// Sets pressures_ to what the state's history says, and what the penalty is raised by.
   void set_pressures(const State& state) const;
   double pressure_at(int molecule, int target) const;
   /// What the molecules' multipliers press a touch with [N].
@@ -182,6 +193,8 @@ class ContactForce final : public Contact {
   mutable std::vector<ContactPoint> found_, contact_points_;          // near; of these, those that were answered
   mutable std::vector<double> multipliers_;                           // of contact_points_ [N]
   mutable std::vector<MoleculePressure> pressures_, next_pressures_;  // sorted by (molecule, target)
+  mutable MultiplierUpdates updates_;
+  mutable double raised_ = 1;  // the penalty, by this factor, at pressures_
   mutable std::vector<ContactResponse> responses_;
   mutable Positions cached_positions_, cached_velocities_;
   mutable std::vector<Pose> cached_poses_;

@@ -155,7 +155,7 @@ ContactSetting ContactForce::setting_of(const State& state, const ContactPoint& 
       if (resisting) setting.velocity -= contact_point.weights[i] * state.velocities.col(contact_point.molecules[i]);
     }
   }
-  setting.stiffness = options_.stiffness * area_of(contact_point);
+  setting.stiffness = raised_ * options_.stiffness * area_of(contact_point);
   setting.multiplier = multiplier_of(contact_point);
   if (contact_point.target < obstacle_count()) setting.adhesion = options_.adhesion * area_of(contact_point);
   setting.range = options_.adhesion_range;
@@ -198,6 +198,7 @@ void ContactForce::set_sides(const ContactPoint& contact_point, const ContactHis
 
 void ContactForce::commit_step(State& state) const {
   if (!has_friction_ && options_.penetration == 0) return;
+  updates_ = {};
   evaluate(state, has_friction_ ? mean_size_ : 0, true);
   // Where it stuck is where it sticks again, unless it slid; what is near but not pressed sticks from here on.
   next_history_.clear();

@@ -8,6 +8,10 @@
 // until no p changes by more than stiffness · penetration: then the mean gap of each share is zero where p is not. A
 // multiplier for each sample would constrain more than the molecules between are free to do: three samples of each
 // triangle cannot all lie on a round tool, and most of them would be released. [Wriggers 2006, ch. 5 and 9]
+//
+// Each update leaves K / (K + k) of the depth, K being what the body resists with and k the penalty. Where that is much
+// the penalty is raised until the updates have settled; then it is the penalty itself again, with hardly more to press.
+// So nothing but pressures is kept.
 
 #include <algorithm>
 #include <cmath>
@@ -16,6 +20,10 @@
 
 namespace elastin::contact {
 namespace {
+
+/// An update is slow where it leaves more than a part of the depth; the penalty is then raised by a factor, up to a
+/// limit that its stiffness against the body's sets for the linear solver.
+constexpr double kSlow = 0.25, kRaise = 4, kMostRaised = 4096;
 
 template <class Item>
 auto place_of(std::vector<Item>& sorted, std::pair<int, int> key) {
@@ -34,6 +42,7 @@ MoleculePressure& entry_of(std::vector<MoleculePressure>& all, int molecule, int
 
 void ContactForce::set_pressures(const State& state) const {
   pressures_.clear();
+  raised_ = 1;
   if (options_.penetration == 0) return;
   for (const ContactHistory& memory : state.contact_history)
     if (memory.multiplier > 0) pressures_.push_back({molecule_of(memory), memory.target, memory.multiplier});
@@ -41,6 +50,7 @@ void ContactForce::set_pressures(const State& state) const {
             [](const MoleculePressure& a, const MoleculePressure& b) { return key_of(a) < key_of(b); });
   const auto same = [](const MoleculePressure& a, const MoleculePressure& b) { return key_of(a) == key_of(b); };
   pressures_.erase(std::unique(pressures_.begin(), pressures_.end(), same), pressures_.end());
+  if (pressures_ == updates_.made) raised_ = updates_.raised;
 }
 
 double ContactForce::pressure_at(int molecule, int target) const {
@@ -93,12 +103,25 @@ bool ContactForce::update_multipliers(State& state) const {
     next.pressure = std::max(0., next.pressure);
     largest_change = std::max(largest_change, std::abs(next.pressure - pressure_at(next.molecule, next.target)));
   }
-  if (largest_change <= options_.stiffness * options_.penetration) return false;
+  const bool settled = largest_change <= options_.stiffness * options_.penetration;
+  if (settled && raised_ == 1) {
+    updates_ = {};
+    return false;
+  }
+  const double depth = largest_change / (raised_ * options_.stiffness);
+  const bool slow = pressures_ == updates_.made && depth > kSlow * updates_.depth;
+  if (settled)
+    updates_.raised = 1;
+  else if (slow)
+    updates_.raised = std::min(kRaise * raised_, kMostRaised);
+  updates_.depth = depth;
   next_history_ = state.contact_history;
   for (const ContactPoint& contact_point : contact_points_) add_entry(state, contact_point.sample, contact_point);
   pressures_.swap(next_pressures_);
   keep_pressures(state);
   state.contact_history = next_history_;
+  set_pressures(state);
+  updates_.made = pressures_;
   return true;
 }
 

@@ -140,6 +140,45 @@ TEST_CASE("contact: multipliers bound the depth and keep the force", "[contact]"
   CHECK(-report.on_obstacles[0].z() == Approx(0.3 * kGravity).epsilon(1e-9));
 }
 
+TEST_CASE("contact: updates of multipliers end on a contact that is far softer than the body", "[contact]") {
+  // A molecule on a spring of K = 4000 N/m, pressed by F = 1 N on a plane that it just touches: each update with the
+  // contact's own k = 4 N/m would leave K / (K + k) of the depth, of which 10 000 were needed.
+  Body body = listed_body({{0, 0, 0.01}, {0, 0, 0.03}}, {{0, 1}});
+  body.radius = VectorX::Constant(2, 0.01);
+  body.mass = VectorX::Constant(2, 0.1);
+  ContactOptions options = options_of(1e4, 0, {floor_at(0)});
+  options.penetration = 1e-8;
+  Scene scene(body, options, 0);
+  Positions forces(3, 1);
+  forces << 0, 0, -1;
+  scene.model->add(std::make_unique<PointLoads>(scene.body, std::vector<int>{0}, forces));
+  scene.model->supports = {{.molecule = 1}, {.molecule = 0, .free = Vector3::UnitZ() * Vector3::UnitZ().transpose()}};
+  const StaticResult result = solve_static(*scene.model, scene.state);
+  INFO(result.cause);
+  REQUIRE(result.outcome == Outcome::converged);
+  const ContactReport report = scene.contact->report(scene.state);
+  CHECK(report.largest_penetration <= 1e-8);
+  CHECK(-report.on_obstacles[0].z() == Approx(1 - 4000 * report.largest_penetration).epsilon(1e-7));
+}
+
+TEST_CASE("contact: each implicit stepper bounds the depth by multipliers, explicit ones are refused", "[contact]") {
+  ContactOptions options = options_of(1e6, 0, {floor_at(0)});
+  options.penetration = 1e-6;
+  for (const auto& method : built_in_steppers()) {
+    INFO(method->name);
+    Scene scene(block(), options);  // 9 molecules carry 0.18 kg: 196 um deep by the penalty alone
+    scene.model->add(make_mass_damping(scene.body, 300));
+    CHECK(unsuited_for(*method, *scene.model).empty() != method->is_explicit);
+    if (method->is_explicit) continue;
+    scene.step({method->name}, 1e-3, 200);
+    for (int step = 0; step < 100; ++step) {
+      scene.step({method->name}, 1e-3, 1);
+      CHECK(scene.contact->report(scene.state).largest_penetration <= (method->order == 1 ? 1 : 2) * 1e-6);
+      CHECK(scene.centre().z() == Approx(0.01).margin(5e-6));  // it lies there
+    }
+  }
+}
+
 TEST_CASE("contact: a stack of ten carries each molecule's own load", "[contact]") {
   const double radius = 0.01, mass = 0.05, stiffness = 1e7;
   std::vector<Vector3> positions;

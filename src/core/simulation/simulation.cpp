@@ -442,6 +442,7 @@ void Simulation::add(std::function<void(Model&)> add) {
   for (const HistoryBlock& block : trial.history())
     if (!has(of_laws, block.name) && has(in.model.history(), block.name))
       throw InputError("two loads declare history under the name '" + block.name + "'");
+  check(in.options.stepper, trial);
   in.put({std::move(add)}, in.recipe.added.size());
 }
 

@@ -78,8 +78,8 @@ class BlockDescent final : public Implicit {
     outer_.begin(model, next, kinematics.weights);
     inertia_.noalias() = kinematics.start - kinematics.accelerations / kinematics.weights.acceleration;  // y
     choose_start(model, next, kinematics);
-    for (int round = 0; round == 0 || (round < 50 && model.update_multipliers(next)); ++round)
-      descend(model, next, kinematics, result);
+    balance_with_multipliers(model, next, kinematics.cut_short, result,
+                             [&] { descend(model, next, kinematics, result); });
     end_sweeps(model, kinematics, next, result);
     return result;
   }
@@ -112,6 +112,10 @@ class BlockDescent final : public Implicit {
   }
 
   void descend(Model& model, State& next, const Kinematics& kinematics, StaticResult& result) {
+    if (result.newton_iterations > 0) {  // multipliers are others now
+      set_velocities(model, kinematics, next);
+      outer_.begin(model, next, kinematics.weights);
+    }
     double omega = 1, last = std::numeric_limits<double>::infinity();
     int accelerated = 0;
     // A pair begins where the one before it was mixed to.

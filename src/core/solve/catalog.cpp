@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include "core/base/named.h"
 #include "core/solve/steppers.h"
 #include "elastin/core/base/error.h"
@@ -38,7 +40,19 @@ const Table<StepperKind>& built_in_steppers() {
   return table;
 }
 
+std::string needs_implicit_steps() {
+  std::vector<std::string> able;
+  for (const auto& row : built_in_steppers())
+    if (!row->is_explicit) able.push_back(row->name);
+  return "explicit steps do not keep contact's `penetration`; leave it out and take a larger `stiffness`, or a stepper "
+         "that keeps it: " +
+         joined(able);
+}
+
 std::string unsuited_for(const StepperKind& method, const Model& model) {
+  if (method.is_explicit &&
+      std::any_of(model.loads().begin(), model.loads().end(), [](const auto& load) { return load->has_multipliers(); }))
+    return needs_implicit_steps();
   if (model.body().share && !method.of_shares) {
     std::vector<std::string> able;
     for (const auto& row : built_in_steppers())

@@ -45,10 +45,18 @@ class EnergyMomentum final : public Implicit {
     model.begin_step(state, state.time + dt);
     dt_ = dt;
     set_end(model, state.positions, begin_);
-    if (!go_to_end(model, state, result)) return;
-    if (made_by_pushes(model, state, next_, 0.5) > 0.) {
+    next_.carry_over(state);
+    go_to_end(model, state, result);
+    if (result.outcome != Outcome::converged) return;
+    // A limit of depth holds at the step's end: met half-way alone, the ends would swing about it.
+    if (made_by_pushes(model, state, next_, 0.5) > 0. || model.update_multipliers(next_)) {
       const PushesAtEnd at_end(model, state, 0.5, 1);
-      if (!go_to_end(model, state, result)) return;
+      middle_.carry_over(next_);
+      balance_with_multipliers(model, middle_, false, result, [&] {
+        next_.carry_over(middle_);
+        go_to_end(model, state, result);
+      });
+      if (result.outcome != Outcome::converged) return;
     }
     if (model.max_step_fraction(state, next_) < 1) {
       result.outcome = Outcome::limit_reached;
@@ -63,18 +71,25 @@ class EnergyMomentum final : public Implicit {
     std::swap(state, next_);
   }
 
-  bool go_to_end(Model& model, const State& state, StepResult& result) {
+  /// The step with the history, of which multipliers are a part, that `next_` has.
+  void go_to_end(Model& model, const State& state, StepResult& result) {
     set_first_guess(model, state);
-    if (!balance(model, state, result)) return false;
+    if (!balance(model, state, result)) return;
     if (model.supports.empty()) keep_momentum(model, state);
     next_.positions = now_.positions;
     next_.velocities = 2 / dt_ * (now_.positions - state.positions) - state.velocities;
     if (model.supports.empty()) keep_momentum_of(model, state);
     move_with_supports(model.supports, next_.velocities);
     next_.accelerations = (next_.velocities - state.velocities) / dt_;
-    next_.carry_over(state);
     next_.time = state.time + dt_;
-    return true;
+    set_middle(state, now_.positions);
+  }
+
+  void set_middle(const State& state, const Positions& positions) {
+    middle_.carry_over(next_);
+    middle_.time = state.time + dt_ / 2;
+    middle_.positions = 0.5 * (state.positions + positions);
+    middle_.velocities = (positions - state.positions) / dt_;
   }
 
   void set_end(const Model& model, const Positions& positions, End& end) {
@@ -141,10 +156,7 @@ class EnergyMomentum final : public Implicit {
         connections, [&](int c) { return 0.5 * std::abs((end_.densities[c] - begin_.densities[c]) * change_[c]); });
     if (std::abs(lacking) > noise && squares > 0) mean_ += std::clamp(lacking, -most, most) / squares * change_;
 
-    middle_.carry_over(state);
-    middle_.time = state.time + dt_ / 2;
-    middle_.positions = 0.5 * (state.positions + trial.positions);
-    middle_.velocities = (trial.positions - state.positions) / dt_;
+    set_middle(state, trial.positions);
     trial.unbalanced.setZero(3, model.body().size());
     model.gather(middle_.positions, mean_, trial.unbalanced);
     trial.scale = ordered_norm(trial.unbalanced);

@@ -244,9 +244,6 @@ void apply_supports(const Model& model, Positions& positions) {
 
 namespace {
 
-/// Updates of the loads' multipliers, each followed by an equilibrium, at most.
-constexpr int kMultiplierUpdates = 50;
-
 double goal_of(const StaticOptions& options, const Trial& trial, double floor) {
   return std::max(options.tolerance * trial.forces.scale, 2 * floor);
 }
@@ -447,22 +444,16 @@ StaticResult balance_once(Model& model, State& state, const StaticOptions& optio
 StaticResult solve_newton(Model& model, State& state, const StaticOptions& options, const Kinematics* kinematics,
                           NewtonWorkspace& workspace, LastSolve* last, SharedProblem* shared) {
   workspace.solver.forget();
-  StaticResult result = balance_once(model, state, options, kinematics, workspace, last, shared);
-  for (int round = 0; result.outcome == Outcome::converged && model.update_multipliers(state); ++round) {
-    if (round == kMultiplierUpdates) {
-      result.outcome = Outcome::limit_reached;
-      result.cause =
-          "contact penetration still exceeds the limit after " + std::to_string(kMultiplierUpdates) +
-          " multiplier updates: each takes the more off it the stiffer the contact is; take ten times its stiffness";
-      break;
-    }
-    workspace.before.reset();
+  StaticResult result;
+  bool first = true;
+  balance_with_multipliers(model, state, kinematics && kinematics->cut_short, result, [&] {
+    if (!std::exchange(first, false)) workspace.before.reset();
     StaticResult again = balance_once(model, state, options, kinematics, workspace, last, shared);
     again.newton_iterations += result.newton_iterations;
     again.linear_iterations += result.linear_iterations;
     again.cut_steps += result.cut_steps;
     result = std::move(again);
-  }
+  });
   return result;
 }
 

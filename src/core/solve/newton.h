@@ -41,6 +41,31 @@ struct NewtonWorkspace {
 StaticResult solve_newton(Model& model, State& state, const StaticOptions& options, const Kinematics* kinematics,
                           NewtonWorkspace& workspace, LastSolve* last = nullptr, SharedProblem* shared = nullptr);
 
+/// Updates of the loads' multipliers, each followed by a balance, at most.
+inline constexpr int kMultiplierUpdates = 50;
+
+/// Calls balance(), which sets the result's outcome and brings `state` there, until no load changes its multipliers at
+/// that state any more. Every implicit balance, of steps and at rest, goes through this.
+/// @param cut_short whether one that ends at its limit of iterations counts, too; see Kinematics
+template <class Result, class Balance>
+void balance_with_multipliers(const Model& model, State& state, bool cut_short, Result& result,
+                              const Balance& balance) {
+  const auto usable = [&] {
+    return result.outcome == Outcome::converged || (cut_short && result.outcome == Outcome::limit_reached);
+  };
+  balance();
+  for (int round = 0; usable() && model.update_multipliers(state); ++round) {
+    if (round == kMultiplierUpdates) {
+      result.outcome = Outcome::limit_reached;
+      result.cause = "contact penetration still exceeds the limit after " + std::to_string(kMultiplierUpdates) +
+                     " multiplier updates: each takes the more off it the stiffer the contact is; take ten times its "
+                     "stiffness";
+      return;
+    }
+    balance();
+  }
+}
+
 /// Whether the options' `stop` ends the solve; if so, the result says it.
 bool is_interrupted(const StaticOptions& options, StaticResult& result);
 

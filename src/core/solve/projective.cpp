@@ -118,8 +118,8 @@ class Projective final : public Implicit {
       pair.change.resize(3, next.positions.cols());
     }
     weights_.reserve(pairs_.size());
-    for (int round = 0; round == 0 || (round < 50 && model.update_multipliers(next)); ++round)
-      descend(model, next, kinematics, result);
+    balance_with_multipliers(model, next, kinematics.cut_short, result,
+                             [&] { descend(model, next, kinematics, result); });
     return result;
   }
 

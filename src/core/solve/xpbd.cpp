@@ -112,20 +112,29 @@ class Xpbd final : public Implicit {
     set_inverses(model, weight);
     spring_multipliers_.setZero(static_cast<Eigen::Index>(constraints_.springs.size()));
     cell_multipliers_.setZero(2, static_cast<Eigen::Index>(constraints_.tetrahedra.size()));
+    balance_with_multipliers(model, next, kinematics.cut_short, result,
+                             [&] { iterate(model, kinematics, next, result); });
+    end_sweeps(model, kinematics, next, result);
+    return result;
+  }
+
+  void iterate(const Model& model, const Kinematics& kinematics, State& next, StaticResult& result) {
+    const double weight = kinematics.weights.acceleration;
     for (int iteration = 0; iteration < options_.iterations; ++iteration) {
-      if (iteration > 0 && outer_.vary()) {
+      const bool first = result.newton_iterations == 0;
+      if (!first && outer_.vary()) {
         set_velocities(model, kinematics, next);
-        outer_.update(model, next, kinematics.weights);
+        if (iteration == 0)  // multipliers are others now
+          outer_.begin(model, next, kinematics.weights);
+        else
+          outer_.update(model, next, kinematics.weights);
         set_inverses(model, weight);
       }
-      if (iteration == 0 || outer_.vary() || options_.balanced)
-        balance_molecules(next.positions, weight, iteration > 0);
+      if (first || outer_.vary() || options_.balanced) balance_molecules(next.positions, weight, !first);
       project_springs(next.positions, weight);
       project_cells(next.positions, weight);
       ++result.newton_iterations;
     }
-    end_sweeps(model, kinematics, next, result);
-    return result;
   }
 
   /// w_a (w_a m I + D)⁻¹ of each molecule in its free directions.

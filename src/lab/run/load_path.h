@@ -104,6 +104,6 @@ void run_in_time(Model& model, const TimedExperiment& experiment, TimedRig& rig,
 
 /// The stepper that a run takes, and why if the scene leaves it open.
 std::pair<StepperMethod, std::string> chosen_stepper(const TimeOptions& options, const TimedExperiment& experiment,
-                                                     bool uses_cells);
+                                                     const Specimen& specimen, bool uses_cells);
 
 }  // namespace elastin::lab

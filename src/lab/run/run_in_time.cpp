@@ -373,18 +373,20 @@ class TimedRun {
 }  // namespace
 
 std::pair<StepperMethod, std::string> chosen_stepper(const TimeOptions& options, const TimedExperiment& experiment,
-                                                     bool uses_cells) {
+                                                     const Specimen& specimen, bool uses_cells) {
   if (options.stepper) return {*options.stepper, ""};
   if (experiment.slow())
     return {"backward_euler", "a " + experiment.name() + " is slow: its steps damp vibrations and grow with them"};
   if (uses_cells) return {"newmark", "cells make short stable steps: implicit steps may be as long as they are right"};
+  if (specimen.contact && specimen.contact->penetration > 0)
+    return {"newmark", "implicit steps alone keep the contact's `penetration`"};
   return {"velocity_verlet", "springs without cells: an explicit step costs one pass over them"};
 }
 
 void run_in_time(Model& model, const TimedExperiment& experiment, TimedRig& rig, const Specimen& specimen,
                  const RunOptions& options, Run& run) {
   if (!options.time) throw InputError("a " + experiment.name() + " experiment needs to know for how long: TimeOptions");
-  const auto [method, reason] = chosen_stepper(*options.time, experiment, run.uses_cells);
+  const auto [method, reason] = chosen_stepper(*options.time, experiment, specimen, run.uses_cells);
   if (const std::string why = unsuited_for(*method, model); !why.empty()) {
     run.suited = false;
     run.cause = why;

@@ -218,8 +218,8 @@ const Keys<SceneContact>& all_contact_keys() {
       key::quantity("restitution", &S::restitution, dimension::none,
                     "coefficient of restitution of two molecules that meet alone", {0.01, 1, false}),
       key::quantity("penetration", &S::penetration, dimension::length,
-                    "largest depth, in the mean about a molecule, by multipliers; at rest and in implicit steps, but "
-                    "those of energy_momentum and xpbd",
+                    "largest depth, in the mean about a molecule, by multipliers; at rest and with each implicit "
+                    "stepper; explicit ones are refused",
                     kPositive)
           .otherwise("what the penalty leaves"),
       key::quantity("adhesion", &S::adhesion, dimension::stiffness,

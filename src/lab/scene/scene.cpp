@@ -461,6 +461,9 @@ std::unique_ptr<Scene> read_scene(const SceneSource& source, const Catalog& cata
     experiment.fail("a " + scene->experiment->name() + " experiment runs through time: key 'time' is missing, " +
                     "for example time: {duration: 1 s}");
   if (time) scene->time = read_time(*time, catalog.steppers);
+  if (time && scene->time->stepper && (*scene->time->stepper)->is_explicit && scene->specimen.contact &&
+      scene->specimen.contact->penetration > 0)
+    reader.at("contact").at("penetration").fail(needs_implicit_steps());
   if (time && scene->specimen.body.share) {
     Reader keys = reader.at("time");
     if (scene->time->checkpoint)

@@ -182,8 +182,8 @@ void add_steps_in_time(std::string& out, Scene& scene) {
     if (!unsuited(scene.specimen, *scene.experiment, choice).empty()) continue;
     const std::optional<HeldModel> held = make_model(scene.specimen, *scene.experiment, choice, {}, run);
     if (!held) continue;
-    const auto [method, reason] =
-        chosen_stepper(*scene.time, *scene.experiment->in_time(), needs_cells(choice.strategy, scene.specimen.body));
+    const auto [method, reason] = chosen_stepper(*scene.time, *scene.experiment->in_time(), scene.specimen,
+                                                 needs_cells(choice.strategy, scene.specimen.body));
     std::string text = method->name;
     if (!reason.empty()) text += " by default (" + reason + ")";
     const StableStep found = explained_stable_step(*held->model, state_at_rest(scene.specimen.body));

@@ -221,6 +221,9 @@ TEST_CASE("mistakes in contact are named with their place", "[scene][contact]") 
   CHECK_THAT(refusal_of(scene_with("{obstacles: [{sphere: {radius: 1 mm}, motion: {by: [0, 0, 1 mm]}}]}", kCells,
                                    "kind: motion", "time: {duration: 1 s}\n")),
              Contains("key 'in_time' is missing"));
+  CHECK_THAT(refusal_of(scene_with("{penetration: 1 um}", kCells, "kind: motion",
+                                   "time: {duration: 1 s, stepper: velocity_verlet}\n")),
+             Contains("6:24: contact.penetration: explicit steps do not keep"));
 }
 
 TEST_CASE("a surface that is open is no obstacle", "[scene][contact]") {

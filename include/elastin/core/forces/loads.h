@@ -63,6 +63,8 @@ class Load {
   virtual void commit_step(State&) const {}
   /// Changes the history so that the next equilibrium is nearer to the prescribed one. True: another solve is needed.
   virtual bool update_multipliers(State&) const { return false; }
+  /// Whether it keeps a limit by these, which explicit steps do not.
+  virtual bool has_multipliers() const { return false; }
   /// The largest fraction (0 … 1] of the straight path between two states on which no contact is missed.
   virtual double max_step_fraction(const State& /*from*/, const State& /*to*/) const { return 1; }
   /// A bound on the square of the frequency [1/s²] that a stiffness gives which may set in within the next `ahead` [s].
@@ -107,6 +109,7 @@ class LoadOf : public Load {
   std::vector<HistoryBlock> history() const override { return load_->history(); }
   void commit_step(State& state) const override { load_->commit_step(state); }
   bool update_multipliers(State& state) const override { return load_->update_multipliers(state); }
+  bool has_multipliers() const override { return load_->has_multipliers(); }
   double max_step_fraction(const State& from, const State& to) const override {
     return load_->max_step_fraction(from, to);
   }

@@ -25,6 +25,9 @@ struct StepperKind : Descriptor {
   bool of_shares = false;  ///< whether it steps a body of which several processes have shares (Model::complete_rows)
 };
 
+/// What loads with multipliers (Load::has_multipliers) need, and which steppers that are, in words.
+std::string needs_implicit_steps();
+
 /// Why a stepper cannot step this model, in words, or "".
 std::string unsuited_for(const StepperKind& method, const Model& model);
 
