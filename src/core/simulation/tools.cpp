@@ -27,6 +27,8 @@ Tool& found(Tools& tools, ToolId tool) {
 }  // namespace
 
 Pose Tools::pose(ToolId number, double time) const {
+  // What is made of the body at rest is the same in whichever step that is.
+  if (time == 0 && end > 0) return first[number - 1];
   const Tool& tool = all[number - 1];
   if (!tool.next || !(end > start)) return tool.pose;
   const double span = end - start;

@@ -11,7 +11,7 @@ struct Tools {
   std::vector<Pose> first;    ///< as they were added
   double start = 0, end = 0;  ///< of the step in progress, or the last one [s]
 
-  /// The tool's pose at a time.
+  /// The tool's pose at a time; at 0, from the first step on, as it was added.
   Pose pose(ToolId tool, double time) const;
   void arrive() {
     for (Tool& tool : all)
