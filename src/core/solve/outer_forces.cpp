@@ -1,16 +1,27 @@
 #include "core/solve/outer_forces.h"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <utility>
 
 namespace elastin {
+namespace {
+
+Matrix3 positive_part(const Matrix3& block) {
+  const Eigen::SelfAdjointEigenSolver<Matrix3> parts(block);
+  return parts.eigenvectors() * parts.eigenvalues().cwiseMax(0).asDiagonal() * parts.eigenvectors().transpose();
+}
+
+}  // namespace
 
 void OuterForces::begin(const Model& model, const State& state, const Weights& weights) {
   const auto& loads = model.loads();
   const bool vary = !model.viscosity().empty() ||
                     std::any_of(loads.begin(), loads.end(), [](const auto& load) { return load->changes(); });
   viscous_.assign(model.body().size(), Matrix3::Zero());
+  loaded_.assign(model.body().size(), Matrix3::Zero());
   if (!model.viscosity().empty()) add_viscous_blocks(model, state, weights);
   vary_ = true;
   update(model, state, weights);
@@ -19,9 +30,10 @@ void OuterForces::begin(const Model& model, const State& state, const Weights& w
 
 void OuterForces::update(const Model& model, const State& state, const Weights& weights) {
   if (!vary_) return;
-  blocks_ = viscous_;
+  std::swap(kept_, loaded_);
+  loaded_.assign(model.body().size(), Matrix3::Zero());
   const auto add = [this](int a, int b, const Matrix3& block) {
-    Matrix3& own = blocks_[a];
+    Matrix3& own = loaded_[a];
     if (a == b) {
       // What has no symmetric stiffness, as sliding friction that grows with the pressure, is bounded from above.
       const Matrix3 whole = (block + block.transpose()) / 2, turning = (block - block.transpose()) / 2;
@@ -32,6 +44,11 @@ void OuterForces::update(const Model& model, const State& state, const Weights& 
   };
   const Load::BlockVisitor visit = std::ref(add);
   for (const auto& load : model.loads()) load->visit_blocks(state, weights.velocity, visit);
+  blocks_ = viscous_;
+  for (std::size_t a = 0; a < loaded_.size(); ++a) {
+    if (kept_[a] != loaded_[a]) loaded_[a] += positive_part(kept_[a] - loaded_[a]);
+    blocks_[a] += loaded_[a];
+  }
   positions_ = state.positions;
   forces_.setZero(3, model.body().size());
   model.add_other_forces(state, forces_, workspace_);

@@ -16,7 +16,8 @@ class OuterForces {
   /// Blocks and forces at a state, of a step with these weights. Allocates nothing but in its first call.
   void begin(const Model& model, const State& state, const Weights& weights);
   /// The same where they change with the state, but for the blocks of internal damping: contact that sets in meanwhile
-  /// would be met by forces alone, and forces without a block throw molecules far.
+  /// would be met by forces alone, and forces without a block throw molecules far. No block is less than at the states
+  /// before: where contact is left at one and met at the next, neither would end it.
   void update(const Model& model, const State& state, const Weights& weights);
 
   bool vary() const { return vary_; }
@@ -29,7 +30,7 @@ class OuterForces {
   void add_viscous_blocks(const Model& model, const State& state, const Weights& weights);
   bool vary_ = false;
   Positions forces_, positions_;
-  std::vector<Matrix3> blocks_, viscous_;
+  std::vector<Matrix3> blocks_, viscous_, loaded_, kept_;  ///< kept: of the loads at the state before
   VectorX slopes_, squared_lengths_, rates_;
   Workspace workspace_;
 };

@@ -74,3 +74,34 @@ TEST_CASE("simulation: with a tool that rubs, steps are the same bits in a fresh
     CHECK(quiet.positions() == later.positions());
   }
 }
+
+TEST_CASE("simulation: any number of sweeps makes no energy where damped contact sets in within a step") {
+  using Sweeps = std::pair<double, double>;  // how many, and how many of them are mixed
+  for (const auto& [sweeps, mixing] : {Sweeps(5, 0), Sweeps(5, 5), Sweeps(20, 0), Sweeps(20, 5)})
+    for (const double restitution : {0.5, 0.1}) {
+      CAPTURE(sweeps, mixing, restitution);
+      Body body = tetrahedral_block(BlockKind::kuhn, {6, 6, 6}, Vector3::Constant(30e-3));
+      set_matter(body, 2.5e-3, 1000, 0, 0);
+      SimulationOptions options;
+      options.stepper = {"block_descent", {{"sweeps", sweeps}, {"mixing", mixing}}};
+      Simulation tissue(body, built_in_catalog().find("neo_hookean"), kTissue, options);
+      ContactOptions touch;
+      touch.surface = ContactSurface::triangles;
+      touch.stiffness = default_contact_stiffness(body, kTissue.youngs_modulus);
+      touch.restitution = restitution;
+      touch.obstacles.push_back({"floor", shape::Plane{}, {.position = {0, 0, -1e-3}}});
+      tissue.add([&](Model& model) {
+        model.add(make_gravity(model.body(), {0, 0, -10}));
+        model.add(make_contact(model.body(), touch));
+      });
+      const auto energy = [&] {
+        return tissue.velocities().colwise().squaredNorm().dot(body.mass) / 2 +
+               tissue.model().elastic_energy(tissue.positions()) + 10 * tissue.positions().row(2).dot(body.mass);
+      };
+      const double before = energy();
+      for (int step = 0; step < 12; ++step) {
+        REQUIRE(tissue.step(5e-3).outcome == Outcome::converged);
+        CHECK(energy() < before);
+      }
+    }
+}
