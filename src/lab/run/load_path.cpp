@@ -384,7 +384,7 @@ bool find_start_alone(Model& model, StaticRig& rig, const RunOptions& options, b
   const double before = total_energy(model, state);
   StaticResult solved = solve_static(model, state, options.statics);
   if (!at_rest) solved = restart_from_rest(model, options, before, std::move(solved), state, run);
-  start = {state.positions, solved.reactions};
+  start = {state.positions, solved.reactions, state.contact_history};
   return note_solve(solved, at_rest ? " (under what acts without the experiment's load)" : " (from the scene's start)",
                     run);
 }

@@ -153,6 +153,20 @@ TEST_CASE("an indenter comes down in the middle of the body as it was before it 
     CHECK(force(std::string("rotate: ") + turn + "\n") == Approx(straight).epsilon(1e-5));
 }
 
+TEST_CASE("where preload presses on an obstacle the force is what its motion adds", "[indentation]") {
+  // A plate on all of the top: F = E A d / L, whatever weight presses upwards, of which the plate bears half.
+  const std::string plate =
+      "stiffness: 1000, obstacles: [{name: plate, box: {size: [100 mm, 100 mm, 10 mm]}, at: [0, 0, 25 mm]}]";
+  const double weight = 1000 * 1.0 * 4 * 8e-6, added = 10e3 * 1.6e-3 * 0.02 / 20;
+  for (const std::string more : {"", ", penetration: 0.1 um"}) {
+    const Measures measures = run_of(kQuarter, "indenter: plate, depth: 0.02 mm, symmetry: [x, y], bottom: sliding",
+                                     plate + more, "loads: [{gravity: [0, 0, 1 m/s2]}]\n")
+                                  .measures;
+    CHECK(measures.get("force") == Approx(added).epsilon(0.01));
+    CHECK(measures.get("total_force") == Approx(added + weight / 2).epsilon(0.01));
+  }
+}
+
 TEST_CASE("a tool that is pressed in deeper than its own half in one step meets what it meets in many",
           "[indentation][slow]") {
   for (const std::string shape : {"sphere: {radius: 8 mm}", "box: {size: [15 mm, 15 mm, 16 mm]}"}) {

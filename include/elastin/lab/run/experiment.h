@@ -16,8 +16,9 @@ namespace elastin::lab {
 
 /// Where measuring starts: the body under the scene's other loads (its own weight, say) before the experiment's load.
 struct Start {
-  Positions positions;  ///< [m]
-  Positions reactions;  ///< of the supports [N]
+  Positions positions;                       ///< [m]
+  Positions reactions;                       ///< of the supports [N]
+  std::vector<ContactHistory> touches = {};  ///< State::contact_history there
 };
 
 /// A measure by which strategies are compared.

@@ -47,8 +47,7 @@ const MeasureList& indentation_measures() {
       {{"indentation_modulus", pressure,
         "Hertz's modulus of a sphere, or that of a flat punch, on a half-space: E* (1 - nu^2)", Role::modulus,
         "E of indentation"},
-       {"force", force, "force on the indenter along its direction; of an obstacle that preload presses on, with that",
-        Role::force},
+       {"force", force, "force on the indenter along its direction, beyond that before it moves", Role::force},
        {"depth", length, "displacement of the indenter since first touch; of an obstacle since the start"},
        {"molecules_in_contact", none, "number of molecules of the whole body on which the indenter presses"},
        {"mean_pressure", pressure, "mean contact pressure: force / area"}},
@@ -300,9 +299,10 @@ class IndentationRig final : public StaticRig {
     return true;
   }
 
-  Measures measure(const Start&, const State& state, const StaticOptions&, StaticResult& solved) const override {
+  Measures measure(const Start& start, const State& state, const StaticOptions&, StaticResult& solved) const override {
     const contact::ContactReport report = contact_->report(state);
-    const double force = resistance(report), depth = displacement_, radius = setup_.radius;
+    const double whole = resistance(report), force = whole - resistance_at(start);
+    const double depth = displacement_, radius = setup_.radius;
     Measures measures;
     measures.set("force", force);
     measures.set("depth", depth);
@@ -313,7 +313,7 @@ class IndentationRig final : public StaticRig {
     if (indented && setup_.shape == IndenterShape::flat)
       measures.set("indentation_modulus", plane_strain * force / (2 * radius * depth));
     measures.set("molecules_in_contact", molecules_in_contact(report));
-    if (report.area > 0) measures.set("mean_pressure", force / (experiment_.copies() * report.area));
+    if (report.area > 0) measures.set("mean_pressure", whole / (experiment_.copies() * report.area));
     add_state(model_, state, solved, std::abs(force), measures, experiment_.copies());
     return measures;
   }
@@ -341,6 +341,18 @@ class IndentationRig final : public StaticRig {
   /// With which the body presses back [N].
   double resistance(const contact::ContactReport& report) const {
     return -experiment_.copies() * setup_.axis.dot(report.on_obstacles[experiment_.indenter_]);
+  }
+
+  /// The same before an obstacle of the scene moves: preload may press on it.
+  double resistance_at(const Start& start) const {
+    if (setup_.shape != IndenterShape::obstacle || start.positions == model_.body().rest) return 0;
+    State before = state_at_rest(model_.body());
+    before.positions = start.positions;
+    before.contact_history = start.touches;
+    contact_->set_moment(begins_);
+    const double resisted = resistance(contact_->report(before));
+    contact_->set_moment(begins_ + displacement_);
+    return resisted;
   }
 
   const Indentation& experiment_;
