@@ -128,13 +128,14 @@ std::optional<ZeroPoint> find_zero(const VectorX& x, const VectorX& y) {
   for (const double width : {step, step / 50}) {
     const double centre = width < step ? best : (low + high) / 2;
     for (int i = -steps / 2; i <= steps / 2; ++i)
-      if (const double at = centre + i * width, found = *squares(at); found < least) least = found, best = at;
+      if (const double at = std::clamp(centre + i * width, low, high), found = *squares(at); found < least)
+        least = found, best = at;
   }
   const double freedom = static_cast<double>(rows->x.size() - 3), t = student_quantile(0.95, freedom);
   const double most = least * (1 + t * t / freedom) + 1e-300;
   const double sign = x.dot(oriented(x)) < 0 ? -1 : 1;
   const double ends[] = {profile_end(best, -step, low, least, most, squares),
-                         profile_end(best, step, last, least, most, squares)};
+                         profile_end(best, step, high, least, most, squares)};
   return ZeroPoint{sign * best, sign * ends[sign < 0], sign * ends[sign > 0]};
 }
 

@@ -449,6 +449,12 @@ TEST_CASE("zero points, tears and branches of curves", "[identify][machines]") {
     CHECK(turned->low == Approx(-found->high));
     CHECK(turned->high == Approx(-found->low));
   }
+  // Of a preloaded specimen no beginning is within reach: the search ends as far before its ten first rows as these
+  // are long.
+  const auto far = find_zero(x, curve(0, [](double at) { return 100 + at; }));
+  REQUIRE(far);
+  CHECK(far->value == Approx(-x[9]));
+  CHECK(far->low >= -x[9] * (1 + 1e-12));
   const auto toe =
       find_toe(x, curve(0.01, [](double at) { return at < 1 ? at * at / 2 : at - 0.5; }));  // its tangent crosses 0.5
   REQUIRE(toe);
