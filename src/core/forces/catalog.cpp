@@ -77,10 +77,10 @@ std::vector<LoadedFace> faces_of_solid(const Body& body, const LoadValues& value
   return faces;
 }
 
-/// Each piece has a gas of its own.
+/// Each space has a gas of its own.
 std::vector<std::unique_ptr<Load>> make_gas(const Body& body, const LoadValues& values) {
   std::vector<std::unique_ptr<Load>> loads;
-  for (Cells<3>& piece : closed_pieces(picked_triangles(body, values), body.rest)) {
+  for (Cells<3>& piece : closed_spaces(picked_triangles(body, values), body)) {
     const double volume = enclosed_volume(piece, body.rest, middle_of(body)),
                  amount =
                      values.has("amount") ? values.numbers.at("amount") : values.numbers.at("start_pressure") * volume;
@@ -168,7 +168,11 @@ LoadKind traction() {
 }
 
 LoadKind gas() {
-  LoadKind load{{"gas", "a closed amount of gas within each closed surface of triangles: p V^exponent stays", "", {}}};
+  LoadKind load{
+      {"gas",
+       "a closed amount of gas within each closed surface of triangles, around those within it: p V^exponent stays",
+       "",
+       {}}};
   load.parameters = {
       optional("amount", dimension::energy,
                "absolute pressure times volume, n R T, of each closed surface; this or start_pressure"),

@@ -1,5 +1,6 @@
 #include "core/forces/pressure.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -98,25 +99,101 @@ std::vector<Cells<3>> pieces_of(const Cells<3>& triangles, Eigen::Index molecule
   return pieces;
 }
 
-std::vector<Cells<3>> closed_pieces(const Cells<3>& triangles, const Positions& rest) {
-  std::vector<Cells<3>> pieces = pieces_of(triangles, rest.cols());
-  const std::string needs = "gas needs a closed surface of triangles that look outwards";
-  std::size_t outer = 0;
-  for (const Cells<3>& piece : pieces) {
-    if (inspect_surface(piece).rim_sides > 0)
-      throw InputError(needs + (pieces.size() > 1 ? ", and the one of molecule " + std::to_string(piece[0][0]) +
-                                                        " has a rim: let `on` pick the molecules of closed ones"
-                                                  : ""));
-    outer += enclosed_volume(piece, rest, rest.col(piece[0][0])) > 0;
+namespace {
+
+/// Of a closed surface.
+struct Closed {
+  Cells<3> triangles;
+  bool picked;
+  double volume = 0;  ///< below 0 where it looks inwards [m³]
+  Eigen::AlignedBox3d box = {};
+  int around = -1;  ///< the smallest that it lies within
+};
+
+/// How often a closed surface goes round a position; ½ on it.                    [Van Oosterom & Strackee 1983]
+double winding_number(const Cells<3>& triangles, const Positions& rest, const Vector3& position) {
+  double angle = 0;
+  for (const auto& [a, b, c] : triangles) {
+    const Vector3 x = rest.col(a) - position, y = rest.col(b) - position, z = rest.col(c) - position;
+    const double u = x.norm(), v = y.norm(), w = z.norm();
+    angle += 2 * std::atan2(x.dot(y.cross(z)), u * v * w + x.dot(y) * w + y.dot(z) * u + z.dot(x) * v);
   }
-  if (outer == 0) throw InputError(needs);
-  if (outer == pieces.size()) return pieces;
-  if (outer > 1)
-    throw InputError(
-        "some closed surfaces look inwards, as the inner side of a double wall does: give each space a gas of its own, "
-        "whose `on` picks the molecules around it");
-  if (!(enclosed_volume(triangles, rest, Vector3::Zero()) > 0)) throw InputError(needs);
-  return {triangles};
+  return std::abs(angle) / (4 * M_PI);
+}
+
+/// By the molecules at the sides of its box, of which one may touch.
+bool lies_within(const Closed& piece, const Closed& other, const Positions& rest) {
+  Eigen::AlignedBox3d box = other.box;
+  box.extend((box.min().array() - 1e-9 * box.sizes().norm()).matrix());
+  box.extend((box.max().array() + 1e-9 * box.sizes().norm()).matrix());
+  if (!box.contains(piece.box)) return false;
+  double sum = 0;
+  for (int axis = 0; axis < 3; ++axis)
+    for (const double sign : {-1., 1.}) {
+      int farthest = piece.triangles[0][0];
+      for (const auto& triangle : piece.triangles)
+        for (const int molecule : triangle)
+          if (sign * rest(axis, molecule) > sign * rest(axis, farthest)) farthest = molecule;
+      sum += winding_number(other.triangles, rest, rest.col(farthest));
+    }
+  return sum > 3;
+}
+
+void set_nesting(std::vector<Closed>& all, const Positions& rest) {
+  for (Closed& piece : all) {
+    piece.volume = enclosed_volume(piece.triangles, rest, rest.col(piece.triangles[0][0]));
+    for (const auto& triangle : piece.triangles)
+      for (const int molecule : triangle) piece.box.extend(rest.col(molecule));
+  }
+  for (Closed& piece : all)
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      const bool smaller = piece.around < 0 || std::abs(all[i].volume) < std::abs(all[piece.around].volume);
+      if (&piece != &all[i] && smaller && lies_within(piece, all[i], rest)) piece.around = static_cast<int>(i);
+    }
+}
+
+/// Those that have no molecule of the ones picked.
+Cells<3> other_triangles(const Cells<3>& picked, const Body& body) {
+  std::vector<char> known(static_cast<std::size_t>(body.size()), 0);
+  for (const auto& triangle : picked)
+    for (const int molecule : triangle) known[molecule] = 1;
+  Cells<3> others;
+  for (const auto& triangle : body.triangles)
+    if (std::none_of(triangle.begin(), triangle.end(), [&](int molecule) { return known[molecule]; }))
+      others.push_back(triangle);
+  return others;
+}
+
+}  // namespace
+
+std::vector<Cells<3>> closed_spaces(const Cells<3>& triangles, const Body& body) {
+  const std::string needs = "gas needs a closed surface of triangles that look outwards";
+  std::vector<Closed> all;
+  for (const Cells<3>& piece : pieces_of(triangles, body.size())) all.push_back({piece, true});
+  for (const Closed& piece : all)
+    if (inspect_surface(piece.triangles).rim_sides > 0)
+      throw InputError(needs + (all.size() > 1 ? ", and the one of molecule " + std::to_string(piece.triangles[0][0]) +
+                                                     " has a rim: let `on` pick the molecules of closed ones"
+                                               : ""));
+  for (const Cells<3>& piece : pieces_of(other_triangles(triangles, body), body.size()))
+    if (inspect_surface(piece).rim_sides == 0) all.push_back({piece, false});
+  set_nesting(all, body.rest);
+  std::vector<Cells<3>> spaces;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const Closed& outer = all[i];
+    if (outer.picked && outer.volume < 0 && outer.around < 0)
+      throw InputError(needs + ", and the one of molecule " + std::to_string(outer.triangles[0][0]) +
+                       " looks inwards and lies within no other");
+    if (!outer.picked || !(outer.volume > 0)) continue;
+    Cells<3>& space = spaces.emplace_back(outer.triangles);
+    for (const Closed& inner : all) {
+      if (inner.around != static_cast<int>(i)) continue;
+      for (const auto& [a, b, c] : inner.triangles)
+        space.push_back(inner.volume > 0 ? std::array<int, 3>{a, c, b} : std::array<int, 3>{a, b, c});
+    }
+  }
+  if (spaces.empty()) throw InputError(needs);
+  return spaces;
 }
 
 Pressure::Pressure(const Body& body, Cells<3> triangles, PressureLaw law, const Vector3& apex, bool rim_fixed)

@@ -46,10 +46,11 @@ SurfaceFindings inspect_surface(const Cells<3>& triangles);
 /// The triangles of each piece; pieces share no molecule.
 std::vector<Cells<3>> pieces_of(const Cells<3>& triangles, Eigen::Index molecules);
 
-/// What each closed space is bounded by: the triangles that share molecules, one after the other; all of them where one
-/// piece bounds the space from within, as the inner side of a double wall does. Throws InputError where it is open or
-/// no space is enclosed, and where several pieces could be around that one.
-std::vector<Cells<3>> closed_pieces(const Cells<3>& triangles, const Positions& rest);
+/// What each space within a closed surface is bounded by, of pieces of triangles that look outwards: the piece, and
+/// the closed ones next within it, among all triangles of the body, turned so that they look into them. Throws
+/// InputError where a piece is open, and where one that looks inwards, as the inner side of a double wall does, lies
+/// within no other.
+std::vector<Cells<3>> closed_spaces(const Cells<3>& triangles, const Body& body);
 
 /// Pressure on some triangles of a body, on their present area and along their present normals: a third of p A n to
 /// each corner of a triangle. The tangent is exact; it is symmetric, and energy() is that of the forces, on a closed

@@ -204,7 +204,7 @@ TEST_CASE("each closed surface has a gas of its own, as large as it is alone", "
   CHECK(pressed.rightCols(large.size()).isZero(0));
 }
 
-TEST_CASE("a gas between two walls is one, and an open sheet beside a balloon is named", "[pressure]") {
+TEST_CASE("gases fill what is between closed surfaces, and an open sheet next to a balloon is named", "[pressure]") {
   const Body ball = sphere(1, SphereMesh::icosahedron, 2);
   const int first = ball.size();
   const auto with = [&](double scale, const Vector3& at, bool inwards) {
@@ -218,12 +218,28 @@ TEST_CASE("a gas between two walls is one, and an open sheet beside a balloon is
     }
     return body;
   };
-  const Body walls = with(0.5, Vector3::Zero(), true);
-  CHECK(closed_pieces(walls.triangles, walls.rest).size() == 1);
-  const Body two = with(1, {5, 0, 0}, false);
-  CHECK(closed_pieces(two.triangles, two.rest).size() == 2);
-  Body open = two;
+  const auto volumes = [](const Body& body) {
+    std::vector<double> all;
+    for (const Cells<3>& space : closed_spaces(body.triangles, body))
+      all.push_back(enclosed_volume(space, body.rest, Vector3::Zero()));
+    return all;
+  };
+  const double whole = enclosed_volume(ball.triangles, ball.rest, Vector3::Zero());
+  CHECK_THAT(volumes(with(0.5, Vector3::Zero(), true)), Catch::Matchers::Approx(std::vector<double>{whole * 7 / 8}));
+  CHECK_THAT(volumes(with(1, {5, 0, 0}, false)), Catch::Matchers::Approx(std::vector<double>{whole, whole}));
+  // A balloon in a balloon, also one that touches it from within, and one that touches it from outside.
+  CHECK_THAT(volumes(with(0.5, Vector3::Zero(), false)),
+             Catch::Matchers::Approx(std::vector<double>{whole * 7 / 8, whole / 8}));
+  CHECK_THAT(volumes(with(0.5, ball.rest.col(0) / 2, false)),
+             Catch::Matchers::Approx(std::vector<double>{whole * 7 / 8, whole / 8}));
+  CHECK_THAT(volumes(with(0.5, ball.rest.col(0) * 1.5, false)),
+             Catch::Matchers::Approx(std::vector<double>{whole, whole / 8}));
+  CHECK_THAT(volumes(with(2, Vector3::Zero(), false)), Catch::Matchers::Approx(std::vector<double>{whole, whole * 7}));
+  const Body nested = with(0.5, Vector3::Zero(), false);
+  CHECK(closed_spaces(ball.triangles, nested).front().size() == 2 * ball.triangles.size());  // picked alone
+  CHECK_THROWS_WITH(volumes(with(1, {5, 0, 0}, true)), Contains("looks inwards and lies within no other"));
+  Body open = with(1, {5, 0, 0}, false);
   open.triangles.pop_back();
-  CHECK_THROWS_WITH(closed_pieces(open.triangles, open.rest),
+  CHECK_THROWS_WITH(closed_spaces(open.triangles, open),
                     Contains("the one of molecule " + std::to_string(first)) && Contains("let `on` pick"));
 }
