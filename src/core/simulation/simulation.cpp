@@ -317,7 +317,8 @@ Simulation::Simulation(Body body, const Strategy& any, const Material& material,
   for (const Part& part : body.parts)
     if (part.material != 0 && !any.by_parts)
       throw InputError("the body's part '" + part.name + "' has a material of its own: make the strategy by in_parts");
-  const Strategy strategy = in_parts(any, body, {material});
+  const Catalog laws = built_in_catalog();  // of a skin on a core
+  const Strategy strategy = in_parts(any, body, {material}, &laws);
   if (!strategy.make) throw InputError("'" + strategy.name + "' changes other strategies; it is no strategy by itself");
   prepare(body, any, {material}, options.make_voronoi);
   impl_ = std::make_unique<Impl>(std::move(body), std::move(options));

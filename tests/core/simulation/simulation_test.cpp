@@ -4,11 +4,13 @@
 #include <cmath>
 #include <limits>
 
+#include "core/shapes/surfaces.h"
 #include "core/simulation/tissues.h"
 #include "core/solve/stable_step.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/forces/load_table.h"
 #include "elastin/core/forces/loads.h"
+#include "elastin/core/model/parts.h"
 #include "support/refusal.h"
 
 using namespace elastin;
@@ -653,4 +655,20 @@ TEST_CASE("simulation: settle leaves an equilibrium that is no minimum, unless i
   CHECK(settled(60, nullptr).second > 0.01);
   const StaticOptions blind{};
   CHECK_FALSE(settled(60, &blind).first);
+}
+
+TEST_CASE("simulation: a skin of triangles and a solid core run by one law of cells") {
+  const Body core = tissue_block();
+  Body whole, skin = rectangular_sheet({6e-3, 6e-3}, {3, 3}, SheetPattern::alternating);
+  set_matter(skin, 1e-3, 1000, 1e-3, 0);
+  const Material material{.youngs_modulus = 1e4, .poissons_ratio = 0.3, .density = 1000, .thickness = 1e-3};
+  Part part;
+  part.name = "core", add_part(whole, core, part);
+  part.name = "skin", add_part(whole, skin, part);
+  const auto energy = [&](const Body& body, const char* law) {
+    Simulation tissue(body, built_in_catalog().find(law), material);
+    return tissue.model().elastic_energy(1.01 * tissue.body().rest);
+  };
+  const double both = energy(core, "neo_hookean") + energy(skin, "neo_hookean_membrane");
+  for (const char* law : {"neo_hookean", "neo_hookean_membrane"}) CHECK(energy(whole, law) == Approx(both));
 }
