@@ -10,8 +10,8 @@
 // triangle cannot all lie on a round tool, and most of them would be released. [Wriggers 2006, ch. 5 and 9]
 //
 // Each update leaves K / (K + k) of the depth, K being what the body resists with and k the penalty. Where that is much
-// the penalty is raised until the updates have settled; then it is the penalty itself again, with hardly more to press.
-// So nothing but pressures is kept.
+// the penalty is raised while the updates go on; the last solve is with the penalty itself, which the pressures then
+// leave less depth than the raised one did. So nothing but pressures is kept.
 
 #include <algorithm>
 #include <cmath>
@@ -103,16 +103,15 @@ bool ContactForce::update_multipliers(State& state) const {
     next.pressure = std::max(0., next.pressure);
     largest_change = std::max(largest_change, std::abs(next.pressure - pressure_at(next.molecule, next.target)));
   }
-  const bool settled = largest_change <= options_.stiffness * options_.penetration;
-  if (settled && raised_ == 1) {
+  const double depth = largest_change / (raised_ * options_.stiffness);
+  const bool deep = depth > options_.penetration;
+  if (!deep && raised_ == 1) {
     updates_ = {};
     return false;
   }
-  const double depth = largest_change / (raised_ * options_.stiffness);
-  const bool slow = pressures_ == updates_.made && depth > kSlow * updates_.depth;
-  if (settled)
+  if (!deep)
     updates_.raised = 1;
-  else if (slow)
+  else if (pressures_ == updates_.made && depth > kSlow * updates_.depth)
     updates_.raised = std::min(kRaise * raised_, kMostRaised);
   updates_.depth = depth;
   next_history_ = state.contact_history;
