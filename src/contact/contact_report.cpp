@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <utility>
 
 namespace elastin::contact {
 namespace {
@@ -18,6 +20,7 @@ ContactReport ContactForce::report(const State& state) const {
   report.forces = Positions::Zero(3, body_.size());
   report.on_obstacles.assign(options_.obstacles.size(), Vector3::Zero());
   VectorX pressing = VectorX::Zero(body_.size()), touched = pressing;  // [N], and the area that is pressed [m²]
+  std::map<std::pair<int, int>, Vector3> on_lower;                     // of two pieces
   const std::vector<Sample>& samples = search_.samples();
   for (const ContactResponse& response : responses(state)) {
     if (response.pressing == 0) continue;
@@ -44,8 +47,11 @@ ContactReport ContactForce::report(const State& state) const {
     if (response.target < obstacle_count())
       report.on_obstacles[response.target] -= force;
     else if (const int other = piece_of_target(response); other != sample.piece)
-      report.between_pieces += sample.piece < other ? force : Vector3(-force);
+      on_lower.try_emplace(std::minmax(sample.piece, other), Vector3::Zero()).first->second +=
+          sample.piece < other ? force : Vector3(-force);
   }
+  for (const auto& [pieces, force] : on_lower)
+    if (force.norm() > report.between_pieces.norm()) report.between_pieces = force;
   report.pressure = VectorX::Zero(body_.size());
   // What is pressed from the other side alone, next to a rim, has its whole surface for that.
   for (const int molecule : watched_)

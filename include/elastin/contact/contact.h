@@ -48,7 +48,7 @@ struct ContactReport {
   double area = 0;                           ///< of the samples that touch [m²]
   double largest_pressure = 0;               ///< [Pa]
   std::vector<Vector3> on_obstacles;         ///< force of the body on each obstacle [N]
-  Vector3 between_pieces = Vector3::Zero();  ///< force on the pieces of lower number by those of higher [N]
+  Vector3 between_pieces = Vector3::Zero();  ///< the largest force of two pieces, on that of lower number [N]
   Positions forces;                          ///< of contact on each molecule [N], 3 × n
   VectorX pressure;                          ///< on each molecule's part of the surface [Pa], 0 where nothing touches
   double broad_seconds = 0, narrow_seconds = 0;  ///< spent so far

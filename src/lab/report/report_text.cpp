@@ -76,7 +76,7 @@ std::string contact_text(const contact::ContactReport& contact, const std::vecto
     if (contact.on_obstacles[i].norm() > 0)
       out += fmt::format(", {} on {}", readable(contact.on_obstacles[i].norm(), dimension::force), obstacles[i]);
   if (contact.between_pieces.norm() > 0)
-    out += fmt::format(", {} between pieces", readable(contact.between_pieces.norm(), dimension::force));
+    out += fmt::format(", {} between two pieces", readable(contact.between_pieces.norm(), dimension::force));
   return out + fmt::format("; broad phase {}, narrow {}\n", readable_seconds(contact.broad_seconds),
                            readable_seconds(contact.narrow_seconds));
 }

@@ -15,7 +15,7 @@ contact::Contact* contact_of(const Model& model);
 /// Number of the obstacle of that name, or −1.
 int find_obstacle(const std::vector<contact::Obstacle>& obstacles, const std::string& name);
 
-/// The largest force on one obstacle; where none is pressed, of pieces on each other [N].
+/// The largest force on one obstacle; where none is pressed, of two pieces on each other [N].
 double largest_force(const contact::ContactReport& report);
 
 /// Adds what touches to the measures; of the whole body, which is `copies` times what is modelled.

@@ -45,6 +45,16 @@ TEST_CASE("two blocks that do not match pass a pressure on", "[press]") {
   CHECK(run.measures.get("pressure_spread") < 0.01);
 }
 
+TEST_CASE("three blocks in a row pass one force on", "[press]") {
+  const Run run =
+      run_of(kBelow + std::string(", ") + kAbove +
+                 ", {name: top, at: [0, 0, 20 mm], tetrahedra: {kind: kuhn, cubes: [3, 3, 2], size: [20 mm, "
+                 "20 mm, 10 mm]}}",
+             "displacement: 0.3 mm, grip: sliding");
+  CHECK(run.measures.get("force") == Approx(0.04028966).epsilon(1e-3));
+  CHECK(run.measures.get("contact_force") == Approx(run.measures.get("force")).epsilon(1e-6));
+}
+
 TEST_CASE("two blocks are pressed with a force", "[press]") {
   const std::string blocks = kBelow + std::string(", ") + kAbove;
   const Run run = run_of(blocks, "displacement: 0.2 mm");
