@@ -202,12 +202,10 @@ std::string note_of_plane(const Scene& scene) {
   if (specimen.body.share || specimen.contact || specimen.material.bending_rigidity > 0 ||
       scene.experiment->stiffened_by_load() || plane_normal(specimen.body).isZero(0))
     return "";
-  Model model(specimen.body);
-  for (const SpecimenLoad& load : specimen.loads) load.add(model);
-  const auto rig = scene.experiment->rig(model);
-  return stays_in_plane(specimen, model, *rig) ? "the body is flat, and all that acts on it lies in its plane: motions "
-                                                 "out of the plane are not counted as zero-energy modes"
-                                               : "";
+  return stays_in_plane(specimen, *scene.experiment, scene.time ? scene.time->duration : 0)
+             ? "the body is flat, and all that acts on it lies in its plane: motions "
+               "out of the plane are not counted as zero-energy modes"
+             : "";
 }
 
 }  // namespace

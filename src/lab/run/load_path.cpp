@@ -41,21 +41,31 @@ void add_cost(StaticResult& result, const StaticResult& cost) {
 
 }  // namespace
 
-bool stays_in_plane(const Specimen& specimen, Model& model, Rig& rig) {
+bool stays_in_plane(const Specimen& specimen, const Experiment& experiment, double duration) {
   constexpr double rounding = 1e-9;
-  const Vector3 normal = plane_normal(model.body());
-  StaticRig* at_rest = rig.at_rest();
-  if (!at_rest || normal.isZero(0) || specimen.start || specimen.contact || contact_of(model)) return false;
-  at_rest->set_load(1);
-  const Positions forces = model.load_forces(state_at_rest(model.body()));
+  constexpr int moments = 64;
+  const Vector3 normal = plane_normal(specimen.body);
+  const StaticExperiment* held = experiment.at_rest() ? experiment.at_rest() : experiment.calibration();
+  if (!held || normal.isZero(0) || specimen.start || specimen.contact) return false;
+  Model model(specimen.body);
+  for (const SpecimenLoad& load : specimen.loads) load.add(model);
+  const auto rig = held->static_rig(model);
+  if (contact_of(model)) return false;
+  rig->set_load(1);
+  bool acts = false;
+  const auto within = [&](const Positions& vectors) {
+    acts |= !vectors.isZero(0);
+    return (normal.transpose() * vectors).norm() <= rounding * vectors.norm();
+  };
+  State state = state_at_rest(model.body());
+  for (int moment = 0; moment <= (duration > 0 ? moments : 0); ++moment) {  // any periods differ from these
+    state.time = duration * std::fmod(0.6180339887 * moment, 1.);
+    if (!within(model.load_forces(state))) return false;
+  }
   Positions moved = Positions::Zero(3, static_cast<Eigen::Index>(model.supports.size()));
   for (Eigen::Index i = 0; i < moved.cols(); ++i)
     moved.col(i) = model.supports[i].displacement - model.supports[i].free * model.supports[i].displacement;
-  at_rest->set_load(0);
-  const auto within = [&](const Positions& vectors) {
-    return (normal.transpose() * vectors).norm() <= rounding * vectors.norm();
-  };
-  return !(forces.isZero(0) && moved.isZero(0)) && within(forces) && within(moved);
+  return within(moved) && acts;
 }
 
 void set_load(Model& model, StaticRig& rig, double factor) {

@@ -8,10 +8,10 @@
 
 namespace elastin::lab {
 
-/// Whether all that acts on a flat body lies in its plane: loads, and supports that are moved. Of one on which nothing
-/// acts (vibrations), or that meets contact, or in time, or that a start of its own moves, this is not said. Loads the
-/// rig, and takes the load off again.
-bool stays_in_plane(const Specimen& specimen, Model& model, Rig& rig);
+/// Whether all that acts on a flat body lies in its plane: loads, within the `duration` [s] of a run in time, and
+/// supports that are moved. Of one on which nothing acts (vibrations), or that meets contact, or that a start of its
+/// own moves, or an experiment in time without a fixture, this is not said.
+bool stays_in_plane(const Specimen& specimen, const Experiment& experiment, double duration);
 
 /// Brings rig and obstacles to a part of the load (0 … 1).
 void set_load(Model& model, StaticRig& rig, double factor);

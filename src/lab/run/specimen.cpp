@@ -119,15 +119,15 @@ void note_lost_faces(const Body& body, const Strategy& strategy, Run& run) {
     if (part.voronoi) note("body '" + part.name + "'", mesh::lost_share(part_alone(body, part).body, *part.voronoi));
 }
 
-void count_modes(const Specimen& specimen, const HeldModel& held, const Experiment& experiment, Run& run) {
-  Model& model = *held.model;
+void count_modes(const Specimen& specimen, const Model& model, const Experiment& experiment, double duration,
+                 Run& run) {
   std::vector<char> stiff;
   if (run.constants.size() > 0) {
     stiff.resize(static_cast<std::size_t>(run.constants.size()));
     for (Eigen::Index c = 0; c < run.constants.size(); ++c) stiff[c] = run.constants[c] != 0;
   }
   ModeReport report = find_modes_in_parts(model.body(), model.supports, stiff);
-  if (report.out_of_plane > 0 && stays_in_plane(specimen, model, *held.rig))
+  if (report.out_of_plane > 0 && stays_in_plane(specimen, experiment, duration))
     report.zero_energy_modes -= std::exchange(report.out_of_plane, 0);
   run.zero_energy_modes = report.zero_energy_modes;
   if (report.zero_energy_modes > 0)
@@ -462,7 +462,7 @@ Run run_strategy(const Specimen& specimen, const Experiment& experiment, const S
   const auto& share = specimen.body.share;
   const bool whole = !share || share->processes->count() == 1;
   if (whole && !experiment.stiffened_by_load() && !(specimen.material.bending_rigidity > 0))
-    count_modes(at_work, *held, experiment, run);
+    count_modes(at_work, model, experiment, options.time ? options.time->duration : 0, run);
 
   std::shared_ptr<Derivatives> of_whole_runs;
   if (options.derivatives && Derivatives::by_whole_runs(experiment, *held->rig, choice, model, options))

@@ -147,7 +147,8 @@ void add_modes(std::string& out, Scene& scene) {
   add_line(out, "free rigid motions",
            fmt::format("{}{}", report.rigid_motions, report.rigid_motions ? " (left by the grips; no mechanism)" : ""));
   std::string but;
-  if (report.out_of_plane > 0 && stays_in_plane(scene.specimen, model, *rig)) {
+  if (report.out_of_plane > 0 &&
+      stays_in_plane(scene.specimen, *scene.experiment, scene.time ? scene.time->duration : 0)) {
     but = fmt::format(" in the plane of the flat body ({} out of it, where nothing acts)", report.out_of_plane);
     report.zero_energy_modes -= report.out_of_plane;
     const Vector3 normal = plane_normal(scene.specimen.body);

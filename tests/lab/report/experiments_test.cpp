@@ -34,8 +34,8 @@ std::vector<Record> records_of(const std::string& experiment, const std::string&
                  catalog);
   std::vector<Record> records;
   for (const StrategyChoice& choice : scene->strategies)
-    records.push_back(
-        make_record(*scene, run_strategy(scene->specimen, *scene->experiment, choice, {.statics = scene->statics})));
+    records.push_back(make_record(*scene, run_strategy(scene->specimen, *scene->experiment, choice,
+                                                       {.statics = scene->statics, .time = scene->time})));
   return records;
 }
 
@@ -187,6 +187,24 @@ TEST_CASE("motions out of the plane of a flat sheet are a note where all acts wi
       CHECK_THAT(run["notes"].dump(), Contains(note));
       CHECK_THAT(run_text(exact, false), Contains(note));
     }
+  // In time, too.
+  const std::string heavy = "{youngs_modulus: 10 kPa, poissons_ratio: 0.25, thickness: 1 mm, density: 1000 kg/m3}",
+                    time = "time: {duration: 0.1 s, frames: 5}\n";
+  for (const std::string experiment :
+       {"kind: creep, fixture: {kind: tension, axis: x, force: 1 mN}",
+        "kind: relaxation, ramp: 10 ms, fixture: {kind: tension, axis: x, strain: 1 %}",
+        "kind: motion, fixture: {kind: tension, axis: x, strain: 1 %}, in_time: {ramp: {duration: 0.1 s}}"}) {
+    const Record flat = records_of(experiment, law, time, sheet, heavy).front(),
+                 bent = records_of(experiment, law,
+                                   time + "loads: [{gravity: [0, 0, -1 m/s2], in_time: {step: {at: 50 ms}}}]\n", sheet,
+                                   heavy)
+                            .front();
+    INFO(experiment);
+    CHECK(flat.run.zero_energy_modes == 0);
+    CHECK_THAT(run_text(flat, false), Contains(note) && !Contains("mechanism"));
+    CHECK(bent.run.zero_energy_modes > 0);
+    CHECK_THAT(run_text(bent, false), !Contains(note) && Contains("mechanism"));
+  }
   // Squares without diagonals: columns of molecules slide along each other, but one with the whole.
   const Record squares =
       records_of(tension + ", cross_section: 2 cm2", "uniform", "",
