@@ -30,6 +30,15 @@ constexpr double kEnergyLost = 2;
 /// Part of the steps that may take longer than their budget without a word.
 constexpr double kLate = 0.01;
 
+/// What happens slowly moves a body by less in a step than steps by error see, and still has its time constant: as many
+/// steps as its curve needs.
+TimeOptions with_steps_for(const TimedExperiment& experiment, TimeOptions options) {
+  constexpr int fewest = 100;
+  if (experiment.slow() && options.choice == StepChoice::automatic)
+    options.largest = std::min(options.largest, options.duration / fewest);
+  return options;
+}
+
 /// One timed run.
 class TimedRun {
  public:
@@ -46,7 +55,7 @@ class TimedRun {
         muscles_(muscles),
         begin_(state_.positions),
         ledger_(model, state_),
-        control_(model, state_, *options.time, method, options.statics),
+        control_(model, state_, with_steps_for(experiment, *options.time), method, options.statics),
         mass_(sum_over(model.body(), model.body().mass.head(owned_molecules(model.body())).sum())) {}
 
   void resume() {

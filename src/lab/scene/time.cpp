@@ -146,7 +146,8 @@ Keys<TimeOptions> time_options_keys(const elastin::Table<StepperKind>& steppers)
           Key<T>("step",
                  key::rows_below(
                      {"step", "quantity, `automatic`, or map", "s", "> 0", "`automatic`",
-                      "explicit: 0.8 of the longest stable step, checked as the body stiffens; implicit: by error"},
+                      "explicit: 0.8 of the longest stable step, checked as the body stiffens; implicit: by error, "
+                      "of creep and relaxation at most a hundredth of the duration"},
                      step_forms()),
                  read_step),
           key::whole("frames", &T::frames, 1, 1000000, "points of the time history and snapshots, at equal times"),

@@ -232,24 +232,37 @@ class Motion final : public TimedExperiment {
     measures.set("remaining_change", std::abs((now - series.values[before]) / whole));
   }
 
-  /// Behind the first hundredth, for what a body shows at once is elastic and takes some short steps; where it still
-  /// swings there, from later on, as long as it creeps by more than a hundredth of what it has moved.
+  /// From where on a start twice as late gives the same time constant: before, the body still comes to what it shows at
+  /// once, swinging or by some short steps. Where that is nowhere (of several time constants), behind the first
+  /// hundredth of the time or the first start from which it is near one exponential, as long as the body creeps there
+  /// by more than a hundredth of what it has moved.
   void read_creep(const std::vector<CurvePoint>& history, Measures& measures) const {
-    for (const double share : {0.01, 0.03, 0.1}) {
-      const Series series = series_of(history, response_.displacement, share * history.back().time);
+    constexpr double first = 0.01, last = 0.35, same = 0.003, exact = 0.01;
+    std::optional<ExponentialFit> found;
+    double before = 0;  // time constant
+    Series from;
+    for (double share = first; share < last; share *= 2) {
+      Series series = series_of(history, response_.displacement, share * history.back().time);
+      if (series.times.size() == 0 || (from.times.size() > 0 && series.times[0] == from.times[0])) continue;
       const auto fit = fit_exponential(series);
-      if (series.times.size() > 1) {
-        const double now = series.values[series.values.size() - 1];
-        read_end(series, fit, fit && fit->misfit <= kMostForTime ? fit->end : now, measures);
-      }
-      if (!fit) return;
       const auto [low, high] = std::minmax_element(series.values.begin(), series.values.end());
-      if (share > 0.01 && *high - *low < 0.01 * std::max(std::abs(*low), std::abs(*high))) return;
-      measures.set("fit_misfit", fit->misfit);
-      if (fit->misfit > kMostForTime) continue;
-      measures.set("retardation_time", fit->time);
-      return;
+      const bool creeps = *high - *low >= 0.01 * std::max(std::abs(*low), std::abs(*high));
+      if (from.times.size() > 0 && (!fit || !creeps)) break;
+      from = std::move(series);
+      if (!fit) break;
+      const bool near = fit->misfit <= kMostForTime;
+      const bool settled = fit->misfit < exact && before > 0 && std::abs(fit->time / before - 1) < same;
+      before = near ? fit->time : 0;
+      if (!found || found->misfit > kMostForTime || settled) found = fit;
+      if (settled) break;
     }
+    if (from.times.size() > 1) {
+      const double now = from.values[from.values.size() - 1];
+      read_end(from, found, found && found->misfit <= kMostForTime ? found->end : now, measures);
+    }
+    if (!found) return;
+    measures.set("fit_misfit", found->misfit);
+    if (found->misfit <= kMostForTime) measures.set("retardation_time", found->time);
   }
 
   /// Behind the row at the ramp's end, where the body still moves. The slowest part alone: from where a twentieth of
