@@ -223,8 +223,12 @@ void warn_of_numbers(const Answer& answer, std::vector<std::string>& warnings) {
   }
 }
 
-void warn_of_tests(const Answer& answer, std::vector<std::string>& warnings) {
+/// @param scatter of specimens that differ: by how much is no fault of one of them
+void warn_of_tests(const Answer& answer, const TestScatter* scatter, std::vector<std::string>& warnings) {
   for (const TestAnswer& test : answer.tests) {
+    const auto number = static_cast<std::size_t>(&test - answer.tests.data());
+    const bool differs =
+        scatter && std::find(scatter->tests.begin(), scatter->tests.end(), number) != scatter->tests.end();
     if (test.fitted.size() == 0) {
       warnings.push_back(test.name + ": the material found has no equilibrium there");
       continue;
@@ -240,7 +244,7 @@ void warn_of_tests(const Answer& answer, std::vector<std::string>& warnings) {
         others += std::pow(other.relative_rms / other.noise, 2) * static_cast<double>(other.data.y.size());
         count += static_cast<double>(other.data.y.size());
       }
-    if (count > 0 && test.relative_rms > kRounding &&
+    if (count > 0 && !differs && test.relative_rms > kRounding &&
         std::pow(test.relative_rms / test.noise, 2) > kMisfit * others / count)
       warnings.push_back(fmt::format("{} is fitted badly: {} rms, the other tests {}", test.name,
                                      percent_text(test.relative_rms), percent_text(std::sqrt(others / count))));
@@ -281,15 +285,28 @@ void warn_of_places(const TestAnswer& test, std::vector<std::string>& warnings) 
                     test.name, together / alone));
 }
 
+void warn_of_specimens(const Answer& answer, const TestScatter& scatter, std::vector<std::string>& warnings) {
+  std::vector<std::string> names;
+  for (const std::size_t test : scatter.tests) names.push_back(answer.tests[test].name);
+  warnings.push_back(fmt::format(
+      "{} differ by {:.2g} % in their scale (standard deviation), far more than their readings scatter: specimens that "
+      "are unlike, or whose section is not what it was taken for. The intervals are those of the mean of all such "
+      "specimens, of which these are {}",
+      fmt::join(names, ", "), 100 * scatter.deviation, names.size()));
+}
+
 /// Intervals take residuals for scatter.
-void warn_of_shape(const Answer& answer, std::vector<std::string>& warnings) {
+/// @param scatter of specimens that differ, which is no shape: then of what a fit of each test alone leaves
+void warn_of_shape(const Answer& answer, const TestScatter* scatter, std::vector<std::string>& warnings) {
   for (const TestAnswer& test : answer.tests) {
     if (!test.counted || test.fitted.size() < kFewest || test.relative_rms <= kRounding) continue;
     if (!test.data.axes.empty()) {
       warn_of_places(test, warnings);
       continue;
     }
-    if (const SignChanges changes = sign_changes(test.fitted - test.data.y); changes.too_few())
+    const VectorX differences = scatter ? scatter->left[static_cast<std::size_t>(&test - answer.tests.data())]
+                                        : VectorX(test.fitted - test.data.y);
+    if (const SignChanges changes = sign_changes(differences); changes.too_few())
       warnings.push_back(
           fmt::format("the misfit of {} has a shape: {:.0f} changes of sign where scatter has about "
                       "{:.0f}; the law lacks something, and the intervals take it for scatter",
@@ -397,11 +414,12 @@ Answer make_answer(const UnknownMaterial& unknown, std::vector<WeightedTest>& te
   answer.starts = fit.starts, answer.agreeing = fit.agreeing, answer.seconds = fit.seconds;
   if (fit.values.size() == 0 || fit.predictions.empty()) return answer;  // failed, as its cause says
   Uncertainty known = uncertainty(fit.residuals, fit.jacobian, fit.values);
-  widen_for_few_readings(tests, fit, known);
+  const auto scatter = widen_for_other_specimens(tests, fit, known);
+  if (!scatter) widen_for_few_readings(tests, fit, known);
   add_zero_points(tests, fit, known);
   answer.freedom = known.freedom, answer.condition = known.condition, answer.correlation = known.correlation;
   answer.criterion = small_sample_criterion(fit.squares, fit.residuals.size(), fit.values.size());
-  answer.numbers = found_numbers(unknown, tests, fit, known, profiles, stop);
+  answer.numbers = found_numbers(unknown, tests, fit, known, profiles && !scatter, stop);
   answer.tests = test_answers(unknown, tests, fit);
   if (unknown.row) answer.stability = stabilities(unknown, tests, fit);
   for (const FoundNumber& number : answer.numbers)
@@ -418,8 +436,10 @@ Answer make_answer(const UnknownMaterial& unknown, std::vector<WeightedTest>& te
   if (known.freedom <= 0)
     answer.warnings.push_back("as many unknowns as measured points: the fit has no intervals and shows nothing");
   warn_of_numbers(answer, answer.warnings);
-  warn_of_tests(answer, answer.warnings);
-  warn_of_shape(answer, answer.warnings);
+  const TestScatter* differ = scatter ? &*scatter : nullptr;
+  warn_of_tests(answer, differ, answer.warnings);
+  if (scatter) warn_of_specimens(answer, *scatter, answer.warnings);
+  warn_of_shape(answer, differ, answer.warnings);
   warn_of_beginnings(answer, tests, fit.trial, answer.warnings);
   warn_of_stability(answer, answer.warnings);
   return answer;
@@ -459,7 +479,7 @@ Answer make_answer(const UnknownMaterial& unknown, const std::vector<WeightedTes
   for (const TestAnswer& test : answer.tests)
     for (const std::string& warning : test.data.warnings) answer.warnings.push_back(test.data.file + ": " + warning);
   warn_of_field(field, unknown.trial.material, answer.warnings);
-  warn_of_shape(answer, answer.warnings);
+  warn_of_shape(answer, nullptr, answer.warnings);
   answer.field = std::move(field);
   return answer;
 }

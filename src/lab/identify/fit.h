@@ -15,6 +15,9 @@ namespace elastin::lab {
 /// The t beyond which a share (1 − confidence) of Student's distribution lies, on both sides together.
 double student_quantile(double confidence, double freedom);
 
+/// The share of Fisher's distribution with so many degrees of freedom, above and below, beyond a ratio of variances.
+double f_beyond(double ratio, double above, double below);
+
 /// What residuals r and their slopes J say of the unknowns: with s² = Σ r²/(n − p) the covariance is s² (JᵀJ)⁻¹ where
 /// the model is nearly linear in the range of the scatter.                                     [Bates & Watts 1988, 2]
 struct Uncertainty {
@@ -31,7 +34,8 @@ Uncertainty uncertainty(const VectorX& residuals, const MatrixX& jacobian, const
 /// where there are too few residuals.                                                        [Hurvich & Tsai 1989]
 double small_sample_criterion(double squares, Eigen::Index residuals, Eigen::Index unknowns);
 
-/// Changes of sign along a row of differences, and how many of them scatter has.           [Wald & Wolfowitz 1940]
+/// Changes of sign along a row of differences, and how many of them scatter has, next to the signs that there are; of
+/// differences of one sign, next to any signs.                                              [Wald & Wolfowitz 1940]
 struct SignChanges {
   double count = 0, expected = 0, deviation = 0;
   /// Whether the differences have a shape: they change their sign too seldom for scatter.
@@ -137,6 +141,20 @@ struct FitOptions {
 /// several searches, from the material's own numbers and from random ones around them, the best goes on to the end. The
 /// same input gives a bitwise identical result.
 Fit fit_material(const UnknownMaterial& unknown, std::vector<WeightedTest>& tests, const FitOptions& options);
+
+/// How unlike the specimens of tests of one kind are.
+struct TestScatter {
+  double deviation = 0;            ///< standard deviation of the tests' scales, as part of them
+  int freedom = 0;                 ///< in which they differ
+  std::vector<std::size_t> tests;  ///< of which at least two are of one kind
+  std::vector<VectorX> left;       ///< of all tests: residuals that a fit of each alone would leave, to first order
+};
+
+/// Where tests of one kind differ in scale, by more than the scatter of their readings does by chance, their readings
+/// say nothing surer than the number of specimens allows: deviations and intervals become those with a scale of each
+/// test that is drawn at random. None where they do not differ.                [Satterthwaite 1946; Laird & Ware 1982]
+std::optional<TestScatter> widen_for_other_specimens(const std::vector<WeightedTest>& tests, const Fit& fit,
+                                                     Uncertainty& known);
 
 /// The ends of the interval of one unknown by its profile (see profile_end), from a search for the others at each
 /// value; of a rough fit from one of Gauss's steps, or two, about where the slopes foresee the others, and to a

@@ -51,6 +51,10 @@ double student_quantile(double confidence, double freedom) {
   return (low + high) / 2;
 }
 
+double f_beyond(double ratio, double above, double below) {
+  return incomplete_beta(below / 2, above / 2, below / (below + above * ratio));
+}
+
 Uncertainty uncertainty(const VectorX& residuals, const MatrixX& jacobian, const VectorX& values) {
   const Eigen::Index count = values.size();
   Uncertainty result;
@@ -98,6 +102,10 @@ SignChanges sign_changes(const VectorX& differences) {
     if (i > 0 && (differences[i] > 0) != (differences[i - 1] > 0)) changes.count += 1;
   }
   const double n = above + below;
+  if (n > 0 && (above == 0 || below == 0)) {
+    changes.expected = (n - 1) / 2, changes.deviation = std::sqrt(n - 1) / 2;
+    return changes;
+  }
   changes.expected = n > 0 ? 2 * above * below / n : 0;
   changes.deviation = n > 1 ? std::sqrt(std::max(0., changes.expected * (changes.expected - 1) / (n - 1))) : 0;
   return changes;

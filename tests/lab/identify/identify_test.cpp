@@ -343,6 +343,48 @@ TEST_CASE("intervals of several tests hold the truth in 95 per cent of trials, h
   }
 }
 
+TEST_CASE("where specimens differ, intervals hold what all such specimens have in the mean", "[identify][slow]") {
+  constexpr double c1 = 60e3, c2 = 20e3;
+  struct Row {
+    int specimens, readings;
+    double of_specimens, of_readings;  // deviations in proportion to the stress
+  };
+  const TemporaryFolder folder;
+  for (const Row& row :
+       {Row{5, 30, 0.1, 0.003}, {5, 30, 0, 0.003}, {3, 15, 0.03, 0.01}, {3, 15, 0, 0.01}, {12, 12, 0.1, 0.02}}) {
+    CAPTURE(row.specimens, row.of_specimens, row.of_readings);
+    constexpr int trials = 200;
+    int covered[2] = {0, 0}, said = 0;
+    Noise noise(31);
+    std::string tests;
+    for (int i = 0; i < row.specimens; ++i)
+      tests += fmt::format("{}{{kind: uniaxial, name: s{}, file: s{}.csv}}", i ? ", " : "", i, i);
+    const std::string scene = folder.write(
+        "scene.yaml",
+        "material: {law: mooney_rivlin, c1: 10 kPa, c2: 1 kPa}\nidentify: {starts: 1, tests: [" + tests + "]}\n");
+    for (int trial = 0; trial < trials; ++trial) {
+      for (int i = 0; i < row.specimens; ++i) {
+        const double scale = 1 + row.of_specimens * noise.normal();
+        std::string text = "stretch,nominal_stress [Pa]\n";
+        for (const double l : VectorX::LinSpaced(row.readings, 1.05, 1.8).eval())
+          text +=
+              fmt::format("{:.9g},{:.9g}\n", l,
+                          scale * 2 * (l - std::pow(l, -2)) * (c1 + c2 / l) * (1 + row.of_readings * noise.normal()));
+        folder.write(fmt::format("s{}.csv", i), text);
+      }
+      const Answer answer = identify(scene, kCatalog, {}).front();
+      said += warns(answer, "in their scale (standard deviation)");
+      for (int i = 0; i < 2; ++i)
+        covered[i] += answer.numbers[i].low <= (i ? c2 : c1) && (i ? c2 : c1) <= answer.numbers[i].high;
+    }
+    CHECK((row.of_specimens > 0 ? said > 0.9 * trials : said < 0.02 * trials));
+    for (const int count : covered) {
+      CHECK(count >= 0.9 * trials);
+      CHECK(count <= 0.985 * trials);
+    }
+  }
+}
+
 TEST_CASE("one reading near zero does not widen the intervals of a curve", "[identify]") {
   // 20 kPa (λ − 1/λ²) with scatter of 1 % of each value; the first reading is 0.9 Pa where 6 Pa were right.
   const TemporaryFolder folder;

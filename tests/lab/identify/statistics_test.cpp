@@ -8,6 +8,19 @@
 using namespace elastin;
 using namespace elastin::lab;
 
+TEST_CASE("shares of Fisher's distribution are those of tables", "[identify]") {
+  CHECK(f_beyond(6.6079, 1, 5) == Approx(0.05).epsilon(1e-4));
+  CHECK(f_beyond(4.1028, 2, 10) == Approx(0.05).epsilon(1e-4));
+  CHECK(f_beyond(3.4793, 5, 30) == Approx(0.0134345).epsilon(1e-4));
+  CHECK(f_beyond(std::pow(2.776445, 2), 1, 4) == Approx(0.05).epsilon(1e-5));  // Student's, squared
+}
+
+TEST_CASE("differences of one sign have a shape", "[identify]") {
+  CHECK(sign_changes(VectorX::Ones(30)).too_few());
+  CHECK(sign_changes(-VectorX::Ones(8)).too_few());
+  CHECK_FALSE(sign_changes(VectorX::Ones(4)).too_few());
+}
+
 TEST_CASE("quantiles of Student's distribution are those of tables", "[identify]") {
   // Abramowitz & Stegun, table 26.10, both sides.
   CHECK(student_quantile(0.95, 1) == Approx(12.706).epsilon(1e-4));
