@@ -5,93 +5,172 @@
 
 #include "core/base/dense.h"
 #include "core/linear/sparse_stiffness.h"
+#include "core/model/pieces.h"
 #include "core/parallel/parallel.h"
 #include "elastin/core/linear/linear_solver.h"
 
 namespace elastin {
+namespace {
+
+/// The piece of each molecule, by connections and what loads and contact join now; nothing where all are one.
+std::vector<int> separate_pieces(const Tangent& tangent) {
+  const Model& model = tangent.model();
+  if (model.body().share) return {};
+  Pieces pieces = pieces_of(model.body());
+  if (pieces.count() > 1) tangent.visit_blocks([&](int a, int b, const Matrix3&) { pieces.join(a, b); });
+  return pieces.count() > 1 ? pieces.numbers() : std::vector<int>();
+}
+
+}  // namespace
 
 RigidMotions::RigidMotions(const Tangent& tangent, const std::vector<Support>& supports, Positions& motions,
                            Positions& forces) {
+  const int molecules = tangent.model().body().size();
+  const std::vector<int> piece_of = separate_pieces(tangent);
+  if (!piece_of.empty()) {
+    pieces_.resize(*std::max_element(piece_of.begin(), piece_of.end()) + 1);
+    for (int molecule = 0; molecule < molecules; ++molecule) pieces_[piece_of[molecule]].molecules.push_back(molecule);
+    for (Piece& piece : pieces_) piece.size = static_cast<int>(piece.molecules.size());
+    find_free(tangent, supports, piece_of, motions, forces);
+  }
+  if (!pieces_.empty()) return;  // else what joins all with all may leave them to the whole
+  pieces_.resize(1);
+  pieces_[0].size = molecules;
+  find_free(tangent, supports, {}, motions, forces);
+}
+
+/// Leaves the pieces that have free motions, with these. One product of the stiffness tells about a motion of each
+/// piece; they go unlike far, so that none of them moves along with what it pulls at.
+void RigidMotions::find_free(const Tangent& tangent, const std::vector<Support>& supports,
+                             const std::vector<int>& piece_of, Positions& motions, Positions& forces) {
   const Positions& positions = tangent.positions();
-  const int molecules = static_cast<int>(positions.cols());
-  middle_ = ordered_sum<Vector3>(
-                molecules, [&](int a) -> Vector3 { return positions.col(a); }, Vector3::Zero(), kMoleculeThreshold) /
-            molecules;
-  const double size = largest_of_ranges(
-      molecules,
+  for (Piece& piece : pieces_) piece.set_place(positions);
+  // First what no support minds, then what of that no force minds either.
+  using Sixes = Eigen::Matrix<double, 6, 6>;
+  std::vector<Sixes> held(pieces_.size(), Sixes::Zero());
+  std::vector<int> counts(pieces_.size(), 0);
+  for (const Support& support : supports) {
+    const int number = piece_of.empty() ? 0 : piece_of[support.molecule];
+    Eigen::Matrix<double, 3, 6> part;
+    for (int k = 0; k < 6; ++k) part.col(k) = pieces_[number].motion(Six::Unit(k), positions.col(support.molecule));
+    part -= (support.free * part).eval();
+    held[number] += part.transpose() * part;
+    ++counts[number];
+  }
+  std::vector<Sixes> candidates(pieces_.size());
+  for (std::size_t number = 0; number < pieces_.size(); ++number) {
+    const SymmetricEigen eigen = symmetric_eigen(held[number]);
+    for (int k = 0; k < 6; ++k)
+      candidates[number].col(k) =
+          eigen.values[k] > 1e-12 * std::max(1, counts[number]) ? Six(Six::Zero()) : Six(eigen.vectors.col(k));
+    pieces_[number].free.resize(6, 0);
+  }
+  motions.resize(3, positions.cols()), forces.resize(3, positions.cols());
+  for (int k = 0; k < 6; ++k) {
+    bool any = false;
+    for (std::size_t number = 0; number < pieces_.size(); ++number) {
+      const double far = 1 + std::fmod(0.618034 * static_cast<double>(number), 1.);
+      const Six candidate = far * candidates[number].col(k);
+      pieces_[number].set_motion(candidate, positions, motions);
+      any |= !candidate.isZero(0);
+    }
+    if (!any) continue;
+    tangent.apply(motions, forces);
+    keep_free(supports, forces);
+    for (std::size_t number = 0; number < pieces_.size(); ++number) {
+      Piece& piece = pieces_[number];
+      const Six candidate = candidates[number].col(k);
+      if (candidate.isZero(0) || piece.norm(forces) > 1e-9 * piece.stiffness(tangent) * piece.norm(motions)) continue;
+      piece.free.conservativeResize(6, piece.free.cols() + 1);
+      piece.free.rightCols(1) = candidate;
+    }
+  }
+  std::erase_if(pieces_, [](const Piece& piece) { return piece.free.cols() == 0; });
+  for (Piece& piece : pieces_) piece.set_inverse(positions, motions);
+}
+
+void RigidMotions::Piece::set_place(const Positions& positions) {
+  middle = ordered_sum(
+               size, [&](int i) -> Vector3 { return positions.col(molecule(i)); }, Vector3::Zero().eval(),
+               kMoleculeThreshold) /
+           size;
+  const double square = largest_of_ranges(
+      size,
       [&](int begin, int end) {
         double most = 0;
-        for (int a = begin; a < end; ++a) most = std::max(most, (positions.col(a) - middle_).squaredNorm());
+        for (int i = begin; i < end; ++i) most = std::max(most, (positions.col(molecule(i)) - middle).squaredNorm());
         return most;
       },
       kMoleculeThreshold);
-  per_size_ = size > 0 ? 1 / (2 * std::sqrt(size)) : 1;
-  // First what no support minds, then what of that no force minds either.
-  Eigen::Matrix<double, 6, 6> held = Eigen::Matrix<double, 6, 6>::Zero();
-  for (const Support& support : supports) {
-    Eigen::Matrix<double, 3, 6> part;
-    for (int k = 0; k < 6; ++k) part.col(k) = motion(Six::Unit(k), positions.col(support.molecule));
-    part -= (support.free * part).eval();
-    held += part.transpose() * part;
-  }
-  const SymmetricEigen eigen = symmetric_eigen(held);
-  free_.resize(6, 0);
-  const double stiffness = stiffness_scale(tangent);
-  motions.resize(3, positions.cols()), forces.resize(3, positions.cols());
-  for (int k = 0; k < 6; ++k) {
-    if (eigen.values[k] > 1e-12 * std::max<double>(1, static_cast<double>(supports.size()))) continue;
-    const Six candidate = eigen.vectors.col(k);
-    parallel_for(
-        static_cast<int>(positions.cols()), [&](int i) { motions.col(i) = motion(candidate, positions.col(i)); },
-        kMoleculeThreshold);
-    tangent.apply(motions, forces);
-    keep_free(supports, forces);
-    if (ordered_norm(forces) > 1e-9 * stiffness * ordered_norm(motions)) continue;
-    free_.conservativeResize(6, free_.cols() + 1);
-    free_.rightCols(1) = candidate;
-  }
-  if (empty()) return;
-  MatrixX products(free_.cols(), free_.cols());
+  per_size = square > 0 ? 1 / (2 * std::sqrt(square)) : 1;
+}
+
+void RigidMotions::Piece::set_motion(const Six& six, const Positions& positions, Positions& motions) const {
+  parallel_for(
+      size, [&](int i) { motions.col(molecule(i)) = motion(six, positions.col(molecule(i))); }, kMoleculeThreshold);
+}
+
+/// Mean diagonal entry of K over the piece's molecules [N/m], by size.
+double RigidMotions::Piece::stiffness(const Tangent& tangent) const {
+  if (molecules.empty()) return stiffness_scale(tangent);
+  return ordered_sum(
+             size, [&](int i) { return std::abs(tangent.diagonal(molecule(i)).trace()) / 3; }, 0., kMoleculeThreshold) /
+         size;
+}
+
+double RigidMotions::Piece::norm(const Positions& vectors) const {
+  if (molecules.empty()) return ordered_norm(vectors);
+  return std::sqrt(ordered_sum(
+      size, [&](int i) { return vectors.col(molecule(i)).squaredNorm(); }, 0., kMoleculeThreshold));
+}
+
+void RigidMotions::Piece::set_inverse(const Positions& positions, Positions& motions) {
+  MatrixX products(free.cols(), free.cols());
   for (Eigen::Index i = 0; i < products.cols(); ++i) {
-    const Six own = free_.col(i);
-    parallel_for(
-        static_cast<int>(positions.cols()), [&](int a) { motions.col(a) = motion(own, positions.col(a)); },
-        kMoleculeThreshold);
+    set_motion(free.col(i), positions, motions);
     products.col(i) = products_with(positions, motions);
   }
   // Of molecules on a line the turn about it moves none: it is no motion to take out.
-  inverse_ = symmetric_pseudoinverse(products);
+  inverse = symmetric_pseudoinverse(products);
 }
 
 /// Of the vectors v at places y, Σ v and Σ y × v say it all: (t + w × y) · v = t · v + w · (y × v).
-VectorX RigidMotions::products_with(const Positions& positions, const Positions& vectors) const {
+VectorX RigidMotions::Piece::products_with(const Positions& positions, const Positions& vectors) const {
   const Six sums = ordered_sum_of_blocks<Six>(
-      static_cast<int>(positions.cols()),
+      size,
       [&](int begin, int end) {
         Six sum = Six::Zero();
-        for (int a = begin; a < end; ++a) {
-          const Vector3 v = vectors.col(a), y = place(positions.col(a));
+        for (int i = begin; i < end; ++i) {
+          const Vector3 v = vectors.col(molecule(i)), y = place(positions.col(molecule(i)));
           sum.head<3>() += v;
           sum.tail<3>() += y.cross(v);
         }
         return sum;
       },
       Six::Zero(), kMoleculeThreshold);
-  return free_.transpose() * sums;
+  return free.transpose() * sums;
 }
 
 void RigidMotions::remove_from(const Positions& positions, Positions& motions) const {
-  if (empty()) return;
-  const Six whole = free_ * (inverse_ * products_with(positions, motions));
-  parallel_for(
-      static_cast<int>(positions.cols()), [&](int a) { motions.col(a) -= motion(whole, positions.col(a)); },
-      kMoleculeThreshold);
+  for (const Piece& piece : pieces_) {
+    const Six whole = piece.free * (piece.inverse * piece.products_with(positions, motions));
+    parallel_for(
+        piece.size,
+        [&](int i) {
+          const int molecule = piece.molecule(i);
+          motions.col(molecule) -= piece.motion(whole, positions.col(molecule));
+        },
+        kMoleculeThreshold);
+  }
 }
 
 double RigidMotions::part_of(const Positions& positions, const Positions& vectors) const {
-  if (empty()) return 0;
-  const VectorX products = products_with(positions, vectors);
-  return std::sqrt(std::max(0., products.dot(inverse_ * products)));
+  double squares = 0;
+  for (const Piece& piece : pieces_) {
+    const VectorX products = piece.products_with(positions, vectors);
+    squares += std::max(0., products.dot(piece.inverse * products));
+  }
+  return std::sqrt(squares);
 }
 
 }  // namespace elastin

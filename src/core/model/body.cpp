@@ -2,13 +2,13 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <numeric>
 #include <span>
 #include <utility>
 
 #include "core/base/rows.h"
 #include "core/geometry/point_buckets.h"
 #include "core/model/block_geometry.h"
+#include "core/model/pieces.h"
 #include "core/model/solid_cells.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/model/parts.h"
@@ -241,48 +241,44 @@ std::string flat_or_inverted_text(const std::vector<int>& cells, std::size_t of)
   return text + " of " + std::to_string(of) + (cells.size() == 1 ? " is" : " are") + " flat or inverted";
 }
 
+Pieces pieces_of(const Body& body) {
+  Pieces pieces(body.size());
+  for (int connection = 0; connection < body.connections.proper() && pieces.count() > 1; ++connection) {
+    const auto& [a, b] = body.connections.ends[connection];
+    pieces.join(a, b);
+  }
+  for (const Part& part : body.parts)
+    if (part.rigid)
+      for (const int molecule : molecules_of(part))
+        pieces.join(part.count > 0 ? part.first : part.shared.front(), molecule);
+  for (const Tie& tie : body.ties)
+    for (const int corner : tie.corners) pieces.join(tie.molecule, corner);
+  return pieces;
+}
+
 BodyFindings inspect(const Body& body) {
   BodyFindings findings;
   const int n = body.size();
-  std::vector<int> parent(n), degree(n, 0);
-  std::iota(parent.begin(), parent.end(), 0);
-  const auto root = [&](int molecule) {
-    while (parent[molecule] != molecule) molecule = parent[molecule] = parent[parent[molecule]];
-    return molecule;
-  };
-  const auto join = [&](int a, int b) {
-    const int low = std::min(root(a), root(b)), high = std::max(root(a), root(b));
-    parent[high] = low;
-  };
+  std::vector<int> degree(n, 0);
   const double size = n ? (body.rest.rowwise().maxCoeff() - body.rest.rowwise().minCoeff()).norm() : 0;
   std::vector<std::pair<std::array<int, 2>, int>> sorted;
   for (int connection = 0; connection < body.connections.proper(); ++connection) {
     auto [a, b] = body.connections.ends[connection];
     ++degree[a], ++degree[b];
-    join(a, b);
     if (!(body.connections.rest_length[connection] > 1e-12 * size))
       findings.zero_length_connections.push_back(connection);
     sorted.push_back({{std::min(a, b), std::max(a, b)}, connection});
   }
-  for (const Part& part : body.parts)
-    if (part.rigid)
-      for (const int molecule : molecules_of(part)) join(part.count > 0 ? part.first : part.shared.front(), molecule);
-  for (const Tie& tie : body.ties)
-    for (const int corner : tie.corners) join(tie.molecule, corner);
   std::sort(sorted.begin(), sorted.end());
   for (std::size_t i = 1; i < sorted.size(); ++i)
     if (sorted[i].first == sorted[i - 1].first) findings.duplicate_connections.push_back(sorted[i].second);
   std::sort(findings.duplicate_connections.begin(), findings.duplicate_connections.end());
 
-  findings.piece_of.assign(n, -1);
-  for (int molecule = 0; molecule < n; ++molecule) {
-    const int first = root(molecule);
-    if (first == molecule)
-      findings.piece_of[molecule] = findings.pieces++;
-    else
-      findings.piece_of[molecule] = findings.piece_of[first];
+  const Pieces pieces = pieces_of(body);
+  findings.pieces = pieces.count();
+  findings.piece_of = pieces.numbers();
+  for (int molecule = 0; molecule < n; ++molecule)
     if (degree[molecule] == 0) findings.isolated_molecules.push_back(molecule);
-  }
   findings.flat_or_inverted_cells = flat_or_inverted_cells(body, body.rest);
   return findings;
 }

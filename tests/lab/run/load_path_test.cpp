@@ -221,6 +221,37 @@ TEST_CASE("a free body that vibrates needs no support", "[statics][load_path]") 
   CHECK(run.warnings == std::vector<std::string>{});
 }
 
+// Bodies that nothing holds or joins are each what one alone is: none drifts or turns against the others.
+TEST_CASE("free balloons under pressure widen as one does", "[statics][load_path]") {
+  const auto run = [](const std::string& others, const std::string& load) {
+    const auto scene =
+        load_scene(SceneSource::of_text(
+                       "a.yaml", "bodies: [{name: a, sphere: {radius: 5 cm, divisions: 6}}" + others +
+                                     "]\nmaterial: {youngs_modulus: 1 MPa, poissons_ratio: 0.3, thickness: 1 mm}\n"
+                                     "stiffness: neo_hookean_membrane\nloads: [" +
+                                     load + "]\nexperiment: {kind: loads, read: [{name: a, molecules: {body: a}}]}\n"),
+                   built_in_catalog());
+    Run found = run_strategy(scene->specimen, *scene->experiment, scene->stiffness, {.statics = scene->statics});
+    INFO(found.cause);
+    REQUIRE(found.outcome == Outcome::converged);
+    return found;
+  };
+  const std::string second = ", {name: b, sphere: {radius: 5 cm, divisions: 6}, at: [20 cm, 0, 0]}",
+                    third = ", {name: c, sphere: {radius: 3 cm, divisions: 4}, at: [0, 20 cm, 1 cm]}";
+  for (const std::string load : {"{pressure: 6 kPa}", "{gas: {start_pressure: 111 kPa}}"}) {
+    const Run alone = run("", load);
+    for (const std::string& others : {second, second + third}) {
+      const Run several = run(others, load);
+      INFO(load << others);
+      CHECK_FALSE(several.unstable);
+      CHECK(several.measures.get("a_displacement") == Approx(alone.measures.get("a_displacement")).epsilon(1e-5));
+      if (others == second)
+        CHECK(several.measures.get("energy") == Approx(2 * alone.measures.get("energy")).epsilon(1e-8));
+      CHECK(several.warnings.size() == 1);  // of the rigid motions
+    }
+  }
+}
+
 // With nu = 0 nothing moves across: the nominal stress is mu (l - 1/l), and that of the fibres T f(l)/l, f = 1 - 4 (1 -
 // l)^2.
 TEST_CASE("a muscle at work bears stress before the load, and the modulus is of what the load adds",
