@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 #include <map>
 #include <utility>
 
@@ -326,6 +327,78 @@ bool buckles(Model& model, StaticRig& rig, const StaticOptions& options, double 
   return found;
 }
 
+/// Of a load step's motion: as much within a thousandth of its load is a jump, not a path that bends.
+constexpr double kJump = 0.3;
+constexpr int kJumpBisections = 10;
+
+/// Of the forces along the straight line between two states, under the present load and supports, times the motion [J].
+struct Pull {
+  double first = 0, least = 0, most = 0;
+  double size = 0;  ///< of the elastic forces, times the motion
+  /// More than at the beginning: the stiffness is negative on the way. Of a body that turns far this may be said
+  /// without reason, and it `resists` first.
+  bool grows(double times) const { return most > times * std::abs(first) && most > 0.01 * size; }
+  bool resists() const { return least < -0.01 * most; }
+};
+
+Pull pull_along(const Model& model, const State& from, const State& to) {
+  constexpr int points = 8;
+  const Positions way = to.positions - from.positions;
+  State at = from;
+  Pull pull;
+  for (int point = 0; point < points; ++point) {
+    at.positions = from.positions + static_cast<double>(point) / points * way;
+    Positions forces = model.elastic_forces(at.positions);
+    pull.size = std::max(pull.size, forces.norm() * way.norm());
+    forces += model.load_forces(at);
+    keep_free(model.supports, forces);
+    const double own = forces.cwiseProduct(way).sum();
+    if (!std::isfinite(own)) return {0, -std::numeric_limits<double>::infinity(), 1, 0};
+    if (point == 0) pull.first = pull.least = pull.most = own;
+    pull.least = std::min(pull.least, own), pull.most = std::max(pull.most, own);
+  }
+  return pull;
+}
+
+/// Where in a load step the body jumps, as a warning; or "". Found by bisection: the half with more motion, down to
+/// where a path would move next to nothing.
+std::string jump_within(Model& model, StaticRig& rig, StaticOptions options, double before, State from, double factor,
+                        const State& reached, bool strays) {
+  options.probe = rig.leaves_saddles();
+  const auto distance = [](const State& a, const State& b) {
+    return (b.positions - a.positions).colwise().norm().maxCoeff();
+  };
+  State to = reached;
+  const double whole = distance(from, to);
+  double low = before, high = factor, least = 1;
+  const Pull pull = pull_along(model, from, to);
+  bool jumps = pull.grows(1.01) && (strays || !pull.resists());
+  for (int bisection = 0; jumps && bisection < kJumpBisections; ++bisection) {
+    const double middle = (low + high) / 2;
+    set_load(model, rig, middle);
+    State between = from;
+    jumps = solve_static(model, between, options).outcome == Outcome::converged;
+    if (!jumps) break;
+    if (distance(from, between) < distance(between, to))
+      from = std::move(between), low = middle;
+    else
+      to = std::move(between), high = middle;
+    least = std::max(kJump, 0.75 * least);
+    jumps = distance(from, to) > least * whole;
+  }
+  set_load(model, rig, high);
+  jumps = jumps && pull_along(model, from, to).grows(10);
+  set_load(model, rig, factor);
+  model.begin_step(reached, reached.time);
+  // Slack bodies come taut with the first load.
+  if (!jumps || low == 0) return "";
+  return "the body snaps through at " + number(50 * (low + high), 3) +
+         " % of the load: there its path of equilibria turns back, and the one found beyond lies " +
+         number(1e3 * distance(from, to), 3) +
+         " mm away, on another; prescribe the displacement to follow the path, or "
+         "run the load in time (`kind: motion`) to see where the body comes to rest";
+}
+
 /// Converged means balanced: what loads and reactions leave over is no part of them worth naming, under the `whole`
 /// load at least.
 void check_balance(const StaticResult& solved, const Measures& measures, double force, double tolerance, bool whole,
@@ -561,6 +634,10 @@ void solve_load_curve(Model& model, const StaticExperiment& experiment, StaticRi
   const MeasureList list = experiment.measures();
   const auto taken = [&](const Measures& measures, MeasureRole role) { return measures.get(list.named(role)); };
   const int steps = experiment.load_steps();
+  // What touches may do so with a jump.
+  const bool may_jump =
+      !options.statics.linear && !model.body().share && model.has_energy() && !contact_of(model) && !rig.seeks_load();
+  bool jumped = false;
   for (int step = 1; step <= steps; ++step) {
     const std::string which = steps > 1 ? "load step " + std::to_string(step) + " of " + std::to_string(steps) : "",
                       where = which.empty() ? "" : " (" + which + ")";
@@ -571,6 +648,7 @@ void solve_load_curve(Model& model, const StaticExperiment& experiment, StaticRi
     }
     if (options.progress) options.progress(which.empty() ? "solving" : which);
     const double load_factor = experiment.load_factor(step);
+    const std::optional<State> last_state = may_jump ? std::optional(path.state()) : std::nullopt;
     StaticResult solved = path.advance(load_factor);
     // Without a load there is nothing to balance, and rounding decides about motions that nothing resists.
     bool loaded = load_factor != 0;
@@ -617,6 +695,12 @@ void solve_load_curve(Model& model, const StaticExperiment& experiment, StaticRi
       return;
     }
     if (buckled) warn_once(kBuckled, run);
+    if (last_state && !known && !buckled && !jumped && !solved.unstable) {
+      const std::string text = jump_within(model, rig, options.statics, step > 1 ? experiment.load_factor(step - 1) : 0,
+                                           *last_state, load_factor, path.state(), strays);
+      jumped = !text.empty();
+      if (jumped) run.warnings.push_back(text);
+    }
     run.curve.push_back({load_factor, measures, solved.newton_iterations, solved.linear_iterations, solved.residual});
     if (options.derivatives) {
       run.curve.back().gradients = options.derivatives->at(model, experiment, rig, start, path.state(), solved,

@@ -252,6 +252,40 @@ TEST_CASE("free balloons under pressure widen as one does", "[statics][load_path
   }
 }
 
+// A von Mises truss: two springs of k = 100 N/m from (-+10, 0) to (0, 3) cm bear at most 99.5 mN, and a load beyond
+// turns them over.
+TEST_CASE("a body that snaps through says so, and where", "[statics][load_path]") {
+  const auto run = [](double load, int steps, const std::string& shape = "0, 0, 0.03") {
+    const auto scene = load_scene(
+        SceneSource::of_text("a.yaml", "body: {molecules: [[-0.1, 0, 0], [" + shape +
+                                           "], [0.1, 0, 0]], connections: [[0, 1], [1, 2]], radius: 0.005}\n"
+                                           "material: {youngs_modulus: 1e5, density: 1000}\n"
+                                           "stiffness: {strategy: uniform, constant: 100}\n"
+                                           "supports: [{molecules: [0, 2]}, {molecules: [1], fix: [x, y]}]\n"
+                                           "loads: [{point: {molecules: [1], force: [0, 0, " +
+                                           std::to_string(load) +
+                                           "]}}]\n"
+                                           "experiment: {kind: loads, load_steps: " +
+                                           std::to_string(steps) + ", read: [{name: top, molecules: [1]}]}\n"),
+        built_in_catalog());
+    return run_strategy(scene->specimen, *scene->experiment, scene->stiffness, {.statics = scene->statics});
+  };
+  for (const int steps : {1, 11, 50})
+    for (const double load : {-0.11, -0.3, -1.}) {
+      const Run snapped = run(load, steps);
+      INFO(steps << " steps to " << load << " N");
+      REQUIRE(snapped.warnings.size() == 1);
+      const std::string& said = snapped.warnings.front();
+      CHECK_THAT(said, Contains("the body snaps through at "));
+      const double percent = std::stod(said.substr(said.find(" at ") + 4));
+      CHECK(percent / 100 * -load == Approx(0.0995).epsilon(0.01));
+    }
+  CHECK(run(-0.09, 1).warnings.empty());
+  CHECK(run(0.8, 1).warnings.empty());
+  // Flat, it stiffens with the cube of the displacement.
+  for (const std::string& warning : run(-5, 1, "0, 0, 0").warnings) CHECK_THAT(warning, !Contains("snaps"));
+}
+
 // With nu = 0 nothing moves across: the nominal stress is mu (l - 1/l), and that of the fibres T f(l)/l, f = 1 - 4 (1 -
 // l)^2.
 TEST_CASE("a muscle at work bears stress before the load, and the modulus is of what the load adds",
