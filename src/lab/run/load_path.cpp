@@ -280,6 +280,15 @@ bool note_solve(const StaticResult& solved, const std::string& where, Run& run) 
   return false;
 }
 
+/// Whether the stiffness of a material's curve jumps where there is no strain: what lies next to its neutral plane then
+/// has now the one, now the other.
+bool jumps_at_rest(const Material& material) {
+  constexpr double next_to = 1e-3, most = 1.2;
+  if (!material.curve) return false;
+  const double tension = material.curve->modulus(next_to), compression = material.curve->modulus(-next_to);
+  return std::max(tension, compression) > most * std::min(tension, compression);
+}
+
 /// Whether supports have moved a body that has no other reason for forces.
 bool is_displaced(const Model& model, const State& state) {
   const Positions& rest = model.body().rest;
@@ -662,7 +671,13 @@ void solve_load_curve(Model& model, const StaticExperiment& experiment, StaticRi
       if (run.contact && run.contact->pairs == 0 && solved.residual > kBalanced) loaded = false;  // nothing is touched
     }
     run.bisected_load_steps = path.halvings();
-    if (!note_solve(solved, where, run)) return;
+    if (!note_solve(solved, where, run)) {
+      if (run.outcome != Outcome::interrupted && !options.statics.linear && jumps_at_rest(material))
+        run.cause +=
+            "; the curve's modulus jumps between compression and tension: a larger `curve.smoothing`, such as 1e-3, "
+            "or more `load_steps` help";
+      return;
+    }
     if (loaded && acts)
       check_balance(solved, measures, taken(measures, MeasureRole::force), options.statics.tolerance, step == steps,
                     is_displaced(model, path.state()), where, run);

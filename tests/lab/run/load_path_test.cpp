@@ -502,3 +502,24 @@ TEST_CASE("a sheet of springs that is pulled by a force has its flat equilibrium
     CHECK(flat.measures.get("effective_modulus") == Approx(small.measures.get("effective_modulus")).epsilon(1e-3));
   }
 }
+
+TEST_CASE("a curve whose modulus jumps at rest names the ways past that where no equilibrium is found",
+          "[statics][load_path]") {
+  const auto run = [](const std::string& curve, const std::string& steps) {
+    const auto scene = load_scene(
+        SceneSource::of_text("a.yaml",
+                             "body: {tetrahedra: {kind: body_centred, cubes: [2, 1, 2], size: [2 cm, 1 cm, 2 "
+                             "cm], order: 2}}\nmaterial: {curve: {tension: 10 kPa, compression: 5 kPa" +
+                                 curve +
+                                 "}, poissons_ratio: 0.3, density: 1000 kg/m3}\nstiffness: curve\n"
+                                 "experiment: {kind: bending, axis: x, direction: z, "
+                                 "gravity: 1 m/s2" +
+                                 steps + "}\n"),
+        built_in_catalog());
+    return run_strategy(scene->specimen, *scene->experiment, scene->stiffness, {.statics = scene->statics});
+  };
+  const Run stuck = run("", "");
+  CHECK(stuck.outcome != Outcome::converged);
+  CHECK_THAT(stuck.cause, Contains("a larger `curve.smoothing`, such as 1e-3, or more `load_steps` help"));
+  CHECK(run(", smoothing: 1e-3", "").outcome == Outcome::converged);
+}
