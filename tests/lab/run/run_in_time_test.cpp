@@ -135,6 +135,19 @@ TEST_CASE("what is left of a force that relaxes is not of the wave behind the ra
   CHECK(measured(run, "relaxation_time") == Approx(tau).epsilon(0.01));
 }
 
+TEST_CASE("what is left of a force of two relaxation times is that of the ramp's end", "[time]") {
+  const Run run = run_of(
+      "body: {lattice: {kind: cubic, molecules: [2, 2, 3], spacing: 5 mm, order: 2}}\n"
+      "material: {youngs_modulus: 20 kPa, poissons_ratio: 0.3, density: 1000 kg/m3, relaxation: {terms: [[0.5, 0.1 s], "
+      "[0.3, 1 s]]}}\nstiffness: prony:neo_hookean\n"
+      "experiment: {kind: relaxation, ramp: 40 ms, fixture: {kind: tension, axis: z, strain: 0.1 %}}\n"
+      "time: {duration: 6 s, frames: 60, first_frame: 40 ms, step: {per_frame: 4}}\n");
+  double peak = 1;  // over the force that is left
+  for (const auto& [share, tau] : {std::pair{0.5, 0.1}, {0.3, 1.}})
+    peak += share * tau / 0.04 * (1 - std::exp(-0.04 / tau));
+  CHECK(measured(run, "relaxed_ratio") == Approx(1 / peak).epsilon(0.005));
+}
+
 TEST_CASE("a load put on at once swings to twice its displacement at rest", "[time]") {
   const Run run = run_of(kOscillator +
                          "experiment: {kind: release, load: applied, fixture: {kind: tension, axis: x, force: 0.1 N, "

@@ -286,9 +286,13 @@ class Motion final : public TimedExperiment {
     if (!end) end = whole;  // of a run that ends early the last moments are straight
     measures.set("fit_misfit", end->misfit);
     if (end->misfit > kMostForTime) return;
-    // The first moments after the ramp have the wave of its sudden stop: a single exponential says what is under it.
+    // The first moments after the ramp have the wave of its sudden stop: a single exponential says what is under it, or
+    // the row at the ramp's end, before it.
+    const Series on_ramp = series_of(history, response_.resistance, setup_.ramp * (1 - 1e-9));
+    const bool has_end = setup_.ramp > 0 && on_ramp.times.size() > all.times.size();
     const bool single = std::abs(whole->time - end->time) < 0.1 * end->time;
-    const double start = single ? end->end + (end->start - end->end) * std::exp(since / end->time) : all.values[0];
+    const double start =
+        single ? end->end + (end->start - end->end) * std::exp(since / end->time) : (has_end ? on_ramp : all).values[0];
     read_end(all, end, start, measures);
     measures.set("relaxation_time", end->time);
     measures.set("relaxed_ratio", end->end / start);
