@@ -79,12 +79,13 @@ struct MoleculePressure {
   bool operator==(const MoleculePressure&) const = default;
 };
 
-/// Of updates that follow each other: what the last one made, the depth that it met, and by which factor the penalty is
-/// raised from there on.
+/// Of updates that follow each other: what the last one made, the depth that it met, by which factor the penalty is
+/// raised from there on, and how many they are.
 struct MultiplierUpdates {
   std::vector<MoleculePressure> made;
   double depth = std::numeric_limits<double>::infinity();  ///< [m]
   double raised = 1;
+  int count = 0;
 };
 
 /// The one kind of Contact. Its files: contact_force.cpp what a load does; contact_state.cpp the touches of a state,

@@ -21,8 +21,9 @@
 namespace elastin::contact {
 namespace {
 
-/// An update is slow where it leaves more than a part of the depth; the penalty is then raised by a factor, up to a
-/// limit that its stiffness against the body's sets for the linear solver.
+/// After so many updates one is slow that leaves more than a part of the depth; the penalty is then raised by a factor,
+/// up to a limit that its stiffness against the body's sets for the linear solver.
+constexpr int kPatience = 25;
 constexpr double kSlow = 0.25, kRaise = 4, kMostRaised = 4096;
 
 template <class Item>
@@ -109,9 +110,10 @@ bool ContactForce::update_multipliers(State& state) const {
     updates_ = {};
     return false;
   }
+  if (pressures_ != updates_.made) updates_ = {};
   if (!deep)
     updates_.raised = 1;
-  else if (pressures_ == updates_.made && depth > kSlow * updates_.depth)
+  else if (++updates_.count > kPatience && depth > kSlow * updates_.depth)
     updates_.raised = std::min(kRaise * raised_, kMostRaised);
   updates_.depth = depth;
   next_history_ = state.contact_history;
