@@ -67,7 +67,12 @@ class Activation final : public Elasticity, public LawHistory {
   void commit_step(const std::string&, State& state) override { set(state.time); }
 
  private:
-  void set(double time) { *level_ = function_ ? std::max(0., function_(time)) : 1; }
+  void set(double time) {
+    const double level = function_ ? function_(time) : 1;
+    if (!std::isfinite(level))
+      throw InputError("the activation of the muscle at t = " + number(time) + " s is not finite");
+    *level_ = std::max(0., level);
+  }
 
   std::shared_ptr<double> level_;
   std::function<double(double)> function_;

@@ -204,19 +204,17 @@ StepResult Simulation::Impl::step(double dt) {
   if (const std::string why = odd_size(); !why.empty()) return refused(why);
   const Within used(in_use);
   const ThreadScope scope(options.runner, options.threads);
-  const double substeps = std::max(1., std::ceil(dt / longest_substep() * (1 - 1e-9)));
-  if (!(substeps <= options.max_substeps))
-    return refused("a step of " + number(dt) + " s would take " + number(substeps) + " substeps of at most " +
-                   number(longest_substep()) + " s, " + std::to_string(options.max_substeps) + " are allowed");
-  begin_step(shown.time, shown.time + dt);
-  using Clock = std::chrono::steady_clock;
-  const Clock::time_point begun = options.budget > 0 ? Clock::now() : Clock::time_point();
-  if (options.budget > 0 && !effort_is_given) set_effort(budget.next(options.budget, effort));
-  StepResult result = substeps_of(dt, static_cast<int>(substeps));
-  if (options.budget > 0) {
-    const double seconds = std::chrono::duration<double>(Clock::now() - begun).count();
-    budget.took(seconds, effort);
-    ++timed_steps, late_steps += effort <= 1 && seconds > options.budget;
+  StepResult result;
+  bool thrown = false;
+  try {
+    const double substeps = std::max(1., std::ceil(dt / longest_substep() * (1 - 1e-9)));
+    if (!(substeps <= options.max_substeps))
+      return refused("a step of " + number(dt) + " s would take " + number(substeps) + " substeps of at most " +
+                     number(longest_substep()) + " s, " + std::to_string(options.max_substeps) + " are allowed");
+    result = timed_substeps(dt, static_cast<int>(substeps));
+  } catch (const std::exception& error) {  // of the host's motions, loads or laws
+    result.outcome = Outcome::diverged, result.cause = error.what();
+    thrown = true;
   }
   if (result.outcome == Outcome::converged) {
     work.time = shown.time + dt;
@@ -226,8 +224,22 @@ StepResult Simulation::Impl::step(double dt) {
     forces_known = tensions_known = false;
   } else {
     go_back();
-    if (const std::string odd = odd_input(shown.time + dt); !odd.empty())
+    if (const std::string odd = thrown ? "" : odd_input(shown.time + dt); !odd.empty())
       result.outcome = Outcome::diverged, result.cause = odd;
+  }
+  return result;
+}
+
+StepResult Simulation::Impl::timed_substeps(double dt, int substeps) {
+  begin_step(shown.time, shown.time + dt);
+  using Clock = std::chrono::steady_clock;
+  const Clock::time_point begun = options.budget > 0 ? Clock::now() : Clock::time_point();
+  if (options.budget > 0 && !effort_is_given) set_effort(budget.next(options.budget, effort));
+  StepResult result = substeps_of(dt, substeps);
+  if (options.budget > 0) {
+    const double seconds = std::chrono::duration<double>(Clock::now() - begun).count();
+    budget.took(seconds, effort);
+    ++timed_steps, late_steps += effort <= 1 && seconds > options.budget;
   }
   return result;
 }

@@ -20,6 +20,7 @@ struct Simulation::Impl {
   Impl(Body a_body, SimulationOptions some_options);
 
   StepResult step(double dt);
+  StepResult timed_substeps(double dt, int substeps);
   StepResult substeps_of(double dt, int substeps);
   double longest_substep();
   void find_bound();

@@ -94,6 +94,7 @@ bool note_balance(Model& model, const State& state, double tolerance, StaticResu
   keep_free(model.supports, forces);
   const double left = ordered_norm(forces);
   result.residual = scale > 0 ? left / scale : 0;
+  result.scale = scale;
   return left <= std::max(tolerance * scale, 2 * rounding_floor(Tangent(model, state), state.positions));
 }
 

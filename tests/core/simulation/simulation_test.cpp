@@ -633,6 +633,31 @@ TEST_CASE("simulation: the cause of a step or an equilibrium that fails names wh
              Contains("a section of nan"));
 }
 
+TEST_CASE("simulation: what a load throws is the cause of a step that has not been") {
+  struct Throws : Load {
+    explicit Throws(const bool& lost) : lost(lost) {}
+    void add_forces(const State&, Positions&) const override {
+      if (lost) throw std::runtime_error("the tracker is lost");
+    }
+    const bool& lost;
+  };
+  for (const StepperMethod& method : kSteppers) {
+    CAPTURE(method->name);
+    bool lost = false;
+    Simulation tissue = simulation_of(tissue_cube(3), method);
+    tissue.add([&](Model& model) { model.add(std::make_unique<Throws>(lost)); });
+    CHECK(tissue.step(kStep).outcome == Outcome::converged);
+    const Positions before = tissue.positions();
+    lost = true;
+    const StepResult result = tissue.step(kStep);
+    CHECK(result.outcome == Outcome::diverged);
+    CHECK_THAT(result.cause, Contains("the tracker is lost"));
+    CHECK(tissue.positions() == before);
+    lost = false;
+    CHECK(tissue.step(kStep).outcome == Outcome::converged);
+  }
+}
+
 TEST_CASE("simulation: settle leaves an equilibrium that is no minimum, unless it is told not to look") {
   // Two links in line, their joint held sideways by two springs of 100 N/m: straight up to 50 N, as in
   // relaxation_test.cpp.

@@ -30,7 +30,8 @@ struct Loaded {
 TEST_CASE("stepping to rest, explicitly or implicitly, arrives where Newton does", "[relaxation]") {
   Loaded newton;
   State answer = state_at_rest(newton.body);
-  REQUIRE(solve_static(newton.model, answer).outcome == Outcome::converged);
+  const StaticResult found = solve_static(newton.model, answer);
+  REQUIRE(found.outcome == Outcome::converged);
   const double displacement = (answer.positions - newton.body.rest).norm();
   REQUIRE(displacement > 1e-3);
   for (const StaticMethod by : {StaticMethod::explicit_steps, StaticMethod::implicit_steps}) {
@@ -42,6 +43,7 @@ TEST_CASE("stepping to rest, explicitly or implicitly, arrives where Newton does
     INFO(result.solver << ": " << result.cause);
     REQUIRE(result.outcome == Outcome::converged);
     CHECK((state.positions - answer.positions).norm() < 1e-6 * displacement);
+    CHECK(result.scale == Approx(found.scale).epsilon(1e-3));
   }
 }
 
