@@ -11,6 +11,7 @@
 #include "contact/distance.h"
 #include "core/model/faces.h"
 #include "core/solve/modes.h"
+#include "elastin/core/base/stop.h"
 #include "elastin/core/base/text.h"
 #include "elastin/core/forces/tension.h"
 #include "elastin/core/model/rest.h"
@@ -399,8 +400,8 @@ std::string jump_within(Model& model, StaticRig& rig, StaticOptions options, dou
   jumps = jumps && pull_along(model, from, to).grows(10);
   set_load(model, rig, factor);
   model.begin_step(reached, reached.time);
-  // Slack bodies come taut with the first load.
-  if (!jumps || low == 0) return "";
+  // Slack bodies come taut with the first load, and who is stopped has solved nothing.
+  if (!jumps || low == 0 || stop_requested() || (options.stop && options.stop())) return "";
   return "the body snaps through at " + number(50 * (low + high), 3) +
          " % of the load: there its path of equilibria turns back, and the one found beyond lies " +
          number(1e3 * distance(from, to), 3) +

@@ -635,7 +635,7 @@ TEST_CASE("simulation: the cause of a step or an equilibrium that fails names wh
 
 TEST_CASE("simulation: what a load throws is the cause of a step that has not been") {
   struct Throws : Load {
-    explicit Throws(const bool& lost) : lost(lost) {}
+    explicit Throws(const bool& is_lost) : lost(is_lost) {}
     void add_forces(const State&, Positions&) const override {
       if (lost) throw std::runtime_error("the tracker is lost");
     }
