@@ -141,7 +141,7 @@ Keys<TimeOptions> time_options_keys(const elastin::Table<StepperKind>& steppers)
                    "`velocity_verlet` for springs, `newmark` for cells; of creep and relaxation `backward_euler`",
                    words_text(steppers.names())};
   return {key::quantity("duration", &T::duration, dimension::time, "time that the run covers", kPositive).needed(),
-          Key<T>("stepper", key::rows_below(std::move(stepper), stepper_keys(steppers)),
+          Key<T>("stepper", key::rows_below(stepper, stepper_keys(steppers)),
                  [&steppers](const Reader& value, T& options) { read_stepper(value, steppers, options); }),
           Key<T>("step",
                  key::rows_below(
