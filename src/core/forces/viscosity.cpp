@@ -3,7 +3,6 @@
 #include <utility>
 
 #include "core/base/unsuited_error.h"
-#include "core/forces/stiffness_damping.h"
 #include "core/laws/solids/st_venant_kirchhoff.h"
 #include "core/parallel/parallel.h"
 #include "elastin/core/forces/cells.h"

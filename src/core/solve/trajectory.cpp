@@ -5,7 +5,6 @@
 #include <string>
 #include <utility>
 
-#include "core/forces/stiffness_damping.h"
 #include "core/solve/stable_step.h"
 #include "core/solve/stiffness_slopes.h"
 #include "core/solve/transposed_step.h"

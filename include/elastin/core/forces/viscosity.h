@@ -29,6 +29,13 @@ class Viscosity {
   virtual void visit_cells(const EdgeSlopes::CellVisitor&) const {}
 };
 
+/// Of a Viscosity that grows with the stiffness of the model's laws, as that of make_stiffness_damping does.
+class GrowsWithStiffness {
+ public:
+  GrowsWithStiffness() = default;
+  virtual ~GrowsWithStiffness() = default;
+};
+
 /// Each connection resists its own lengthening, F = −b [(V_e − V_p)·u] u, b = `coefficient` [N s/m]: q = b ṡ/(2s).
 /// [M03]
 std::unique_ptr<Viscosity> make_damping(double coefficient);
