@@ -4,10 +4,23 @@
 #include <cstdlib>
 
 #include "core/base/rows.h"
+#include "elastin/core/base/error.h"
+#include "elastin/core/base/text.h"
 #include "elastin/core/shapes/shapes.h"
 
 namespace elastin {
 namespace {
+
+void check_counts(const std::array<int, 3>& counts, const char* what) {
+  for (const int count : counts)
+    if (count < 1)
+      throw InputError(std::string(what) + ": " + std::to_string(count) + " along an axis; allowed: 1 or more");
+}
+
+void check_length(double length, const char* what) {
+  if (!(length > 0) || !std::isfinite(length))
+    throw InputError(std::string(what) + " of " + number(length) + " m: it must be above 0 and finite");
+}
 
 /// Offsets to half of the neighbours (each pair once) of a simple cubic lattice with `nonzero` coordinates not zero.
 std::vector<Eigen::Vector3i> half_neighbours(int nonzero) {
@@ -46,6 +59,7 @@ std::int64_t connections_of(const std::array<int, 3>& molecules, const CubicPatt
 
 /// The Bravais lattices share everything but their basis and reach.
 Body centred_lattice(const std::array<int, 3>& cells, double spacing, const std::vector<Vector3>& basis, double reach) {
+  check_counts(cells, "cells"), check_length(spacing, "a spacing");
   std::vector<Vector3> positions;
   for (int z = 0; z <= cells[2]; ++z)
     for (int y = 0; y <= cells[1]; ++y)
@@ -88,6 +102,7 @@ void add_body_centred(const std::array<int, 3>& cubes, Body& body) {
 }  // namespace
 
 Body cubic_lattice(const std::array<int, 3>& molecules, double spacing, const CubicPattern& pattern) {
+  check_counts(molecules, "molecules"), check_length(spacing, "a spacing");
   const int nx = molecules[0], ny = molecules[1], nz = molecules[2];
   const auto index = [nx, ny](int x, int y, int z) { return x + nx * (y + ny * z); };
   const auto inside = [&](int x, int y, int z) { return x >= 0 && x < nx && y >= 0 && y < ny && z >= 0 && z < nz; };
@@ -165,6 +180,9 @@ void stretch(Body& body, const Vector3& factors) {
 }
 
 void grade(Body& body, int axis, double ratio) {
+  if (axis < 0 || axis > 2) throw InputError("axis " + std::to_string(axis) + ": allowed: 0, 1 and 2");
+  if (!(ratio > 0) || !std::isfinite(ratio))
+    throw InputError("a ratio of spacings of " + number(ratio) + ": it must be above 0 and finite");
   const double low = body.rest.row(axis).minCoeff(), length = body.rest.row(axis).maxCoeff() - low;
   const double growth = std::log(ratio);
   if (!(length > 0) || growth == 0) return;
@@ -174,6 +192,8 @@ void grade(Body& body, int axis, double ratio) {
 }
 
 Body tetrahedral_block(BlockKind kind, const std::array<int, 3>& cubes, const Vector3& size) {
+  check_counts(cubes, "cubes");
+  for (const double length : size) check_length(length, "a side");
   const Vector3 side = size.array() / Vector3(cubes[0], cubes[1], cubes[2]).array();
   Body body = cubic_lattice({cubes[0] + 1, cubes[1] + 1, cubes[2] + 1}, 1, {});
   // Corner c of a cube sits at (c & 1, c >> 1 & 1, c >> 2).

@@ -243,10 +243,7 @@ Plot response_plot(const std::vector<Record>& records, const std::map<std::strin
     if (short_curve) series.kind = PlotSeries::Kind::marked_line;
     if (series.points.size() > (response.from_zero ? 1u : 0u)) plot.series.push_back(std::move(series));
   }
-  const bool one_target = std::all_of(records.begin(), records.end(), [&](const Record& record) {
-    return record.prescribed == records.front().prescribed;
-  });
-  if (!plot.series.empty() && one_target) add_target(plot, response, records);
+  if (!plot.series.empty() && have_one_target(records)) add_target(plot, response, records);
   for (const Reference& reference : records.front().references)
     if (reference.along == response.x && reference.measure == response.y && !plot.series.empty()) {
       PlotSeries measured{"measured", -1, PlotSeries::Kind::marks, {}};

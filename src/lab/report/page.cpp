@@ -184,9 +184,7 @@ std::string head_html(const Scenery& scene) {
     out += chip(counted(first.connections, "connection"));
     if (first.cells) out += chip(counted(first.cells, "cell"));
   }
-  const bool one_target = std::all_of(scene.records.begin(), scene.records.end(),
-                                      [&](const Record& record) { return record.prescribed == first.prescribed; });
-  if (one_target) out += chip("target: " + first.prescribed);
+  if (have_one_target(scene.records)) out += chip("target: " + first.prescribed);
   out += parameter_chips(scene) + chip(counted(first.threads, "thread"));
   out += chip(first.repeats.size() > 1 ? fmt::format("least of {} repeats", first.repeats.size()) : "one run each");
   for (const Reference& reference : first.references)

@@ -210,6 +210,11 @@ std::string note_of_plane(const Scene& scene) {
 
 }  // namespace
 
+bool have_one_target(const std::vector<Record>& records) {
+  return std::all_of(records.begin(), records.end(),
+                     [&](const Record& record) { return record.prescribed == records.front().prescribed; });
+}
+
 Record make_record(const Scene& scene, Run run) {
   const Body& body = scene.specimen.body;
   Record record;

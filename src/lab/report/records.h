@@ -109,6 +109,8 @@ struct Record {
 std::string strain_text(double strain);
 
 Record make_record(const Scene& scene, Run run);
+/// Whether all have the same `prescribed`; a study may change it from row to row.
+bool have_one_target(const std::vector<Record>& records);
 
 /// Of a measure, of the time or of the share of the load, by name.
 double along(const CurvePoint& point, const std::string& name);

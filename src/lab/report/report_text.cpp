@@ -9,12 +9,13 @@
 namespace elastin::lab {
 namespace {
 
-std::string head_text(const Record& record, bool colours) {
+std::string head_text(const Record& record, bool with_target, bool colours) {
   std::string counts = counted(record.molecules, "molecule") + ", " + counted(record.connections, "connection");
   if (record.cell_sides)
     counts += fmt::format(" (+ {})", counted(record.cell_sides, "side of cells", "sides of cells"));
   if (record.cells) counts += ", " + counted(record.cells, "cell");
-  counts += "; target: " + record.prescribed + "; " + counted(record.threads, "thread");
+  if (with_target) counts += "; target: " + record.prescribed;
+  counts += "; " + counted(record.threads, "thread");
   return painted(record.scene, Tone::bold, colours) + (record.title == record.scene ? "" : "  " + record.title) +
          "\n  " + painted(counts, Tone::faint, colours) + "\n";
 }
@@ -133,8 +134,8 @@ std::string identified_text(const Identified& found) {
 std::string comparison_text(const std::vector<Record>& records, bool colours) {
   if (records.empty()) return "";
   const Ranking ranking = rank_strategies(records);
-  std::string out = head_text(records.front(), colours) + references_text(records, colours) + "\n" +
-                    comparison_table(records, ranking).text(colours);
+  std::string out = head_text(records.front(), have_one_target(records), colours) + references_text(records, colours) +
+                    "\n" + comparison_table(records, ranking).text(colours);
   const Table verdicts = verdicts_table(records);
   if (!verdicts.empty()) out += "\n" + verdicts.text(colours);
   const bool advised = records.size() > 1 && can_rank(records);
@@ -189,7 +190,7 @@ std::string spreads_text(const Record& record, bool colours) {
 
 std::string run_text(const Record& record, bool colours, bool whole_curve) {
   const Run& run = record.run;
-  std::string out = head_text(record, colours);
+  std::string out = head_text(record, true, colours);
   out += fmt::format(
       "  {}: {}\n", run.strategy,
       solved(record) ? outcome_text(run) : painted(outcome_text(run) + ": " + run.cause, Tone::bad, colours));

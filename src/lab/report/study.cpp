@@ -353,8 +353,9 @@ Table time_to_table(const std::vector<Record>& records, const Ranking& ranking, 
 std::string study_text(const std::vector<Record>& records, bool colours, const std::vector<Peer>& peers) {
   if (records.empty()) return "";
   const Ranking ranking = rank_strategies(records);
-  std::string out = painted(records.front().scene, Tone::bold, colours) + "  " + records.front().title + "\n  " +
-                    painted("target: " + records.front().prescribed, Tone::faint, colours) + "\n";
+  std::string out = painted(records.front().scene, Tone::bold, colours) + "  " + records.front().title + "\n";
+  if (have_one_target(records))
+    out += "  " + painted("target: " + records.front().prescribed, Tone::faint, colours) + "\n";
   out += references_text(records, colours);
   out += "\n" + study_table(records, ranking).text(colours);
   if (!ranking.measures.empty()) out += "\n" + time_to_table(records, ranking, peers).text(colours);

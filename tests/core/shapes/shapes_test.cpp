@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "elastin/core/base/error.h"
@@ -193,4 +194,18 @@ TEST_CASE("a graded body keeps its ends, and its spacings grow by the ratio", "[
     const auto [a, b] = body.connections.ends[c];
     REQUIRE(body.connections.rest_length[c] == (body.rest.col(b) - body.rest.col(a)).norm());
   }
+}
+
+TEST_CASE("shapes of impossible sizes are refused", "[shapes]") {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  CHECK_THROWS_WITH(cubic_lattice({0, 1, 1}, 1, {}), Catch::Contains("molecules: 0 along an axis"));
+  for (const double spacing : {-1., 0., nan})
+    CHECK_THROWS_WITH(cubic_lattice({2, 2, 2}, spacing, {}), Catch::Contains("above 0"));
+  CHECK_THROWS_WITH(body_centred_lattice({1, -1, 1}, 1, false), Catch::Contains("cells: -1 along an axis"));
+  CHECK_THROWS_WITH(tetrahedral_block(BlockKind::kuhn, {1, 0, 1}, {1, 1, 1}),
+                    Catch::Contains("cubes: 0 along an axis"));
+  CHECK_THROWS_WITH(tetrahedral_block(BlockKind::kuhn, {1, 1, 1}, {1, -1, 1}), Catch::Contains("a side of -1 m"));
+  Body body = cubic_lattice({2, 2, 2}, 1, {});
+  CHECK_THROWS_WITH(grade(body, 5, 2), Catch::Contains("axis 5"));
+  CHECK_THROWS_WITH(grade(body, 2, -2), Catch::Contains("ratio of spacings of -2"));
 }

@@ -135,6 +135,18 @@ TEST_CASE("what is left of a force that relaxes is not of the wave behind the ra
   CHECK(measured(run, "relaxation_time") == Approx(tau).epsilon(0.01));
 }
 
+TEST_CASE("damping is that of the swings that last, not of those that die first", "[time]") {
+  // A bar in tension: its first mode has ω = π/2 √(E/ρ)/L, and of damping by the stiffness ζ = β ω/2.
+  const double w = M_PI / 2 * std::sqrt(20e3 / 1000) / 0.012;
+  const Run run = run_of(
+      "body: {tetrahedra: {kind: body_centred, cubes: [1, 1, 12], size: [2 mm, 2 mm, 12 mm]}}\n"
+      "material: {youngs_modulus: 20 kPa, poissons_ratio: 0, density: 1000 kg/m3}\nstiffness: neo_hookean\n"
+      "loads: [{rayleigh: {stiffness: 0.4 ms}}]\n"
+      "experiment: {kind: release, fixture: {kind: tension, axis: z, strain: 0.1 %}}\n"
+      "time: {duration: 80 ms, frames: 160, step: 0.05 ms}\n");
+  CHECK(measured(run, "damping_ratio") == Approx(0.4e-3 * w / 2).epsilon(0.01));
+}
+
 TEST_CASE("what is left of a force of two relaxation times is that of the ramp's end", "[time]") {
   const Run run = run_of(
       "body: {lattice: {kind: cubic, molecules: [2, 2, 3], spacing: 5 mm, order: 2}}\n"

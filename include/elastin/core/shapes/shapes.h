@@ -14,7 +14,8 @@ struct CubicPattern {
   bool axis = true, face = false, space = false;
 };
 
-/// Bodies come out with places, connections and cells; radius and mass are set by set_matter or by the caller.
+/// Bodies come out with places, connections and cells; radius and mass are set by set_matter or by the caller. Counts
+/// below 1, lengths and ratios that are not above 0, and axes that there are not, are an InputError.
 
 /// Simple cubic lattice of `molecules` along x, y, z (each ≥ 1), `spacing` [m] apart, from the origin; x runs fastest.
 Body cubic_lattice(const std::array<int, 3>& molecules, double spacing, const CubicPattern& pattern);
