@@ -389,6 +389,7 @@ StaticResult balance_once(Model& model, State& state, const StaticOptions& optio
     ++result.newton_iterations;
     result.unstable = negative;
     adrift = linear.status == LinearStatus::zero_mode && linear.residual > 0.9;
+    workspace.adrift |= adrift;
     if (linear.status != LinearStatus::solved && linear.residual > 0.9) limit_motion(problem, motion);
     // A full answer of an indefinite stiffness leads to a saddle of the energy: there only the force can be a guide.
     const bool to_saddle = linear.negative_modes > 0;

@@ -29,6 +29,7 @@ struct NewtonWorkspace {
   CachedSolver solver;
   Positions motion;
   std::optional<State> before;  ///< where a linear step began that led to the state of an equilibrium's start
+  bool adrift = false;          ///< whether a load worked on a motion that nothing resisted where the body was
 };
 
 /// The one Newton of static and implicit solvers: finds the positions where elastic forces, damping and loads balance

@@ -131,9 +131,17 @@ void relax_implicitly(Model& model, State& state, const StaticOptions& options, 
   const auto stepper = make_stepper(steps);
   double dt = 100 / frequency_bound(model, state);
   StepResult taken;
+  const auto [low, high] = outline_of_whole(model.body());
+  const double far = 10 * (high - low).norm();
+  const Positions start = state.positions;
   for (int step = 0; step < kImplicitSteps; ++step) {
     if (note_balance(model, state, tolerance, result) || is_interrupted(options, result)) return;
     if (!(std::isfinite(dt) && dt > 0)) break;
+    if (any_over(model.body(), !((state.positions - start).cwiseAbs().maxCoeff() <= far))) {
+      result.outcome = Outcome::limit_reached;
+      result.cause = "not at rest after it has moved by ten times its size";
+      return;
+    }
     taken = stepper->advance(model, state, dt);
     result.newton_iterations += taken.newton_iterations;
     result.linear_iterations += taken.linear_iterations;
@@ -221,6 +229,30 @@ const char* name_of(Outcome outcome) {
 
 namespace {
 
+/// Newton's method; and where a load works on a motion that nothing resists until it has gone on, as across a flat
+/// membrane, so that no step is right, from where the body comes to rest as inertia holds it back.
+StaticResult newton_or_relaxation(Model& model, State& state, const StaticOptions& options, NewtonWorkspace& workspace,
+                                  LastSolve* last) {
+  const State start = state;
+  StaticResult result = solve_newton(model, state, options, nullptr, workspace, last);
+  if (!workspace.adrift || result.outcome == Outcome::converged || result.outcome == Outcome::interrupted)
+    return result;
+  State resting = start;
+  StaticOptions held_back = options;
+  held_back.static_method = StaticMethod::implicit_steps;
+  const StaticResult relaxed = relax(model, resting, held_back);
+  const int newton = result.newton_iterations + relaxed.newton_iterations,
+            linear = result.linear_iterations + relaxed.linear_iterations;
+  if (relaxed.outcome == Outcome::converged) {
+    state = std::move(resting);
+    workspace.before.reset();
+    result = solve_newton(model, state, options, nullptr, workspace, last);
+    result.solver = relaxed.solver + ", then " + result.solver;
+    result.newton_iterations += newton, result.linear_iterations += linear;
+  }
+  return result;
+}
+
 StaticResult find_equilibrium(Model& model, State& state, const StaticOptions& options, LastSolve* last) {
   for (Support& support : model.supports) support.free = without_rounding(support.free);
   model.declare_history(state);
@@ -235,7 +267,7 @@ StaticResult find_equilibrium(Model& model, State& state, const StaticOptions& o
   NewtonWorkspace workspace;
   workspace.before = follow_supports(model, state, options, moved, last);
   StaticResult result = options.engine ? options.engine->balance(model, state, options)
-                                       : solve_newton(model, state, options, nullptr, workspace, last);
+                                       : newton_or_relaxation(model, state, options, workspace, last);
   result.linear_iterations += moved.linear_iterations;
   if (last) last->solver = std::move(workspace.solver);
   return result;

@@ -523,3 +523,35 @@ TEST_CASE("a curve whose modulus jumps at rest names the ways past that where no
   CHECK_THAT(stuck.cause, Contains("a larger `curve.smoothing`, such as 1e-3, or more `load_steps` help"));
   CHECK(run(", smoothing: 1e-3", "").outcome == Outcome::converged);
 }
+
+TEST_CASE("a flat membrane bulges under pressures however small", "[statics][load_path]") {
+  // w ~ a (p a / (E t))^(1/3) where the slopes are small: an eighth of the pressure, half of the bulge.
+  const Catalog catalog = built_in_catalog();
+  const auto bulge = [&](const std::string& pressure, const std::string& angle) {
+    const auto scene =
+        load_scene(SceneSource::of_text("a.yaml",
+                                        "title: t\n"
+                                        "body: {sheet: {size: [10 mm, 10 mm], squares: [6, 6], pattern: crossed}}\n"
+                                        "material: {youngs_modulus: 1 MPa, poissons_ratio: 0.3, thickness: 0.2 mm}\n"
+                                        "stiffness: neo_hookean_membrane\nrotate: {axis: x, angle: " +
+                                            angle +
+                                            "}\nexperiment: {kind: loads, read: [{name: mid, molecules: {nearest: "
+                                            "[5 mm, 5 mm, 0]}}]}\n"
+                                            "supports: [{molecules: {rim: true}}]\nloads: [{pressure: " +
+                                            pressure + "}]\n"),
+                   catalog);
+    RunOptions options;
+    options.statics = scene->statics;
+    const Run run = run_strategy(scene->specimen, *scene->experiment, scene->stiffness, options);
+    INFO(run.cause);
+    CHECK(run.outcome == Outcome::converged);
+    return run.measures.get("mid_displacement");
+  };
+  for (const std::string angle : {"0 deg", "90 deg", "37 deg"}) {
+    CAPTURE(angle);
+    const double small = bulge("1.25 Pa", angle);
+    CHECK(small > 50e-6);
+    CHECK(bulge("10 Pa", angle) == Approx(2 * small).epsilon(0.005));
+    CHECK(bulge("80 Pa", angle) == Approx(4 * small).epsilon(0.01));
+  }
+}
