@@ -57,11 +57,11 @@ struct OddSides {
   }
 };
 
-/// Pairs of triangles that cut each other though they are no neighbours, or cut each other elsewhere than at the
-/// corner that they share.
-class Crossings {
+/// Goes through the pairs of triangles whose boxes meet.
+class CrossingSearch {
  public:
-  Crossings(const Positions& points, const Cells<3>& triangles) : points_(points), triangles_(triangles) {
+  CrossingSearch(const Positions& points, const Cells<3>& triangles, const std::function<bool(int, int)>& counts)
+      : points_(points), triangles_(triangles), counts_(counts) {
     std::vector<Box> boxes;
     for (const auto& [a, b, c] : triangles)
       boxes.push_back({points.col(a).cwiseMin(points.col(b)).cwiseMin(points.col(c)),
@@ -69,8 +69,7 @@ class Crossings {
     tree_ = BoxTree(boxes);
     visit(0);
   }
-  std::size_t count = 0;
-  std::array<int, 2> first{std::numeric_limits<int>::max(), 0};
+  Crossings found{0, {std::numeric_limits<int>::max(), 0}};
 
  private:
   Vector3 point(int number) const { return points_.col(number); }
@@ -97,6 +96,7 @@ class Crossings {
   }
 
   void look_at(int a, int b) {
+    if (counts_ && !counts_(a, b)) return;
     const Triangle &one = triangles_[a], &other = triangles_[b];
     std::vector<int> shared;
     for (const int corner : one)
@@ -108,8 +108,8 @@ class Crossings {
     else if (shared.size() == 1)
       crossed = far_side_cuts(one, other, shared[0]) || far_side_cuts(other, one, shared[0]);
     if (!crossed) return;
-    ++count;
-    first = std::min(first, {a, b});
+    ++found.count;
+    found.first = std::min(found.first, {a, b});
   }
 
   /// Six times the volume of a tetrahedron.
@@ -128,6 +128,7 @@ class Crossings {
 
   const Positions& points_;
   const Cells<3>& triangles_;
+  const std::function<bool(int, int)>& counts_;
   BoxTree tree_;
 };
 
@@ -144,6 +145,11 @@ std::string wrong_numbers(const Positions& points, const Cells<3>& triangles) {
 }
 
 }  // namespace
+
+Crossings find_crossings(const Positions& points, const Cells<3>& triangles,
+                         const std::function<bool(int, int)>& counts) {
+  return triangles.empty() ? Crossings() : CrossingSearch(points, triangles, counts).found;
+}
 
 std::string check_surface(const Positions& points, const Cells<3>& triangles) {
   if (const std::string wrong = wrong_numbers(points, triangles); !wrong.empty()) return wrong;
@@ -175,7 +181,7 @@ std::string check_surface(const Positions& points, const Cells<3>& triangles) {
   if (!odd.turned.empty())
     add("triangles are turned against their neighbours at " + count_text(odd.turned.size(), "side", "sides") +
         ", the first near " + middle_of_side(odd.turned[0]));
-  const Crossings crossings(points, triangles);
+  const Crossings crossings = find_crossings(points, triangles);
   if (crossings.count > 0)
     add("it crosses itself: " + count_text(crossings.count, "pair", "pairs") +
         " of triangles cut each other, the first are triangles " + std::to_string(crossings.first[0]) + " and " +

@@ -118,3 +118,17 @@ TEST_CASE("numbers that name no point are said first", "[contact]") {
   CHECK(wrong.check() == "point 2 has no finite coordinates");
   CHECK(check_surface(Positions(3, 0), {}) == "it has no triangles");
 }
+
+TEST_CASE("pairs of triangles that cut each other are found, of those that count", "[contact]") {
+  Surface two = ball();
+  two.add(ball(), {0.15, 0, 0});
+  const std::size_t own = ball().triangles.size();
+  CHECK(find_crossings(ball().points, ball().triangles).count == 0);
+  const Crossings found = find_crossings(two.points, two.triangles);
+  CHECK(found.count > 0);
+  CHECK((static_cast<std::size_t>(found.first[0]) < own && static_cast<std::size_t>(found.first[1]) >= own));
+  const auto in_one = [&](int a, int b) {
+    return (static_cast<std::size_t>(a) < own) == (static_cast<std::size_t>(b) < own);
+  };
+  CHECK(find_crossings(two.points, two.triangles, in_one).count == 0);
+}

@@ -242,7 +242,7 @@ Record make_record(const Scene& scene, Run run) {
   if (disturbed ||
       (!no_isotropic_moduli(scene.specimen.material).empty() && !scene.experiment->axis() &&
        (scene.specimen.material.fibre || scene.experiment->in_time())) ||
-      scene.specimen.materials.size() > 1 || has_other_stiffness(body))
+      !no_one_modulus(scene.specimen).empty())
     for (MainMeasure& measure : record.main_measures) measure.prescribed = std::nan("");
   for (MainMeasure& measure : record.main_measures)
     if (const double own = run.law.get(measure.name); std::isfinite(own) && std::isfinite(measure.prescribed))

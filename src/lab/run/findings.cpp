@@ -5,6 +5,10 @@
 #include <limits>
 
 #include "contact/distance.h"
+#include "contact/surface_check.h"
+#include "core/base/disjoint_sets.h"
+#include "core/geometry/boundary.h"
+#include "core/model/block_geometry.h"
 #include "core/simulation/warnings.h"
 #include "core/solve/trial.h"
 #include "elastin/core/base/error.h"
@@ -55,6 +59,11 @@ double passing_depth(const Specimen& specimen, const Obstacle& obstacle) {
 }
 
 }  // namespace
+
+std::string no_one_modulus(const Specimen& specimen) {
+  if (specimen.materials.size() > 1) return "the bodies are of several materials";
+  return has_other_stiffness(specimen.body) ? "the body is not everywhere as stiff as the scene's material" : "";
+}
 
 std::vector<std::string> findings_at_start(const Specimen& specimen, const Model& model, bool uses_cells) {
   std::vector<std::string> found;
@@ -141,6 +150,25 @@ double damped_share(const Model& model, const Run& run) {
   return stored > kGrows * now.get("energy") ? lost / stored : 0;
 }
 
+/// That the surface of a piece, which no contact holds off itself, has come to cross itself, and where; or "". A body
+/// none of whose molecules has moved by a connection's length is not looked at.
+std::string self_crossing(const Specimen& specimen, const Positions& end) {
+  const Body& body = specimen.body;
+  if (body.share || end.cols() == 0 || end.cols() != body.size() || (specimen.contact && specimen.contact->self) ||
+      !((end - body.rest).colwise().squaredNorm().maxCoeff() > std::pow(mean_length(body), 2)))
+    return "";
+  const Cells<3> surface = body.tetrahedra.empty() ? body.triangles : boundary_of(body.tetrahedra);
+  DisjointSets pieces(static_cast<std::size_t>(body.size()));
+  for (const auto& [a, b] : body.connections.ends) pieces.join(a, b);
+  const auto in_one_piece = [&](int a, int b) { return pieces.set_of(surface[a][0]) == pieces.set_of(surface[b][0]); };
+  const contact::Crossings found = contact::find_crossings(end, surface, in_one_piece);
+  if (found.count == 0 || contact::find_crossings(body.rest, surface, in_one_piece).count > 0) return "";
+  const Vector3 at = 1e3 * positions_of(end, surface[found.first[0]]).rowwise().mean();
+  return "the body goes through itself: " + counted(static_cast<int>(found.count), "pair") +
+         " of its surface's triangles cut each other, one near (" + number(at.x(), 4) + ", " + number(at.y(), 4) +
+         ", " + number(at.z(), 4) + ") mm; `contact: {self: true}` holds it off itself";
+}
+
 }  // namespace
 
 std::vector<std::string> findings_at_end(const Specimen& specimen, const MeasureList& list, const Model& model,
@@ -174,6 +202,7 @@ std::vector<std::string> findings_at_end(const Specimen& specimen, const Measure
       std::any_of(materials.begin(), materials.end(), [](const Material& one) { return one.active.has_value(); }))
     found.emplace_back(
         "the modulus is of all forces, those of the active fibres too; an experiment at rest has them before the load");
+  if (std::string crossing = self_crossing(specimen, run.end); !crossing.empty()) found.push_back(std::move(crossing));
   if (!specimen.contact) return found;
   double deepest = 0, speed = 0;
   for (const CurvePoint& row : run.curve) {

@@ -725,6 +725,7 @@ void solve_load_curve(Model& model, const StaticExperiment& experiment, StaticRi
     }
     keep(load_factor, step);
   }
+  run.end = path.state().positions;
   run.measures = run.curve.back().measures;
   run.gradients = run.curve.back().gradients;
   run.remark = experiment.remark(run.measures);

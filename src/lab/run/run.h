@@ -149,6 +149,7 @@ struct Run {
   Measures law;                        ///< what the law itself shows in this test, see measure_law; may be empty
   double law_strain = 0;               ///< at which it does
   std::optional<contact::ContactReport> contact;  ///< of the last state, where there is contact
+  Positions end;                                  ///< of the last state [m], until findings_at_end has looked at it
 };
 
 /// "converged", "unsuited" …

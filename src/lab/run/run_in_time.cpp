@@ -107,6 +107,7 @@ class TimedRun {
     }
     run_.time->simulated = state_.time - first;
     run_.time->seconds = watch.seconds() - looked;
+    run_.end = state_.positions;
     report(control_.memory.steps - first_step);
   }
 

@@ -478,6 +478,7 @@ Run run_strategy(const Specimen& specimen, const Experiment& experiment, const S
   measure_law(at_work, experiment, choice, options, run);
   for (std::string& finding : findings_at_end(specimen, experiment.measures(), model, run))
     run.warnings.push_back(std::move(finding));
+  run.end.resize(3, 0);
   if (run.identified) note_identified(*run.identified, run);
   return run;
 }

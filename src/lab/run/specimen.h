@@ -140,6 +140,9 @@ struct CurveFit {
 /// that is not loaded the springs keep the given curve. The best of all runs is returned.
 CurveFit fit_curve(const StressStrain& given, const MeasureCurve& measure);
 
+/// Why no modulus of the scene's material is that of the whole specimen, or "".
+std::string no_one_modulus(const Specimen& specimen);
+
 /// What a user should know of a specimen before it is loaded, in sentences: cells that are given twice, overlap with
 /// obstacles or between bodies, obstacles that fit between what they meet.
 std::vector<std::string> findings_at_start(const Specimen& specimen, const Model& model, bool uses_cells);

@@ -518,20 +518,24 @@ const StrategyChoice* find_strategy(const std::vector<StrategyChoice>& choices, 
 
 namespace {
 
-/// Why the material's E, G and K at rest are no targets of an experiment that has no uniform strain, in which the law
-/// would show its own, or "".
+/// Why the material's E, G and K at rest are no targets of an experiment: the body has others too, or the experiment
+/// has no uniform strain, in which the law would show its own; or "".
 std::string no_target(const Scene& scene) {
   constexpr double usual = 0.01;  // strain up to which a curve must be straight
   const StaticExperiment* experiment = scene.experiment->at_rest();
   const Material& material = scene.specimen.material;
-  if (!experiment || scene.specimen.materials.size() > 1) return "";
+  if (!experiment) return "";
+  const std::vector<MainMeasure> measures = experiment->main_measures(material, {});
+  const bool has_target =
+      std::any_of(measures.begin(), measures.end(), [](const auto& one) { return std::isfinite(one.prescribed); });
+  if (std::string why = no_one_modulus(scene.specimen); !why.empty())
+    return has_target ? why + ", so the modulus is apparent; compare with the material's own law on cells, refined"
+                      : "";
   if (material.active && experiment->axis())
     return "muscle is at work, so the material's E and nu are no targets; compare with its own law on cells, refined";
   const bool small = scene.statics.linear || experiment->of_small_strains(), along = experiment->axis().has_value();
   if (small ? along && !material.law : along || experiment->uniform({})) return "";
-  const std::vector<MainMeasure> measures = experiment->main_measures(material, {});
-  if (std::none_of(measures.begin(), measures.end(), [](const auto& one) { return std::isfinite(one.prescribed); }))
-    return "";
+  if (!has_target) return "";
   const std::string why = no_isotropic_moduli(material, small ? 0 : usual);
   return why.empty() ? ""
                      : why +

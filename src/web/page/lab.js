@@ -102,10 +102,13 @@ class Lab {
     const given = hash.stepper ?? hash.scheme;  // the former name
     part('stepper').value = steppers.includes(given) ? given : own?.newton ? 'backward_euler' : own?.name ?? (scene.cells ? 'backward_euler' : 'symplectic_euler');
     part('one-iteration').checked = hash.one !== undefined ? hash.one === '1' : (first.iterations ?? 1) === 1;
+    const wrong = [];
     for (const [name, slider] of Object.entries(this.sliders)) {
-      const value = parseFloat(hash[name]);
-      slider.value = Number.isFinite(value) ? value : this.start[name];
+      const value = parseFloat(hash[name]), taken = slider.takes(value);
+      slider.value = taken ? value : this.start[name];
+      if (hash[name] !== undefined && !taken) wrong.push(`${name}=${hash[name]}`);
     }
+    if (wrong.length) complain(`The page's address has values that no slider reaches, which are left out: ${wrong.join(', ')}.`);
     for (const [name, key] of [['colour', 'colour'], ['speed', 'speed']])
       if (hash[key] && [...part(name).options].some(option => option.value === hash[key])) part(name).value = hash[key];
     this.painter = hash.painter;
@@ -714,7 +717,7 @@ class Lab {
     part('tested').hidden = false;
     const {E, nu} = this.test_settings;
     const targets = results.filter(result => Number.isFinite(result?.error)).map(result => `${result.strategy} ${with_prefix(result.target, 'Pa', 4)}`);
-    part('target').textContent = `Dashed: the material's E = ${with_prefix(E, 'Pa', 4)} at rest${scene.own_constants ? '' : `; its ν = ${+nu.toPrecision(4)}`}. ` +
+    part('target').textContent = `Dashed: ${scene.parts > 1 ? "the first material's" : "the material's"} E = ${with_prefix(E, 'Pa', 4)} at rest${scene.own_constants ? '' : `; its ν = ${+nu.toPrecision(4)}`}. ` +
       (scene.no_error ? `No error: ${scene.no_error}.` : targets.length ? `Errors are to the law's own E at a strain of ${+(100 * results.find(Boolean).strain).toPrecision(3)} %: ${targets.join(', ')}.` : '');
     const problem = bodies.find(body => body.problem)?.problem;
     if (problem) complain(`The test of a body stops here: ${problem}.`);

@@ -37,6 +37,12 @@ class Slider {
     return this.scale * 10 ** at;
   }
 
+  /** Whether a value lies where the slider goes, as one from the page's address may not. */
+  takes(value) {
+    const at = this.place(value), end = 1e-6 * (this.input.max - this.input.min);
+    return Number.isFinite(at) && at >= +this.input.min - end && at <= +this.input.max + end;
+  }
+
   place(value) {
     const {decades, zero} = this.kind;
     if (!decades) return value;

@@ -114,3 +114,41 @@ TEST_CASE("Cells that may lock near nu = 1/2 are said, with what to write", "[fi
     CHECK(warnings_of(scene, "write stiffness: neo_hookean+volume") == c.remedies);
   }
 }
+
+TEST_CASE("a body that goes through itself says so, one that is held off itself does not", "[findings][contact]") {
+  // A U that lies: two legs of 14 x 2 x 1 mm, 1 mm apart, joined at one end; the upper one is pressed down.
+  constexpr int long_side = 7, across = 1, high = 3;
+  std::string points, cells;
+  int count = 0;
+  for (int z = 0; z <= high; ++z)
+    for (int y = 0; y <= across; ++y)
+      for (int x = 0; x <= long_side; ++x)
+        points += std::to_string(2 * x) + " " + std::to_string(2 * y) + " " + std::to_string(z) + "\n";
+  const auto at = [&](int x, int y, int z) {
+    return " " + std::to_string(x + (long_side + 1) * (y + (across + 1) * z));
+  };
+  for (int z = 0; z < high; ++z)
+    for (int x = 0; x < (z == 1 ? 1 : long_side); ++x, ++count)
+      cells += "8" + at(x, 0, z) + at(x + 1, 0, z) + at(x + 1, 1, z) + at(x, 1, z) + at(x, 0, z + 1) +
+               at(x + 1, 0, z + 1) + at(x + 1, 1, z + 1) + at(x, 1, z + 1) + "\n";
+  std::string kinds;
+  for (int cell = 0; cell < count; ++cell) kinds += "12\n";
+  const TemporaryFolder folder;
+  const std::string mesh =
+      folder.write("u.vtk", "# vtk DataFile Version 3.0\nu\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS " +
+                                std::to_string((long_side + 1) * (across + 1) * (high + 1)) + " double\n" + points +
+                                "CELLS " + std::to_string(count) + " " + std::to_string(9 * count) + "\n" + cells +
+                                "CELL_TYPES " + std::to_string(count) + "\n" + kinds);
+  const auto crossings = [&](const std::string& traction, const std::string& contact) {
+    return warnings_of("title: u\nbody: {mesh: {file: " + mesh +
+                           ", length_unit: mm}}\nmaterial: {youngs_modulus: 50 kPa, poissons_ratio: 0.3}\n"
+                           "stiffness: neo_hookean\nexperiment: {kind: loads, load_steps: 5}\n"
+                           "supports: [{molecules: {side: [0, 0, -1]}}]\n"
+                           "loads: [{traction: {traction: [0, 0, -" +
+                           traction + "], on: {side: [0, 0, 1]}}}]\n" + contact,
+                       "goes through itself");
+  };
+  CHECK(crossings("100 Pa", "") == 1);
+  CHECK(crossings("100 Pa", "contact: {self: true}\n") == 0);
+  CHECK(crossings("1 Pa", "") == 0);
+}
