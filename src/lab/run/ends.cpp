@@ -306,6 +306,7 @@ Ends::Ends(const Body& body, const Vector3& axis, const GripSetup& setup) {
   std::set_intersection(fixed.molecules.begin(), fixed.molecules.end(), loaded.molecules.begin(),
                         loaded.molecules.end(), std::back_inserter(both));
   std::tie(low, high) = heights_of(body, axis);
+  const double whole = high - low;
   const bool behind = setup.grip_depth > 0;
   if (setup.fixed || behind || !fixed.tilted.isZero(0)) low = heights_of(body, fixed.molecules, axis).second;
   if (setup.loaded || behind || !loaded.tilted.isZero(0)) high = heights_of(body, loaded.molecules, axis).first;
@@ -323,6 +324,7 @@ Ends::Ends(const Body& body, const Vector3& axis, const GripSetup& setup) {
                      counted(static_cast<int>(count_of(body, both)), "molecule") +
                      " in common; give a smaller grip_depth, or other molecules");
   if (!(low < high)) throw InputError("the fixed end must lie below the loaded one along the axis");
+  slanted = !setup.fixed && !setup.loaded && !behind && whole - (high - low) > 0.25 * (whole + (high - low)) / 2;
   held = with_rigid_parts(body, fixed.molecules), moved = with_rigid_parts(body, loaded.molecules);
   if (held.size() + moved.size() > fixed.molecules.size() + loaded.molecules.size() &&
       std::find_first_of(held.begin(), held.end(), moved.begin(), moved.end()) != held.end())

@@ -54,6 +54,9 @@ struct Ends {
   /// Heights [m] along the axis between which the section is to be measured: of the whole body, or, where an end is no
   /// plane, was picked or has a depth, of what lies between the two.
   double low = 0, high = 0;
+  /// Whether ends that are no planes across the axis take up so much of the length that the body is no prism: its
+  /// height varies by over a quarter.
+  bool slanted = false;
 };
 
 /// Where a grip that is held or moved as a whole ends along the axis [m]: the mean height of its molecules that are

@@ -117,3 +117,20 @@ TEST_CASE("shear that cannot be is refused", "[shear]") {
   }
   CHECK_THROWS_WITH(make_shear(ball, setup, Matrix3::Identity()), Catch::Contains("no box"));
 }
+
+TEST_CASE("a body that bends as it shears has the material's G for no target", "[shear]") {
+  ShearSetup setup;
+  setup.strain = 1e-3;
+  const Body cube = tetrahedral_block(BlockKind::kuhn, {2, 2, 2}, {0.01, 0.01, 0.01}),
+             plate = tetrahedral_block(BlockKind::kuhn, {8, 8, 1}, {0.1, 0.1, 0.005});
+  const Material material{.youngs_modulus = 1e4, .poissons_ratio = 0.25};
+  const auto target = [&](const Body& body, Sides sides) {
+    setup.sides = sides;
+    const auto experiment = make_shear(body, setup, Matrix3::Identity());
+    CHECK(experiment->no_reference().empty() == !experiment->apparent());
+    return experiment->main_measures(material, {}).front().prescribed;
+  };
+  CHECK(std::isnan(target(cube, Sides::free)));
+  CHECK(target(cube, Sides::affine) == Approx(4000));
+  CHECK(target(plate, Sides::free) == Approx(4000));
+}

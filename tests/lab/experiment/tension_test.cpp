@@ -536,3 +536,19 @@ TEST_CASE("a strategy that cannot run is a row, not an error; wrong setups are e
                     Catch::Contains("length along the axis"));
   CHECK_THROWS_WITH(choose_strategy(kCatalog, "calibrated:angles_update"), Catch::Contains("only a spring rule"));
 }
+
+TEST_CASE("a wedge is no prism, whichever way it is pressed, and a bar with ends cut askew is one", "[tension]") {
+  // Height 8 mm at one side, 2 mm at the other: under a displacement of its top it is E times the mean of 1/h, not one
+  // over the mean of h, 16 % less.
+  const auto apparent = [](double length, double cut, const Vector3& axis) {
+    Body body = tetrahedral_block(BlockKind::kuhn, {8, 4, 8}, {0.04, 0.01, length});
+    for (int i = 0; i < body.size(); ++i) body.rest(2, i) *= 1 - cut * body.rest(0, i) / 0.04;
+    TensionSetup setup;
+    setup.axis = axis, setup.strain = 1e-3;
+    return make_tension(body, setup)->apparent();
+  };
+  CHECK(apparent(0.008, 0.75, Vector3::UnitZ()));
+  CHECK(apparent(0.008, 0.75, Vector3::UnitX()));
+  CHECK(!apparent(0.2, 0.05, Vector3::UnitZ()));
+  CHECK(!apparent(0.008, 0, Vector3::UnitZ()));
+}

@@ -2,6 +2,7 @@
 
 #include <numbers>
 
+#include "core/model/block_geometry.h"
 #include "lab/run/section.h"
 #include "support/experiments.h"
 
@@ -121,7 +122,9 @@ TEST_CASE("only a rectangle's torsion constant is known", "[torsion]") {
     CHECK(measure.name != "shear_modulus");
   const Run run = run_strategy(specimen, *experiment, choose_strategy(built_in_catalog(), "calibrated:standard"), {});
   CHECK_FALSE(run.suited);
-  CHECK(run.cause == "the experiment torsion measures on this body no modulus to calibrate to");
+  CHECK_THAT(run.cause,
+             Catch::StartsWith("the experiment torsion measures on this body no modulus to calibrate to: the "
+                               "section is none whose torsion constant is known"));
 }
 
 TEST_CASE("between clamps a section that warps shows no G, and asks for a reference", "[torsion]") {
@@ -157,4 +160,29 @@ TEST_CASE("a rough bar and a round one have a shear modulus", "[torsion]") {
   }
   set_present_lengths(rod.body);
   CHECK(turn(rod, 0.05, 1, "neo_hookean").measures.get("shear_modulus") == Approx(1e5 / 2.6).epsilon(0.05));
+}
+
+TEST_CASE("torsion of a section whose constant is not known has no target, and says so", "[torsion]") {
+  Body bar = tetrahedral_block(BlockKind::kuhn, {4, 4, 4}, {0.01, 0.01, 0.04});
+  std::erase_if(bar.tetrahedra, [&](const auto& cell) {  // an angle
+    const Vector3 middle = positions_of(bar.rest, cell).rowwise().mean();
+    return middle.x() > 0.005 && middle.y() > 0.005;
+  });
+  std::vector<int> left;
+  for (int i = 0; i < bar.size(); ++i)
+    if (bar.rest(0, i) < 0.0051 || bar.rest(1, i) < 0.0051) left.push_back(i);
+  std::vector<int> number(static_cast<std::size_t>(bar.size()), -1);
+  for (std::size_t i = 0; i < left.size(); ++i) number[left[i]] = static_cast<int>(i);
+  for (auto& cell : bar.tetrahedra)
+    for (int& molecule : cell) molecule = number[molecule];
+  Body angle;
+  angle.rest = bar.rest(Eigen::all, left);
+  angle.tetrahedra = bar.tetrahedra;
+  angle.connections = connections_of_cells(angle.rest, {}, angle.tetrahedra);
+  set_matter(angle, 1000, 0, 1e-3);
+  TorsionSetup setup;
+  setup.axis = Vector3::UnitZ(), setup.angle = 0.01;
+  const auto experiment = make_torsion(angle, setup);
+  CHECK_THAT(experiment->no_reference(), Catch::Contains("torsion constant"));
+  CHECK(experiment->main_measures({}, {}).front().name == "torque");
 }

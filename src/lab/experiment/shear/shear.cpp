@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cmath>
+#include <limits>
 
 #include "elastin/core/base/error.h"
 #include "elastin/core/model/share.h"
@@ -109,7 +110,8 @@ class Shear final : public Driven {
   }
 
   std::vector<MainMeasure> main_measures(const Material& material, const Measures& /*measured*/) const override {
-    return {{"shear_modulus", lab::shear_modulus(material)}, {"force"}, {"axial_force"}};
+    const double target = apparent() ? std::numeric_limits<double>::quiet_NaN() : lab::shear_modulus(material);
+    return {{"shear_modulus", target}, {"force"}, {"axial_force"}};
   }
 
  private:

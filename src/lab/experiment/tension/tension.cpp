@@ -48,6 +48,9 @@ class Tension final : public StaticExperiment {
       setup_.strain.reset();
     }
     choose_section(ends.low, ends.high);
+    if (section_ && !setup.gauge && ends.slanted)
+      section_->variation =
+          std::max(section_->variation, find_section(body, setup_.axis, low_, high_, setup_.thickness).variation);
     choose_force();
     choose_middle((ends.low + ends.high) / 2);
     for (const Part& part : body.parts)
@@ -74,9 +77,6 @@ class Tension final : public StaticExperiment {
   bool apparent() const override { return section_ && !section_->prism(); }
 
   std::string no_reference() const override {
-    if (has_other_stiffness(body_))
-      return "the body is not everywhere as stiff as the scene's material, so its modulus is apparent; compare with " +
-             solid();
     if (apparent()) return "the body is no prism along the axis, so its modulus is apparent; compare with " + solid();
     if (!clamps_reach_gauge()) return "";
     const bool clamped = setup_.fixed_grip == Grip::clamped || setup_.loaded_grip == Grip::clamped;

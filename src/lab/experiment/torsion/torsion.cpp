@@ -90,10 +90,13 @@ class Torsion final : public Driven {
   }
 
   std::string no_reference() const override {
-    return section_.constant > 0 && !section_.round
-               ? "the ends are clamped, so that the section cannot warp there and no bar shows the material's G; "
-                 "compare with the solid itself (neo_hookean, refined)"
-               : "";
+    if (!(section_.constant > 0))
+      return "the section is none whose torsion constant is known, so that the torque alone is measured; compare with "
+             "the material's own law, refined";
+    return section_.round
+               ? ""
+               : "the ends are clamped, so that the section cannot warp there and no bar shows the material's "
+                 "G; compare with the solid itself (neo_hookean, refined)";
   }
 
   Measures measure(const Held& held, const Start& start, const State& state, const StaticOptions&,
