@@ -27,6 +27,20 @@ std::string trimmed(const std::string& text) {
   return from == std::string::npos ? "" : text.substr(from, to - from + 1);
 }
 
+/// Throws InputError where an axis is a key that says which runs there are, not what one of them is.
+void check_axes(const Study& study) {
+  for (const StudyAxis& axis : study.axes)
+    for (const auto& [key, value] : axis.values.front()) {
+      const std::string first = key.substr(0, key.find('.'));
+      if (key == "stiffness" || first == "strategies")
+        throw InputError("a study does not vary '" + key + "': it runs each of the scene's strategies; name them by " +
+                         "`strategies` or --strategies");
+      if (first == "study")
+        throw InputError("a study does not vary '" + key +
+                         "', which says what the study is; write it in the scene or " + "with --set");
+    }
+}
+
 ScenePlan plan_scene(const Request& request, const Catalog& catalog, const SceneSource& source) {
   ScenePlan plan;
   plan.source = source;
@@ -40,6 +54,7 @@ ScenePlan plan_scene(const Request& request, const Catalog& catalog, const Scene
   plan.title = plan.scene->title;
   Study study = request.compare ? plan.scene->study : Study{};
   for (const std::string& axis : request.vary) study.axes.push_back(read_axis(axis));
+  check_axes(study);
   plan.combinations = combinations(study.axes, request.overrides);
   plan.threads = study.threads.empty() ? std::vector{0} : study.threads;
   plan.repeats = request.repeats > 0 ? request.repeats : study.repeats;
@@ -49,6 +64,8 @@ ScenePlan plan_scene(const Request& request, const Catalog& catalog, const Scene
     plan.engines = chosen_engines(plan.scene->engines, request.engine_commands, request.against, catalog);
   for (const Engine& engine : plan.engines) plan.strategies.push_back(engine.name);
   plan.own_reference = study.own_reference;
+  if (!study.axes.empty() && !plan.scene->expectations.empty())
+    plan.warnings.emplace_back("`expect` is not judged: it speaks of the scene as it is, and the study varies it");
   if (!study.axes.empty()) load_scene(source, catalog, overrides_of(request.overrides, plan.combinations.front()));
   return plan;
 }

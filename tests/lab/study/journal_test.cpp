@@ -146,6 +146,17 @@ TEST_CASE("a row of a study that fails says why and does not end it", "[journal]
   CHECK_THAT(text_of_file(folder.path("err")), Contains("unknown key") && Contains("did you mean"));
 }
 
+TEST_CASE("a study refuses to vary what says which runs there are", "[journal][command]") {
+  const TemporaryFolder folder;
+  folder.write("cube.yaml", kCube);
+  for (const std::string axis :
+       {"stiffness=[standard, lattice]", "strategies=[[standard], [lattice]]", "study.repeats=[1, 2]"}) {
+    INFO(axis);
+    CHECK(shell(folder, "$elastin compare cube.yaml --vary \"" + axis + "\"") == 2);
+    CHECK_THAT(text_of_file(folder.path("err")), Contains("a study does not vary"));
+  }
+}
+
 TEST_CASE("a row in which one digit has changed is refused, and one without a checksum too", "[journal][command]") {
   const TemporaryFolder folder;
   folder.write("cube.yaml", kCube);
