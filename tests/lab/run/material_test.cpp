@@ -223,7 +223,7 @@ TEST_CASE("a rule is calibrated to what a law with directions has along the load
        {std::tuple{"kind: tension, axis: x, strain: 0.01 %", "effective_modulus", 21492.537},
         {"kind: tension, axis: y, strain: 0.01 %", "effective_modulus", 30685.781},
         {"kind: tension, axis: z, strain: 0.01 %", "effective_modulus", 23712.575},
-        {"kind: shear, axis: z, direction: y, strain: 0.01 %", "shear_modulus", 7000.}}) {
+        {"kind: shear, axis: z, direction: y, strain: 0.01 %, sides: affine", "shear_modulus", 7000.}}) {
     const auto scene = load_scene(
         SceneSource::of_text(
             "a.yaml", std::string("body: {lattice: {kind: cubic, molecules: [3, 3, 4], spacing: 1 cm, order: 1}}\n"

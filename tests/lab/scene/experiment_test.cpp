@@ -92,8 +92,7 @@ TEST_CASE("errors are against the material's own modulus", "[scene]") {
   CHECK(run_of(scene_with("kind: hydrostatic, strain: -0.001 %")).error("bulk_modulus") == Approx(0).margin(1e-4));
   const Record clamped = run_of(scene_with("kind: shear, direction: x, strain: 0.001",
                                            "reference: [{measure: force, value: 1 mN, source: nobody}]\n"));
-  const double G = 1e4 / 2.6;
-  CHECK(clamped.error("shear_modulus") == Approx(clamped.run.measures.get("shear_modulus") / G - 1));
+  CHECK(std::isnan(clamped.error("shear_modulus")));  // it bends too
   CHECK(clamped.error("force_to_reference") == Approx(clamped.run.measures.get("force") / 1e-3 - 1));
   const Record material = run_of(scene_with("kind: material"));
   for (const char* name : {"effective_modulus", "poissons_ratio", "shear_modulus", "bulk_modulus"})
