@@ -25,6 +25,7 @@ class HalfSpace {
 class FloorPenalty final : public Load, private HalfSpace {
  public:
   FloorPenalty(const Body& body, const Floor& floor) : HalfSpace(body, floor) {}
+  const Floor& floor() const { return floor_; }
 
   void add_forces(const State& state, Positions& forces) const override {
     for (int molecule = 0; molecule < body_.size(); ++molecule) {
@@ -101,6 +102,10 @@ double default_floor_stiffness(const Body& body, const Material& material) {
 
 std::unique_ptr<Load> make_floor(const Body& body, const Floor& floor) {
   return std::make_unique<FloorPenalty>(body, floor);
+}
+const Floor* floor_of(const Load& load) {
+  const auto* penalty = dynamic_cast<const FloorPenalty*>(&load);
+  return penalty ? &penalty->floor() : nullptr;
 }
 std::unique_ptr<Load> make_floor_damping(const Body& body, const Floor& floor) {
   return std::make_unique<FloorDamping>(body, floor);

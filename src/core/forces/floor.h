@@ -22,6 +22,9 @@ double default_floor_stiffness(const Body& body, const Material& material);
 /// force with an energy.
 std::unique_ptr<Load> make_floor(const Body& body, const Floor& floor);
 
+/// The floor that make_floor made this load of, with a unit normal; null: of none.
+const Floor* floor_of(const Load& load);
+
 /// Resists the speed along the normal of the molecules that are pressed in; it holds back those that leave, too.
 std::unique_ptr<Load> make_floor_damping(const Body& body, const Floor& floor);
 

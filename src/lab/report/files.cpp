@@ -426,8 +426,7 @@ void write_pieces(const std::string& folder, const std::string& name, const Body
   if (processes.rank() == 0) write_whole(folder + "/" + name + ".pvd", collection + "</Collection>\n</VTKFile>\n");
 }
 
-void write_states(const std::string& folder, const std::string& name, const Body& body, const Run& run,
-                  const std::vector<contact::Obstacle>& obstacles) {
+void write_states(const std::string& folder, const std::string& name, const Body& body, const Run& run) {
   std::string collection = "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\">\n<Collection>\n";
   const auto file_of = [&](const char* part, std::size_t number) {
     return fmt::format("{}{}-{:03}.vtu", name, part, number);
@@ -464,7 +463,7 @@ void write_states(const std::string& folder, const std::string& name, const Body
     part = 2;
     const Vector3 low = shot.positions.rowwise().minCoeff(), high = shot.positions.rowwise().maxCoeff();
     if (!shot.obstacles.empty())
-      write(shot.at, file_of(parts[part], number), obstacles_vtu_text(obstacles, shot.obstacles, low, high));
+      write(shot.at, file_of(parts[part], number), obstacles_vtu_text(run.obstacles, shot.obstacles, low, high));
   }
   write_whole(folder + "/" + name + ".pvd", collection + "</Collection>\n</VTKFile>\n");
   if (run.found && run.found->rest != body.rest)

@@ -278,7 +278,7 @@ std::string body_view(const Scene& scene, const Record& record) {
                      {"to_voxel", std::vector<double>(rows.data(), rows.data() + 12)},
                      {"values", bytes_text(image->shades)}};
   }
-  if (scene.specimen.contact) json["obstacles"] = outlines_of(scene.specimen.contact->obstacles, body);
+  if (!record.run.obstacles.empty()) json["obstacles"] = outlines_of(record.run.obstacles, body);
   return line_of(json);
 }
 
@@ -296,7 +296,7 @@ std::string states_view(const Scene& scene, const Record& record) {
     const Snapshot& snapshot = snapshots[count > 1 ? i * (snapshots.size() - 1) / (count - 1) : snapshots.size() - 1];
     json["frames"].push_back(frame_of(shown, body, snapshot));
     if (!snapshot.obstacles.empty())
-      json["frames"].back()["poses"] = poses_of(scene.specimen.contact->obstacles, snapshot);
+      json["frames"].back()["poses"] = poses_of(record.run.obstacles, snapshot);
   }
   return line_of(json);
 }

@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <span>
 #include <vector>
 
 #include "contact/distance.h"
 #include "core/base/named.h"
+#include "core/forces/floor.h"
 #include "elastin/core/base/text.h"
 #include "elastin/core/model/share.h"
 #include "elastin/core/solve/engine.h"
@@ -66,6 +68,21 @@ void note_contact(const contact::ContactReport& report, double copies, Measures&
   measures.set("sticking", report.sticking);
 }
 
+namespace {
+
+/// Floors that are loads, as planes.
+std::vector<contact::Obstacle> floors_of(const Model& model) {
+  std::vector<contact::Obstacle> planes;
+  for (const auto& load : model.loads())
+    if (const Floor* floor = floor_of(*load)) {
+      const auto turn = Eigen::Quaterniond::FromTwoVectors(Vector3::UnitZ(), floor->normal);
+      planes.push_back({"floor", contact::shape::Plane{}, {turn.toRotationMatrix(), floor->point}});
+    }
+  return planes;
+}
+
+}  // namespace
+
 Snapshot snapshot_of(const Model& model, const State& state, double at, int number) {
   Snapshot shot{at, state.positions, {}, number};
   shot.force_densities = model.force_densities(state.positions);
@@ -95,6 +112,7 @@ Snapshot snapshot_of(const Model& model, const State& state, double at, int numb
     shot.contact_pressure = std::move(report.pressure);
     shot.obstacles = contact->poses(at);
   }
+  for (const contact::Obstacle& plane : floors_of(model)) shot.obstacles.push_back(plane.pose);
   return shot;
 }
 
@@ -103,6 +121,10 @@ void keep_snapshot(const Model& model, const State& state, double at, int number
   if (options.last_snapshot) run.snapshots.clear();
   run.snapshots.push_back(snapshot_of(model, state, at, number));
   if (!options.last_snapshot) keep_states(run.snapshots.back());
+  if (run.obstacles.empty()) {  // contact's first, as in snapshot_of
+    if (const contact::Contact* contact = contact_of(model)) run.obstacles = contact->obstacles();
+    std::ranges::move(floors_of(model), std::back_inserter(run.obstacles));
+  }
   if (!model.body().share) return;
   Positions& forces = run.snapshots.back().elastic_forces;
   forces = model.elastic_forces(state.positions);

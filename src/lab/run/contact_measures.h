@@ -7,10 +7,10 @@
 namespace elastin::lab {
 
 /// The model's contact, or null.
+contact::Contact* contact_of(const Model& model);
+
 /// "the obstacle 'tool' is 3 mm away": how far the nearest one is from the body's molecules; "" without obstacles.
 std::string gap_text(const contact::Contact& contact, const Body& body, const State& state);
-
-contact::Contact* contact_of(const Model& model);
 
 /// Number of the obstacle of that name, or −1.
 int find_obstacle(const std::vector<contact::Obstacle>& obstacles, const std::string& name);

@@ -126,6 +126,7 @@ struct Run {
   std::vector<CurvePoint> curve;         ///< one point a converged load step
   Gradients gradients;                   ///< of `measures`, where they are requested
   std::vector<Snapshot> snapshots;       ///< of the start and of each point, or the last of them, if requested
+  std::vector<contact::Obstacle> obstacles;  ///< of the snapshots
   VectorX constants;                     ///< spring constants [N/m]; empty for laws without
   double calibration_factor = 1;         ///< what calibration has multiplied the rule's constants with
   bool calibrated_to_reference = false;  ///< not to the material: it meets the computed reference by construction

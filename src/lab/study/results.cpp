@@ -51,8 +51,7 @@ void write_run(const Output& output, const Scene& scene, Record& record) {
   if (output.out.empty()) return;
   write_whole(output.out + "/" + name + "-curve.csv", curve_csv_text(record));
   if (body.share) return;
-  const auto& contact = scene.specimen.contact;
-  write_states(output.out, name, body, record.run, contact ? contact->obstacles : std::vector<contact::Obstacle>{});
+  write_states(output.out, name, body, record.run);
   record.run.snapshots.clear();
 }
 

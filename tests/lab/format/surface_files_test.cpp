@@ -85,7 +85,7 @@ TEST_CASE("states of contact are written with pressure, surface and obstacles", 
   const Snapshot& end = record.run.snapshots.back();
   const TemporaryFolder folder;
   const std::string out = folder.path("out");
-  write_states(out, "it", pressed.scene->specimen.body, record.run, pressed.scene->specimen.contact->obstacles);
+  write_states(out, "it", pressed.scene->specimen.body, record.run);
   for (const char* file : {"/it.pvd", "/it-001.vtu", "/it-surface-001.vtu", "/it-obstacles-001.vtu"})
     CHECK(std::filesystem::exists(out + file));
   const Mesh surface = load_mesh(out + "/it-surface-001.vtu");

@@ -1,0 +1,75 @@
+// What a page and ParaView get of a run's states.
+
+#include <catch2/catch.hpp>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <pugixml.hpp>
+#include <string>
+#include <vector>
+
+#include "lab/report/files.h"
+#include "lab/report/page.h"
+#include "lab/study/request.h"
+#include "support/temporary_folder.h"
+#include "support/vtu_arrays.h"
+
+using namespace elastin;
+using namespace elastin::lab;
+using Json = nlohmann::json;
+
+namespace {
+
+/// A run with all its states.
+struct Shown {
+  explicit Shown(const std::string& text)
+      : scene(load_scene(folder.write("it.yaml", text), built_in_catalog())),
+        record(make_record(*scene,
+                           run_strategy(scene->specimen, *scene->experiment, scene->stiffness,
+                                        {.statics = scene->statics, .keep_snapshots = true, .time = scene->time}))) {}
+  Json body() const { return Json::parse(body_view(*scene, record)); }
+  Json frames() const { return Json::parse(states_view(*scene, record))["frames"]; }
+  /// Timesteps and files of the collection for ParaView.
+  std::vector<std::pair<double, std::string>> files() const {
+    write_states(folder.path(""), "it", scene->specimen.body, record.run);
+    pugi::xml_document document;
+    REQUIRE(document.load_file(folder.path("it.pvd").c_str()));
+    std::vector<std::pair<double, std::string>> all;
+    for (const pugi::xml_node set : document.child("VTKFile").child("Collection").children("DataSet"))
+      all.emplace_back(set.attribute("timestep").as_double(), set.attribute("file").value());
+    return all;
+  }
+
+  TemporaryFolder folder;
+  std::unique_ptr<Scene> scene;
+  Record record;
+};
+
+const std::string kString =
+    "body: {molecules: [[0, 0, 0], [10 mm, 0, 0], [20 mm, 0, 0]], connections: {within: 11 mm}, radius: 1 mm}\n"
+    "material: {youngs_modulus: 1 MPa, density: 1000 kg/m3}\n"
+    "stiffness: {strategy: uniform, constant: 100 N/m}\nexperiment: {kind: vibration, count: 3, load: applied,"
+    " fixture: {kind: tension, axis: x, strain: 10 %, fixed_grip: clamped, loaded_grip: clamped,"
+    " cross_section: 1 mm2}}\n";
+
+}  // namespace
+
+TEST_CASE("a floor of loads is shown as obstacles are", "[files]") {
+  const std::string cube =
+      "body: {lattice: {kind: cubic, molecules: [2, 2, 2], spacing: 1 cm, connections: [axis, face]}}\n"
+      "material: {youngs_modulus: 100 kPa, density: 1000 kg/m3}\nstiffness: lattice\n"
+      "time: {duration: 1 ms, frames: 2}\n";
+  for (const std::string& experiment :
+       {std::string("experiment: {kind: drop, gravity: 9.81 m/s2, height: 5 cm}\n"),
+        std::string("experiment: {kind: motion}\nloads: [{floor: {point: [0, 0, -55 mm], normal: [0, 0, 2]}}]\n")}) {
+    const Shown shown(cube + experiment);
+    REQUIRE(shown.record.run.outcome == Outcome::converged);
+    REQUIRE(shown.body()["obstacles"].size() == 1);
+    CHECK(shown.body()["obstacles"][0]["name"] == "floor");
+    const Json pose = shown.frames().back()["poses"][0];
+    CHECK(std::abs(pose[8].get<double>()) == Approx(1));  // its normal is along z
+    CHECK(pose[11].get<double>() == Approx(-55e-3));      // 5 cm below the lowest sphere, of a radius of 5 mm
+    int floors = 0;
+    for (const auto& [at, file] : shown.files()) floors += file.find("-obstacles-") != std::string::npos;
+    CHECK(floors == 3);
+  }
+}
