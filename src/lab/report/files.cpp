@@ -427,6 +427,7 @@ void write_pieces(const std::string& folder, const std::string& name, const Body
 }
 
 void write_states(const std::string& folder, const std::string& name, const Body& body, const Run& run) {
+  const std::vector<Snapshot>& shots = run.shown();
   std::string collection = "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\">\n<Collection>\n";
   const auto file_of = [&](const char* part, std::size_t number) {
     return fmt::format("{}{}-{:03}.vtu", name, part, number);
@@ -441,16 +442,16 @@ void write_states(const std::string& folder, const std::string& name, const Body
     list(at, file);
   };
   // A run that goes on from a restart file shows the frames before as well, where they still stand.
-  const std::size_t first = run.snapshots.empty() ? 0 : static_cast<std::size_t>(run.snapshots.front().number);
+  const std::size_t first = shots.empty() ? 0 : static_cast<std::size_t>(shots.front().number);
   constexpr const char* parts[] = {"", "-surface", "-obstacles"};
   for (std::size_t frame = 0; run.time && frame < std::min(first, run.curve.size()); ++frame)
     for (part = 0; part < 3; ++part)
       if (std::filesystem::exists(folder + "/" + file_of(parts[part], frame)))
         list(run.curve[frame].time, file_of(parts[part], frame));
   // Of every frame of a run in time that would be as much again; contact is worth it.
-  const bool contact = !run.snapshots.empty() && run.snapshots.front().contact_pressure.size() > 0;
+  const bool contact = !shots.empty() && shots.front().contact_pressure.size() > 0;
   const Cells<3> surface = contact ? contact::surface_triangles(body) : Cells<3>{};
-  for (const Snapshot& shot : run.snapshots) {
+  for (const Snapshot& shot : shots) {
     const auto number = static_cast<std::size_t>(shot.number);
     part = 0;
     write_whole_by(folder + "/" + file_of(parts[part], number), [&](std::ostream& stream) {

@@ -43,7 +43,7 @@ void write_pieces(const std::string& folder, const std::string& name, const Body
 
 /// Writes NAME.pvd and one NAME-STEP.vtu a load step into a folder, for ParaView; of a body with cells
 /// that is at rest or has contact NAME-surface-STEP.vtu next to each, and NAME-obstacles-STEP.vtu where there are any;
-/// NAME-unloaded.vtu of a run that found one.
+/// NAME-unloaded.vtu of a run that found one. Of natural vibrations each step is a mode.
 void write_states(const std::string& folder, const std::string& name, const Body& body, const Run& run);
 
 }  // namespace elastin::lab

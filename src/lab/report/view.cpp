@@ -283,7 +283,7 @@ std::string body_view(const Scene& scene, const Record& record) {
 }
 
 std::string states_view(const Scene& scene, const Record& record) {
-  const std::vector<Snapshot>& snapshots = record.run.snapshots;
+  const std::vector<Snapshot>& snapshots = record.run.shown();
   if (snapshots.empty()) return "";
   const Body& body = scene.specimen.body;
   const Shown shown = shown_of(body);
@@ -295,6 +295,7 @@ std::string states_view(const Scene& scene, const Record& record) {
   for (std::size_t i = 0; i < count; ++i) {
     const Snapshot& snapshot = snapshots[count > 1 ? i * (snapshots.size() - 1) / (count - 1) : snapshots.size() - 1];
     json["frames"].push_back(frame_of(shown, body, snapshot));
+    if (std::isfinite(snapshot.frequency)) json["frames"].back()["frequency"] = snapshot.frequency;
     if (!snapshot.obstacles.empty())
       json["frames"].back()["poses"] = poses_of(record.run.obstacles, snapshot);
   }

@@ -613,6 +613,28 @@ void note_preload(const Model& model, const MeasureList& list, const StaticRig& 
       measures.set("total_" + name, whole.get(name));
 }
 
+/// Of the body's size, as far as a mode is shown to move it.
+constexpr double kModeShown = 0.1;
+
+/// The modes about the state that was kept last, to be looked at: shapes alone, without forces.
+void keep_modes(const Vibrations& found, Run& run) {
+  if (run.snapshots.empty()) return;
+  Snapshot& state = run.modes.emplace_back(run.snapshots.back());
+  state.at = state.number = 0;
+  const Positions& about = run.snapshots.back().positions;
+  const double size = (about.rowwise().maxCoeff() - about.rowwise().minCoeff()).norm();
+  Snapshot mode = state;
+  for (VectorX* force : {&mode.force_densities, &mode.other_force_densities, &mode.contact_pressure}) force->setZero();
+  for (Positions* forces : {&mode.contact_forces, &mode.elastic_forces}) forces->setZero();
+  mode.states_of_laws.clear(), mode.kept_states.clear();
+  for (const Positions& shape : found.shapes) {
+    mode.frequency = found.frequencies[mode.number];
+    mode.at = ++mode.number;
+    mode.positions = about + kModeShown * size / shape.colwise().norm().maxCoeff() * shape;
+    run.modes.push_back(mode);
+  }
+}
+
 }  // namespace
 
 Measures measure_step(const Model& model, const StaticExperiment& experiment, const StaticRig& rig, const Start& start,
@@ -726,6 +748,7 @@ void solve_load_curve(Model& model, const StaticExperiment& experiment, StaticRi
     keep(load_factor, step);
   }
   run.end = path.state().positions;
+  if (const Vibrations* found = rig.vibrations()) keep_modes(*found, run);
   run.measures = run.curve.back().measures;
   run.gradients = run.curve.back().gradients;
   run.remark = experiment.remark(run.measures);

@@ -1,6 +1,7 @@
 #pragma once
 #include <array>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -101,6 +102,8 @@ struct Snapshot {
   Positions elastic_forces = {};               ///< [N]; where some are found at the nodes of cells
   /// The same states of a snapshot that is kept with others, in their place: strain and stress, 00 11 22 01 02 12 each.
   std::vector<std::array<float, 12>> kept_states = {};
+  double frequency =
+      std::numeric_limits<double>::quiet_NaN();  ///< [Hz] of a vibration whose shape this is; NaN: of none
 };
 
 /// What another program says of a run that it made.
@@ -122,11 +125,15 @@ struct Run {
   std::string solver_reason;  ///< why that one; empty where there was no choice
   Outcome outcome = Outcome::converged;
   std::string cause;
-  Measures measures;                     ///< of the last converged load step
-  std::vector<CurvePoint> curve;         ///< one point a converged load step
-  Gradients gradients;                   ///< of `measures`, where they are requested
-  std::vector<Snapshot> snapshots;       ///< of the start and of each point, or the last of them, if requested
+  Measures measures;                ///< of the last converged load step
+  std::vector<CurvePoint> curve;    ///< one point a converged load step
+  Gradients gradients;              ///< of `measures`, where they are requested
+  std::vector<Snapshot> snapshots;  ///< of the start and of each point, or the last of them, if requested
+  /// Of natural vibrations, to be shown in place of the snapshots: the state about which the body moves, then each
+  /// mode, whose largest displacement from there is a tenth of the body's size.
+  std::vector<Snapshot> modes;
   std::vector<contact::Obstacle> obstacles;  ///< of the snapshots
+  const std::vector<Snapshot>& shown() const { return modes.empty() ? snapshots : modes; }
   VectorX constants;                     ///< spring constants [N/m]; empty for laws without
   double calibration_factor = 1;         ///< what calibration has multiplied the rule's constants with
   bool calibrated_to_reference = false;  ///< not to the material: it meets the computed reference by construction

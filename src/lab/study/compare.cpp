@@ -285,7 +285,7 @@ void Comparison::finish_run(const ScenePlan& plan, const std::string& key, Recor
     if (shown) journal_->add_view(states_view(*scene, record));
     if (!plan.varied()) write_run(request_, *scene, record);
   }
-  record.run.snapshots.clear();
+  record.run.snapshots.clear(), record.run.modes.clear();
   if (record.run.constants.size() > 1)  // of many rows; the summary needs the least
     record.run.constants.setConstant(1, double{record.run.constants.minCoeff()});
   if (request_.to_screen() && (!request_.compare || (request_.verbose && !key.empty())))

@@ -259,6 +259,31 @@ class Run(unittest.TestCase):
                 self.assertAlmostEqual(stress / wanted, 1, delta=1e-3)  # stresses are stored in steps of 2^-12
 
 
+class Modes(unittest.TestCase):
+    def test_the_slider_goes_from_mode_to_mode(self):
+        """Each mode by its number and frequency, its largest displacement a tenth of the body's size."""
+        with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:
+            scene = folder + "/bar.yaml"
+            with open(scene, "w", encoding="utf8") as file:
+                file.write(re.sub("material: {", "material: {density: 1000 kg/m3, ", re.sub(
+                    "experiment: .*", "experiment: {kind: vibration, count: 3, fixture: {kind: tension, axis: z, force: 1 N}}", BAR)))
+            subprocess.run([ELASTIN, "run", scene, "--quiet", "--out", folder], check=True)
+            with open(folder + "/runs.json", encoding="utf8") as file:
+                measures = json.load(file)["runs"][0]["measures"]
+            with Page(CHROMIUM, folder + "/profile") as page:
+                page.open(folder + "/report.html")
+                stage = "document.querySelector('.scene').stage"
+                texts = page.run(f"[0, 1, 2, 3].map(step => {{ {stage}.part('step').value = step; {stage}.show(); return {stage}.part('at').textContent; }})")
+                longest = page.run(f"Math.max(...lengths_of({stage}.state.displacements)) / {stage}.body.size")
+                self.assertEqual(page.run("document.documentElement.dataset.errors ?? ''"), "")
+        self.assertEqual(texts[0], "without vibration")
+        for mode in (1, 2, 3):
+            number, count, frequency, unit = re.match(r"mode (\d) of (\d), ([\d.]+) (\w+)$", texts[mode]).groups()
+            self.assertEqual((number, count, unit), (str(mode), "3", "Hz"))
+            self.assertAlmostEqual(float(frequency) / measures[f"frequency_{mode}"], 1, delta=0.01)
+        self.assertAlmostEqual(longest, 0.1, delta=1e-4)
+
+
 class Obstacles(unittest.TestCase):
     def test_obstacles_are_drawn_where_they_are(self):
         """Every shape: as far from its middle as it is large, and a plane's square in the plane."""

@@ -53,6 +53,40 @@ const std::string kString =
 
 }  // namespace
 
+TEST_CASE("a vibration shows the state about which it moves, then each mode", "[files][vibration]") {
+  const Shown shown(kString);
+  REQUIRE(shown.record.run.outcome == Outcome::converged);
+  const Json frames = shown.frames();
+  REQUIRE(frames.size() == 4);
+  CHECK(frames[0].count("frequency") == 0);
+  CHECK(frames[0]["tensions"]["most"].get<double>() == Approx(0.1));  // 100 N/m, by 1 mm
+  for (int mode = 1; mode <= 3; ++mode) {
+    CHECK(frames[mode]["at"] == mode);
+    CHECK(frames[mode]["frequency"].get<double>() ==
+          shown.record.run.measures.get("frequency_" + std::to_string(mode)));
+    CHECK(frames[mode]["tensions"]["most"] == 0);
+  }
+  const auto files = shown.files();
+  REQUIRE(files.size() == 4);
+  const auto positions = [&](int file) {
+    CHECK(files[file].first == file);
+    pugi::xml_document vtu;
+    REQUIRE(vtu.load_file(shown.folder.path(files[file].second).c_str()));
+    return numbers_of(vtu.select_node("//Points/DataArray").node());
+  };
+  const std::vector<double> about = positions(0);
+  CHECK(about[6] == Approx(22e-3));  // pulled by 10 %
+  for (int mode = 1; mode <= 3; ++mode) {
+    std::vector<double> moved = positions(mode);
+    Vector3 bead;
+    for (int k = 0; k < 9; ++k) moved[k] -= about[k];
+    for (int k = 0; k < 3; ++k) bead[k] = moved[3 + k];
+    CHECK(bead.norm() == Approx(2.2e-3));                                      // a tenth of 22 mm
+    CHECK(std::abs(bead.x()) == Approx(mode == 3 ? 2.2e-3 : 0).margin(1e-9));  // two modes across, one along
+    for (const int end : {0, 1, 2, 6, 7, 8}) CHECK(moved[end] == Approx(0).margin(1e-12));
+  }
+}
+
 TEST_CASE("a floor of loads is shown as obstacles are", "[files]") {
   const std::string cube =
       "body: {lattice: {kind: cubic, molecules: [2, 2, 2], spacing: 1 cm, connections: [axis, face]}}\n"

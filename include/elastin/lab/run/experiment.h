@@ -12,6 +12,9 @@
 #include "elastin/core/solve/statics.h"
 #include "elastin/lab/run/measures.h"
 
+namespace elastin {
+struct Vibrations;
+}
 namespace elastin::lab {
 
 /// Where measuring starts: the body under the scene's other loads (its own weight, say) before the experiment's load.
@@ -124,6 +127,8 @@ class StaticRig : public Rig {
   /// Adds what is measured once, at the last of several load steps, and the linear iterations that it takes.
   virtual void measure_end(const State& /*state*/, const StaticOptions& /*options*/, Measures& /*measures*/,
                            int& /*iterations*/) const {}
+  /// The vibrations that it found when it measured last; null: it looks for none.
+  virtual const Vibrations* vibrations() const { return nullptr; }
   /// How many of the model's supports are the experiment's own, which come first.
   std::size_t own_supports = 0;
   /// Whether an equilibrium that is no minimum (a straight column beyond its buckling load) is left for one of less

@@ -107,7 +107,7 @@ class VibrationRig final : public StaticRig {
 
   Measures measure(const Start&, const State& state, const StaticOptions& options,
                    StaticResult& solved) const override {
-    Vibrations found = find_vibrations(model_, state, experiment_.count_, 1e-5, options.stop);
+    Vibrations& found = found_ = find_vibrations(model_, state, experiment_.count_, 1e-5, options.stop);
     if (experiment_.relaxation_ && !model_.history().empty() && found.outcome == Outcome::converged) {
       model_.begin_step(state, std::numeric_limits<double>::infinity());
       const Vibrations relaxed = find_vibrations(model_, state, experiment_.count_, 1e-5, options.stop);
@@ -132,11 +132,13 @@ class VibrationRig final : public StaticRig {
       measures.set("frequency_" + std::to_string(k + 1), found.frequencies[k]);
     return measures;
   }
+  const Vibrations* vibrations() const override { return &found_; }
 
  private:
   const Vibration& experiment_;
   Model& model_;
   std::unique_ptr<StaticRig> fixture_;  // null: the body is free
+  mutable Vibrations found_;            // when it measured last
 };
 
 std::unique_ptr<StaticRig> Vibration::make_rig(Model& model) const {
@@ -154,7 +156,7 @@ ExperimentInfo vibration_row() {
   };
   return with_keys(
       {.name = "vibration",
-       .summary = "natural frequencies of a body, free or fixed by a fixture; at rest",
+       .summary = "natural frequencies and shapes of a body, free or fixed by a fixture; at rest",
        .measures = vibration_measures()},
       Keys<S>{fixture_key<S>("how the body is fixed").otherwise("free body"),
               key::choice("load", &S::loaded, {{"removed", false}, {"applied", true}},

@@ -36,7 +36,7 @@ function numbers_from({most, steps, planes}, count) {
   return numbers;
 }
 
-/** States from the JSON of states_view: at [s] or share of the load, displacements [m], tensions [N], outer forces [N],
+/** States from the JSON of states_view: at [s], share of the load or number of a vibration's mode, displacements [m], tensions [N], outer forces [N],
  *  stresses of faces [Pa] and contact pressures [Pa] where there are any; `pose i` of the obstacles: three axes and a place [m]. */
 function states_from(json, body) {
   const molecules = body.radius.length, faces = body.surface.length / 3;

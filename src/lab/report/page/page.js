@@ -128,7 +128,8 @@ async function stage(section) {
   try {
     const [views] = await Promise.all([Promise.all(packed.map(async script => JSON.parse(await unpacked(script.textContent)))), load_three()]);
     const body = body_from(views.find(view => view.kind === 'body')), states = views.filter(view => view.kind === 'states');
-    section.stage = new Stage(section, body, new Map(states.map(view => [view.strategy, {frames: states_from(view, body), in_time: view.in_time}])));
+    section.stage = new Stage(section, body, new Map(states.map(view => [view.strategy, {frames: states_from(view, body), in_time: view.in_time,
+      frequencies: view.frames.map(({frequency}) => frequency)}])));
   } catch (problem) {
     all('.bar > label, .bar > button, .legend, .hint', section.querySelector('.view').parentElement).forEach(part => part.remove());
     section.querySelector('.view').textContent = `No body is drawn here: ${problem.message}. Plots and tables are complete without it.`;

@@ -13,13 +13,14 @@ const colour_kinds = {
 };
 
 class Stage {
-  /** body and runs (states by strategy, see body.js) of one scene; section holds the controls, each with its data-part. */
+  /** body and runs (states by strategy, see body.js, with the frequency [Hz] of each that is a mode) of one scene; section holds the controls, each with its data-part. */
   constructor(section, body, runs) {
     this.section = section;
     this.part = name => section.querySelector(`[data-part="${name}"]`);
     this.canvas = section.querySelector('.view canvas');
     this.body = body;
     this.runs = runs;
+    for (const run of runs.values()) run.modes = run.frequencies?.some(Number.isFinite);
     this.best = section.dataset.best;
     this.ranges = new Map();
     this.typed = new Map();
@@ -48,7 +49,8 @@ class Stage {
       if (kind === 'error' ? known : !field || has(field)) this.part('colour').append(new Option(colour_kinds[kind].title, kind));
     // Solids are seen by the stress on their surface, graphs of springs by their connections.
     const solid = !this.body.membrane && has('stresses');
-    if (solid) this.part('colour').value = 'stress';
+    if ([...this.runs.values()].some(run => run.modes)) this.part('colour').value = 'displacement';
+    else if (solid) this.part('colour').value = 'stress';
     const shown = {connections: !solid, molecules: !solid && !this.body.membrane, surface: solid || this.body.membrane};
     for (const [name, on] of Object.entries(shown)) {
       this.part(name).checked = on;
@@ -131,28 +133,28 @@ class Stage {
     draw_slice(slice, image, this.body, this.viewer.positions, this.cut_axis, this.cut_side * this.viewer.cut.w);
   }
 
-  /** Another strategy: its last state. */
+  /** Another strategy: its last state; of vibrations the first mode. */
   choose() {
     this.pause();
     this.run = this.runs.get(this.part('strategy').value);
-    const {frames, in_time} = this.run, step = this.part('step');
+    const {frames, in_time, modes} = this.run, step = this.part('step');
     step.max = frames.length - 1;
-    step.step = in_time || frames.length < 2 ? 1 : 0.02;
-    step.value = frames.length - 1;
+    step.step = in_time || modes || frames.length < 2 ? 1 : 0.02;
+    step.value = modes ? 1 : frames.length - 1;
     this.part('steps').hidden = frames.length < 2;
     this.aim();
   }
 
   /** The picture holds the body at rest and at the end; of a motion every state. */
   aim() {
-    const {frames, in_time} = this.run, times = +this.part('scale').value;
-    const states = (in_time ? frames : frames.slice(-1)).map(frame => positions_of(this.body, frame.displacements, times));
+    const {frames, in_time, modes} = this.run, times = +this.part('scale').value;
+    const states = (in_time || modes ? frames : frames.slice(-1)).map(frame => positions_of(this.body, frame.displacements, times));
     this.viewer.fit(in_time ? states : [this.body.rest, ...states]);
     this.show();
   }
 
   play() {
-    const step = this.part('step'), last = +step.max, length = this.run.in_time ? 4000 : 2000;  // ms
+    const step = this.part('step'), last = +step.max, length = this.run.modes ? 1000 * last : this.run.in_time ? 4000 : 2000;  // ms
     const first = +step.value < last ? +step.value : 0, begin = performance.now();
     const tick = () => {
       const position = Math.min(last, first + (performance.now() - begin) / length * last);
@@ -207,14 +209,14 @@ class Stage {
    *  is both; otherwise from the least to the most of the end. It is that of what is seen, so that faces alone have all
    *  colours, too. */
   range() {
-    const {frames} = this.run, kind = this.part('colour').value;
+    const {frames, modes} = this.run, kind = this.part('colour').value;
     if (this.typed.has(kind)) return this.typed.get(kind);
     const key = [kind, this.part('strategy').value, ...Object.values(this.viewer.look)].join();
     if (this.ranges.has(key)) return this.ranges.get(key);
     let low = Infinity, high = -Infinity;
     const widen = position => this.shown_values(frames[position], position).seen.slice(0, 2).forEach(numbers =>
       numbers.forEach(v => { low = Math.min(low, v); high = Math.max(high, v); }));
-    widen(frames.length - 1);
+    (modes ? [...frames.keys()] : [frames.length - 1]).forEach(widen);
     if (!(low <= high)) low = high = 0;  // nothing is shown
     // What differs by less than a thousandth has one colour: its differences are not worth a scale.
     const alike = high - low < 1e-3 * Math.max(Math.abs(low), Math.abs(high));
@@ -242,8 +244,13 @@ class Stage {
     this.state = {...state, values};
     this.show_picked();
     this.show_slice();
-    this.part('at').textContent = in_time ? with_prefix(state.at, 's') : `${(100 * state.at).toFixed(0)} % of the load`;
+    this.part('at').textContent = in_time ? with_prefix(state.at, 's') : this.run.modes ? this.mode_text(position) : `${(100 * state.at).toFixed(0)} % of the load`;
     this.show_legend();
+  }
+
+  mode_text(position) {
+    const {frames, frequencies} = this.run;
+    return position > 0 ? `mode ${frames[position].at} of ${frames.at(-1).at}, ${with_prefix(frequencies[position], 'Hz')}` : 'without vibration';
   }
 
   text_of(value) {
