@@ -170,14 +170,13 @@ std::vector<double> tensions_of(const Shown& shown, const Body& body, const Snap
   return tensions;
 }
 
-/// Equivalent stress of the cell behind each side of the surface; empty where no cell has any.
+/// Equivalent stress of the cell behind each side of the surface.
 std::vector<double> stresses_of(const Shown& shown, const Body& body, const Snapshot& snapshot) {
   const std::vector<CellState> states = cell_states(body, snapshot);
   std::vector<double> stresses;
   for (const int cell : shown.cells)
     stresses.push_back(cell >= 0 && static_cast<std::size_t>(cell) < states.size() ? von_mises(states[cell]) : 0);
-  const bool any = std::any_of(stresses.begin(), stresses.end(), [](double stress) { return stress > 0; });
-  return any ? stresses : std::vector<double>{};
+  return stresses;
 }
 
 /// What supports, loads and contact do to each molecule: as much as all elastic forces on it, against them [N].
@@ -223,17 +222,34 @@ Json outlines_of(const std::vector<contact::Obstacle>& obstacles, const Body& bo
   return outlines;
 }
 
-Json frame_of(const Shown& shown, const Body& body, const Snapshot& snapshot) {
+/// What is less is rounding: of stresses, or of membranes' tensions, and of forces.
+struct Noise {
+  double stress, force;
+};
+Noise noise_of(const Specimen& specimen) {
+  constexpr double rounding = 1e-12;  // of strains
+  const Material& material = specimen.material;
+  const double wide = 2 * specimen.body.radius.mean(), thick = specimen.body.triangles.empty() ? 1 : material.thickness;
+  return {rounding * material.youngs_modulus * thick, rounding * material.youngs_modulus * wide * wide};
+}
+
+Json frame_of(const Shown& shown, const Body& body, const Snapshot& snapshot, const Noise& noise) {
   std::vector<double> displacements, pressures;
   for (const int molecule : shown.molecules) {
     for (int k = 0; k < 3; ++k) displacements.push_back(snapshot.positions(k, molecule) - body.rest(k, molecule));
     if (snapshot.contact_pressure.size()) pressures.push_back(snapshot.contact_pressure[molecule]);
   }
+  const auto clear_of = [](std::vector<double> values, double least) {
+    for (double& value : values)
+      if (std::abs(value) <= least) value = 0;
+    return values;
+  };
   Json frame{{"at", snapshot.at},
              {"displacements", planes_of(displacements, kFine)},
-             {"tensions", planes_of(tensions_of(shown, body, snapshot), kCoarse)},
-             {"forces", planes_of(outer_forces_of(shown, body, snapshot), kCoarse)}};
-  if (const auto stresses = stresses_of(shown, body, snapshot); !stresses.empty())
+             {"tensions", planes_of(clear_of(tensions_of(shown, body, snapshot), noise.force), kCoarse)},
+             {"forces", planes_of(clear_of(outer_forces_of(shown, body, snapshot), noise.force), kCoarse)}};
+  const std::vector<double> stresses = clear_of(stresses_of(shown, body, snapshot), noise.stress);
+  if (std::any_of(stresses.begin(), stresses.end(), [](double stress) { return stress > 0; }))
     frame["stresses"] = planes_of(stresses, kCoarse);
   if (!pressures.empty()) frame["pressures"] = planes_of(pressures, kCoarse);
   return frame;
@@ -283,21 +299,21 @@ std::string body_view(const Scene& scene, const Record& record) {
 }
 
 std::string states_view(const Scene& scene, const Record& record) {
+  const Body& body = scene.specimen.body;
   const std::vector<Snapshot>& snapshots = record.run.shown();
   if (snapshots.empty()) return "";
-  const Body& body = scene.specimen.body;
   const Shown shown = shown_of(body);
   Json json = head_of("states", record);
   json["strategy"] = record.run.strategy;
   json["in_time"] = record.run.time.has_value();
   json["frames"] = Json::array();
+  const Noise noise = noise_of(scene.specimen);
   const std::size_t count = std::min(kMostFrames, snapshots.size());
   for (std::size_t i = 0; i < count; ++i) {
     const Snapshot& snapshot = snapshots[count > 1 ? i * (snapshots.size() - 1) / (count - 1) : snapshots.size() - 1];
-    json["frames"].push_back(frame_of(shown, body, snapshot));
+    json["frames"].push_back(frame_of(shown, body, snapshot, noise));
     if (std::isfinite(snapshot.frequency)) json["frames"].back()["frequency"] = snapshot.frequency;
-    if (!snapshot.obstacles.empty())
-      json["frames"].back()["poses"] = poses_of(record.run.obstacles, snapshot);
+    if (!snapshot.obstacles.empty()) json["frames"].back()["poses"] = poses_of(record.run.obstacles, snapshot);
   }
   return line_of(json);
 }

@@ -261,7 +261,7 @@ class Run(unittest.TestCase):
 
 class Modes(unittest.TestCase):
     def test_the_slider_goes_from_mode_to_mode(self):
-        """Each mode by its number and frequency, its largest displacement a tenth of the body's size."""
+        """Each mode by its number and frequency, its largest displacement a tenth of the body's size; no stress of rounding."""
         with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:
             scene = folder + "/bar.yaml"
             with open(scene, "w", encoding="utf8") as file:
@@ -275,6 +275,7 @@ class Modes(unittest.TestCase):
                 stage = "document.querySelector('.scene').stage"
                 texts = page.run(f"[0, 1, 2, 3].map(step => {{ {stage}.part('step').value = step; {stage}.show(); return {stage}.part('at').textContent; }})")
                 longest = page.run(f"Math.max(...lengths_of({stage}.state.displacements)) / {stage}.body.size")
+                colours = page.run(f"[...{stage}.part('colour').options].map(option => option.value)")
                 self.assertEqual(page.run("document.documentElement.dataset.errors ?? ''"), "")
         self.assertEqual(texts[0], "without vibration")
         for mode in (1, 2, 3):
@@ -282,6 +283,7 @@ class Modes(unittest.TestCase):
             self.assertEqual((number, count, unit), (str(mode), "3", "Hz"))
             self.assertAlmostEqual(float(frequency) / measures[f"frequency_{mode}"], 1, delta=0.01)
         self.assertAlmostEqual(longest, 0.1, delta=1e-4)
+        self.assertEqual(colours, ["strain", "displacement"] + (["error"] if "error" in colours else []))
 
 
 class Obstacles(unittest.TestCase):

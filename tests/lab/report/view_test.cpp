@@ -87,6 +87,22 @@ TEST_CASE("a vibration shows the state about which it moves, then each mode", "[
   }
 }
 
+TEST_CASE("forces and stresses that are rounding are shown as none", "[files]") {
+  const std::string block =
+      "body: {lattice: {kind: cubic, molecules: [4, 4, 4], spacing: 1 cm, order: 1}}\n"
+      "material: {youngs_modulus: 100 kPa, poissons_ratio: 0.3}\nstiffness: neo_hookean\n";
+  const Shown turned(block +
+                     "experiment: {kind: motion}\ntime: {duration: 1 ms, frames: 1}\n"
+                     "initial: {spin: [0, 0, 1e-7 1/s]}\n");
+  REQUIRE(turned.record.run.outcome == Outcome::converged);
+  for (const Json& frame : turned.frames()) {
+    CHECK(frame.count("stresses") == 0);
+    CHECK(frame["forces"]["most"] == 0);
+  }
+  const Shown pulled(block + "experiment: {kind: tension, axis: z, strain: 0.0001 %}\n");
+  CHECK(pulled.frames().back()["stresses"]["most"].get<double>() == Approx(0.1).epsilon(0.01));
+}
+
 TEST_CASE("a floor of loads is shown as obstacles are", "[files]") {
   const std::string cube =
       "body: {lattice: {kind: cubic, molecules: [2, 2, 2], spacing: 1 cm, connections: [axis, face]}}\n"

@@ -1,7 +1,7 @@
 // The body's part of a page: which strategy, which colour, which state, and its controls. Needs body.js, colours.js, viewer.js, slice.js.
 'use strict';
 
-/** What can be coloured; `field`: of the states that have it; `shape`: on what it stands. */
+/** What can be coloured; `field`: of the states, of which one at least is not 0 everywhere; `shape`: on what it stands. */
 const colour_kinds = {
   tension: {title: 'tension of the connections', unit: 'N', field: 'tensions', shape: 'connections'},
   strain: {title: 'strain', unit: ''},
@@ -44,9 +44,10 @@ class Stage {
     const strategy = this.part('strategy'), known = this.runs.has(this.best);
     for (const name of this.runs.keys()) strategy.append(new Option(name === this.best ? `${name} (${this.section.dataset.bestWord})` : name, name));
     if (known) strategy.value = this.best;
-    const has = field => [...this.runs.values()].some(({frames}) => frames.some(frame => frame[field]?.length));
+    const has = field => [...this.runs.values()].some(({frames}) => frames.some(frame => frame[field]?.some(value => value)));
+    const strained = this.body.ends.length + this.body.surface.length > 0;
     for (const [kind, {field}] of Object.entries(colour_kinds))
-      if (kind === 'error' ? known : !field || has(field)) this.part('colour').append(new Option(colour_kinds[kind].title, kind));
+      if (kind === 'error' ? known : kind === 'strain' ? strained : !field || has(field)) this.part('colour').append(new Option(colour_kinds[kind].title, kind));
     // Solids are seen by the stress on their surface, graphs of springs by their connections.
     const solid = !this.body.membrane && has('stresses');
     if ([...this.runs.values()].some(run => run.modes)) this.part('colour').value = 'displacement';
@@ -205,6 +206,17 @@ class Stage {
     return {values, seen};
   }
 
+  /** Strains that displacements do not resolve: they come in steps of 2⁻²⁰ of the largest one (view.cpp). */
+  strain_noise() {
+    const {rest, ends, surface} = this.body;
+    const length = (a, b) => Math.hypot(...[0, 1, 2].map(k => rest[3 * a + k] - rest[3 * b + k])) || Infinity;
+    let shortest = Infinity, longest = 0;
+    for (let i = 0; i < ends.length; i += 2) shortest = Math.min(shortest, length(ends[i], ends[i + 1]));
+    for (let i = 0; i < surface.length; i += 3) shortest = Math.min(shortest, length(surface[i], surface[i + 1]));
+    for (const {displacements} of this.run.frames) longest = lengths_of(displacements).reduce((a, b) => Math.max(a, b), longest);
+    return 2 ** -19 * longest / shortest;
+  }
+
   /** One range for all states, so that the slider shows growth: from the largest compression to as large a pull where there
    *  is both; otherwise from the least to the most of the end. It is that of what is seen, so that faces alone have all
    *  colours, too. */
@@ -218,6 +230,7 @@ class Stage {
       numbers.forEach(v => { low = Math.min(low, v); high = Math.max(high, v); }));
     (modes ? [...frames.keys()] : [frames.length - 1]).forEach(widen);
     if (!(low <= high)) low = high = 0;  // nothing is shown
+    if (kind === 'strain' && Math.max(-low, high) < this.strain_noise()) low = high = 0;
     // What differs by less than a thousandth has one colour: its differences are not worth a scale.
     const alike = high - low < 1e-3 * Math.max(Math.abs(low), Math.abs(high));
     if (alike) [low, high] = [Math.min(low, 0), Math.max(high, 0)];
