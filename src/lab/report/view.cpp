@@ -294,13 +294,18 @@ std::string body_view(const Scene& scene, const Record& record) {
                      {"to_voxel", std::vector<double>(rows.data(), rows.data() + 12)},
                      {"values", bytes_text(image->shades)}};
   }
-  if (!record.run.obstacles.empty()) json["obstacles"] = outlines_of(record.run.obstacles, body);
+  if (!record.run.obstacles.empty())
+    json["obstacles"] = outlines_of(record.run.obstacles, body);
+  else if (scene.specimen.contact)  // of a run that ended before it had a state
+    json["obstacles"] = outlines_of(scene.specimen.contact->obstacles, body);
   return line_of(json);
 }
 
 std::string states_view(const Scene& scene, const Record& record) {
   const Body& body = scene.specimen.body;
-  const std::vector<Snapshot>& snapshots = record.run.shown();
+  std::vector<Snapshot> at_rest;  // of a run that ended before it had a state
+  if (record.run.suited && record.run.shown().empty()) at_rest.push_back({0, body.rest, {}});
+  const std::vector<Snapshot>& snapshots = at_rest.empty() ? record.run.shown() : at_rest;
   if (snapshots.empty()) return "";
   const Shown shown = shown_of(body);
   Json json = head_of("states", record);

@@ -279,11 +279,12 @@ void Comparison::finish_run(const ScenePlan& plan, const std::string& key, Recor
   // The numbers first: a disk that is full with states does not lose them.
   if (journal_ && !key.empty() && record.run.outcome != Outcome::interrupted)
     journal_->add(key, source_of(plan), record);
-  if (scene && repeat == 0 && !record.run.snapshots.empty()) {
-    const bool shown = journal_ && !scene->specimen.body.share;  // a share is not the body
+  if (scene && repeat == 0) {
+    const bool shown = journal_ && !request_.out.empty() && !scene->specimen.body.share;  // a share is not the body
     if (shown && !results_.has_body(record)) journal_->add_view(body_view(*scene, record));
-    if (shown) journal_->add_view(states_view(*scene, record));
-    if (!plan.varied()) write_run(request_, *scene, record);
+    if (const std::string states = shown ? states_view(*scene, record) : ""; !states.empty())
+      journal_->add_view(states);
+    if (!plan.varied() && !record.run.snapshots.empty()) write_run(request_, *scene, record);
   }
   record.run.snapshots.clear(), record.run.modes.clear();
   if (record.run.constants.size() > 1)  // of many rows; the summary needs the least

@@ -123,3 +123,18 @@ TEST_CASE("a floor of loads is shown as obstacles are", "[files]") {
     CHECK(floors == 3);
   }
 }
+
+TEST_CASE("a run that ends before it has a state is shown at rest", "[files]") {
+  const std::string text =
+      "body: {molecules: [[0, 0, 0], [0, 0, 1 mm], [0, 0, 2 mm]], connections: [[0, 1], [1, 2]], radius: 1 mm}\n"
+      "material: {youngs_modulus: 5 kPa}\nexperiment: {kind: tension, axis: z, displacement: 1 mm, cross_section: 1 "
+      "mm2,"
+      " fixed_grip: clamped, loaded_grip: clamped}\n";
+  Shown shown(text + "stiffness: standard\n");
+  REQUIRE(shown.record.run.outcome == Outcome::converged);
+  shown.record.run.snapshots.clear();
+  REQUIRE(shown.frames().size() == 1);
+  CHECK(shown.frames()[0]["displacements"]["most"] == 0);
+  shown.record.run.suited = false;
+  CHECK(states_view(*shown.scene, shown.record).empty());
+}
