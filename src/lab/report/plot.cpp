@@ -7,8 +7,10 @@
 #include <cmath>
 #include <iterator>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "elastin/core/base/error.h"
+#include "lab/report/screen.h"
 
 namespace elastin::lab {
 namespace {
@@ -216,10 +218,14 @@ void add_mark(Sheet& sheet, double x, double y, int colour, double r) {
 void add_line(Sheet& sheet, const PlotSeries& series) {
   using Kind = PlotSeries::Kind;
   std::string path;
+  bool gap = true;  // before the next point
   for (const PlotPoint& point : series.points) {
-    if (!shown(point, sheet.plot)) continue;
+    if (!shown(point, sheet.plot)) {
+      gap = true;
+      continue;
+    }
     const double x = sheet.px(point.x), y = sheet.py(point.y);
-    path += path.empty()                     ? fmt::format("M{:.1f} {:.1f}", x, y)
+    path += std::exchange(gap, false)        ? fmt::format("M{:.1f} {:.1f}", x, y)
             : series.kind == Kind::staircase ? fmt::format("H{:.1f}V{:.1f}", x, y)
                                              : fmt::format("L{:.1f} {:.1f}", x, y);
   }
@@ -246,12 +252,22 @@ void add_series(Sheet& sheet, const PlotSeries& series) {
   sheet.add("</g>");
 }
 
+/// The last letters of a name, as many as fit.
+std::string fitting(std::string name, double wide) {
+  const auto most = static_cast<std::size_t>(std::max(2., wide / kLetter));
+  if (shown_width(name) <= most) return name;
+  while (shown_width(name) >= most) name.erase(0, 1);
+  while (shown_width(name.substr(0, 1)) == 0) name.erase(0, 1);  // the rest of a letter of several bytes
+  return "…" + name;
+}
+
 /// Names side by side in as many lines as they need; returns the lowest of them.
 double add_legend(Sheet& sheet, double top) {
   double x = sheet.left, y = top;
   for (const PlotSeries& series : sheet.plot.series) {
     if (series.name.empty()) continue;
-    const double wide = 26 + kLetter * static_cast<double>(series.name.size());
+    const std::string name = fitting(series.name, sheet.width - sheet.left - 30);
+    const double wide = 26 + kLetter * static_cast<double>(shown_width(name));
     if (x > sheet.left && x + wide > sheet.width - 4) {
       x = sheet.left;
       y += 19;
@@ -262,7 +278,7 @@ double add_legend(Sheet& sheet, double top) {
                 y - 4, kInk);
     else
       add_mark(sheet, x + 6, y - 4, series.colour, 5);
-    sheet.add("<text x=\"{:.1f}\" y=\"{:.1f}\">{}</text></g>", x + 17, y, escaped(series.name));
+    sheet.add("<text x=\"{:.1f}\" y=\"{:.1f}\">{}</text></g>", x + 17, y, escaped(name));
     x += wide;
   }
   return y;
@@ -314,7 +330,11 @@ std::string escaped(const std::string& text) {
 }
 
 std::string svg_text(const Plot& plot, double width, bool alone) {
-  const double top = alone ? 62 : 30, high = std::clamp(width * 0.5, 250., 400.);
+  constexpr double title_font = 15, title_line = 20;  // px
+  const std::vector<std::string> title =
+      folded(plot.title, static_cast<std::size_t>(std::max(20., (width - 16) / (kLetter * title_font / kFont))));
+  const double top = alone ? 62 + title_line * static_cast<double>(title.size() - 1) : 30;
+  const double high = std::clamp(width * 0.5, 250., 400.);
   const Scale x = scale_of(plot, plot.x, &PlotPoint::x, NAN), y = scale_of(plot, plot.y, &PlotPoint::y, plot.level);
   const double left = std::max(64., widest_label(y, plot.y) + 12);
   const double right = width - std::max(26., widest_label(x, plot.x) / 2 + 2);
@@ -328,10 +348,10 @@ std::string svg_text(const Plot& plot, double width, bool alone) {
       "data-range=\"{8:.9g} {9:.9g} {10:.9g} {11:.9g}\">",
       width, lowest + 14, kFont, escaped(plot.title), left, top, right, top + high, x.low, x.high, y.low, y.high);
   if (alone)
-    head += fmt::format(
-        "<style>{}</style><rect width=\"100%\" height=\"100%\" fill=\"var(--paper)\"/>"
-        "<text class=\"head\" x=\"8\" y=\"26\" font-size=\"15\">{}</text>",
-        kStyle, escaped(plot.title));
+    head += fmt::format("<style>{}</style><rect width=\"100%\" height=\"100%\" fill=\"var(--paper)\"/>", kStyle);
+  for (std::size_t line = 0; alone && line < title.size(); ++line)
+    head += fmt::format("<text class=\"head\" x=\"8\" y=\"{:g}\" font-size=\"{:g}\">{}</text>",
+                        26 + title_line * static_cast<double>(line), title_font, escaped(title[line]));
   return head + sheet.out + "</svg>\n";
 }
 

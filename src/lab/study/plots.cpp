@@ -125,6 +125,13 @@ Plot csv_plot(const std::string& path, std::string x, std::string y) {
   plot.x = axis_of(x_name, csv);
   plot.y = axis_of(y_name, csv);
   const std::vector<std::string> names = series_names(csv);
+  // The curve of an experiment at rest has no row of the body without its load.
+  const std::vector<ResponseAxes> known = usual_response(false);
+  const bool from_zero =
+      csv.has("load_factor") && std::any_of(known.begin(), known.end(), [&](const ResponseAxes& one) {
+        return one.from_zero && (one.x == "load" ? "load_factor" : one.x) == plot.x.title && one.y == plot.y.title;
+      });
+  if (from_zero && !names.empty()) series_of(plot, names.front(), 0).points.push_back({0, 0, ""});
   const auto shown = [&](std::size_t row, std::size_t column, const PlotAxis& axis) {
     const double value = csv.number(row, column);
     return axis.logarithmic ? std::abs(value) : value;

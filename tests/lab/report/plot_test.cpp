@@ -1,5 +1,6 @@
 #include "lab/report/plot.h"
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <pugixml.hpp>
@@ -118,4 +119,49 @@ TEST_CASE("columns of a CSV file become a plot, and other programs' rows peers",
   CHECK_THROWS_WITH(load_peers(folder.write("head.csv", "method,minimum,error\nx,1,0.1\n")),
                     Contains("head.csv:1:1: no column 'minimum_s'; did you mean 'minimum'?"));
   CHECK_THROWS_WITH(load_csv(folder.path("none.csv")), Contains("none.csv: cannot be read"));
+}
+
+TEST_CASE("a curve at rest begins without the load, and has a gap where a number is missing", "[plot]") {
+  const TemporaryFolder folder;
+  const auto line_of = [](const Plot& plot) {
+    const std::string svg = svg_text(plot, 700, true);
+    const std::size_t begin = svg.find(" d=\"", svg.find("class=\"line\"")) + 4;
+    return svg.substr(begin, svg.find('"', begin) - begin);
+  };
+  const std::string one = folder.write("one-curve.csv", "load_factor,strain,stress [Pa]\n1,0.1,50\n");
+  const Plot plot = csv_plot(one, "", "");
+  REQUIRE(plot.series.size() == 1);
+  REQUIRE(plot.series[0].points.size() == 2);
+  CHECK((plot.series[0].points[0].x == 0 && plot.series[0].points[0].y == 0));
+  CHECK(csv_plot(one, "stress", "strain").series[0].points.size() == 1);  // of other columns nothing is known
+  const std::string history = folder.write("history.csv", "time [s],strain,stress [Pa]\n1,0.1,50\n");
+  CHECK(csv_plot(history, "strain", "stress").series[0].points.size() == 1);
+  const Plot gap = csv_plot(folder.write("gap.csv", "a,b\n1,1\n2,2\n3,\n4,4\n5,5\n"), "a", "b");
+  const std::string line = line_of(gap);
+  CHECK((std::count(line.begin(), line.end(), 'M') == 2 && std::count(line.begin(), line.end(), 'L') == 2));
+}
+
+TEST_CASE("long titles and names stay in the picture", "[plot]") {
+  std::vector<std::pair<std::string, Plot>> plots;
+  for (const char* name : {"a", "b", "c", "d", "e", "f"}) {
+    Plot plot;
+    plot.title = std::string("cube-27-face-angles+volume-") + name + "-curve.csv";
+    plot.series = {{"", 0, PlotSeries::Kind::marked_line, {{0, 0, ""}, {1, 1, ""}}}};
+    plots.emplace_back("out/é" + std::string(200, 'x') + name + "-curve.csv", std::move(plot));
+  }
+  pugi::xml_document document;
+  const std::string svg = svg_text(overlaid(plots), 760, true);
+  REQUIRE(document.load_string(svg.c_str()));
+  int lines = 0, keys = 0;
+  for (const auto& node : document.select_nodes("//text[@class='head']")) {
+    CHECK(std::string(node.node().text().get()).size() * 9.1 < 760);
+    ++lines;
+  }
+  for (const auto& node : document.select_nodes("//g[@class='key']/text")) {
+    const std::string name = node.node().text().get();
+    CHECK(node.node().attribute("x").as_double() + 7.3 * static_cast<double>(name.size() - 2) < 760);
+    CHECK((name.starts_with("…x") && name.ends_with("-curve.csv")));
+    ++keys;
+  }
+  CHECK((lines > 2 && keys == 6));
 }
