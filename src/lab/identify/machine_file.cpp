@@ -201,9 +201,10 @@ std::vector<Line> separated(const std::string& text, char& separator) {
   return std::move(all[chosen]);
 }
 
-/// The mark of decimals that the numbers show. "1,234" may be either.
-char decimal_mark(const std::vector<Line>& lines, const std::string& path) {
+/// The mark of decimals that the numbers show. "1,234" may be either, and between semicolons "1.234" as well.
+char decimal_mark(const std::vector<Line>& lines, char separator, const std::string& path) {
   const Line *point = nullptr, *comma = nullptr, *open = nullptr;
+  const char* marks = "commas";  // that are open
   for (const Line& line : lines) {
     if (line.numbers < 2) continue;
     for (const Cell& cell : line.cells) {
@@ -211,7 +212,8 @@ char decimal_mark(const std::vector<Line>& lines, const std::string& path) {
       const bool with_point = plain_number(cell.text, '.').has_value(),
                  with_comma = plain_number(cell.text, ',').has_value();
       if (with_point && with_comma) {
-        if (!open && cell.text.find(',') != std::string::npos) open = &line;
+        const bool has_comma = cell.text.find(',') != std::string::npos;
+        if (!open && (has_comma || separator == ';')) open = &line, marks = has_comma ? "commas" : "points";
       } else if (const Line*& first = with_point ? point : comma; !first) {
         first = &line;
       }
@@ -226,7 +228,7 @@ char decimal_mark(const std::vector<Line>& lines, const std::string& path) {
            fmt::format("numbers have decimal points in line {} and decimal commas in line {}", point->number,
                        comma->number));
   if (open && !point && !comma)
-    refuse(*open, "the commas of the numbers may stand before decimals or between thousands");
+    refuse(*open, fmt::format("the {} of the numbers may stand before decimals or between thousands", marks));
   return comma ? ',' : '.';
 }
 
@@ -385,7 +387,7 @@ MachineFile load_machine_file(const std::string& path, char decimal) {
   file.text = text_of(path, file.encoding);
   std::vector<Line> lines = separated(file.text, file.separator);
   if (lines.empty()) throw InputError(SourceLocation{path, 1}, "no head: names of the columns");
-  file.decimal = decimal ? decimal : decimal_mark(lines, path);
+  file.decimal = decimal ? decimal : decimal_mark(lines, file.separator, path);
   const Blocks read(std::move(lines), file, path);
   return file;
 }
