@@ -131,8 +131,9 @@ MeasureList measures_of(const Experiment& experiment) {
 }
 
 bool is_smooth(const std::string& measure) {
-  static const std::set<std::string> rough{"reaction_balance", "contacts",     "sticking",
-                                           "energy_balance",   "energy_drift", "stiffness_asymmetry"};
+  static const std::set<std::string> rough{
+      "reaction_balance",    "contacts",        "sticking",        "energy_balance",  "energy_drift",
+      "stiffness_asymmetry", "unloading_error", "unloading_steps", "prestrain_error", "prestrain_steps"};
   return rough.count(measure) == 0;
 }
 

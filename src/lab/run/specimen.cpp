@@ -413,8 +413,13 @@ Run run_strategy(const Specimen& specimen, const Experiment& experiment, const S
     run.build_seconds += seconds;
     return run;
   }
-  if (specimen.given != GivenShape::at_rest && experiment.at_rest() && unsuited(specimen, experiment, choice).empty())
-    return run_found(specimen, *experiment.at_rest(), any, options);
+  if (specimen.given != GivenShape::at_rest && experiment.at_rest() && unsuited(specimen, experiment, choice).empty()) {
+    const auto derivatives = std::exchange(options.derivatives, nullptr);
+    if (derivatives) derivatives->check(specimen, experiment, choice, options);
+    Run run = run_found(specimen, *experiment.at_rest(), any, options);
+    if (derivatives && run.outcome == Outcome::converged) derivatives->of_whole_runs(options, run);
+    return run;
+  }
   Run run;
   run.strategy = choice.label;
   run.order = choice.order;

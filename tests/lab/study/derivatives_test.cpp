@@ -408,3 +408,22 @@ TEST_CASE("gradients and deviations are read back from JSON as they were", "[der
   CHECK_THAT(json_text({record}),
              Contains("\"gradients\": {\n    \"force\": {\n     \"material.youngs_modulus\": 0.25"));
 }
+
+TEST_CASE("derivatives of a run that first finds its unloaded shape", "[derivatives][rest]") {
+  // Pulled by a force on top of its weight: the elongation beyond the given shape is that of the force.
+  const std::string scene = kLattice + kSoft +
+                            "stiffness: lattice\nrest: {unloaded_from: loads}\n"
+                            "loads: [{gravity: {acceleration: [0, 0, 9.81 m/s2]}}]\n"
+                            "experiment: {kind: tension, axis: z, force: 50 mN}\n";
+  for (const Number& by : {Number{"material.youngs_modulus", 9000}, Number{"experiment.force", 0.05}}) {
+    const LaboratoryResult result = run(scene, {}, {by.key});
+    REQUIRE(result.outcome == Outcome::converged);
+    for (const char* measure : {"elongation", "unloaded_displacement"}) {
+      INFO(measure << " by " << by.key);
+      const double slope = gradient_of(result, measure, by.key);
+      CHECK(slope == Approx(difference(scene, measure, by, 1e-3)).epsilon(1e-4).margin(1e-12));
+    }
+    CHECK(std::isnan(gradient_of(result, "unloading_error", by.key)));
+    CHECK(result.warnings.empty());
+  }
+}
