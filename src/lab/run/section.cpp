@@ -97,39 +97,49 @@ void add_cell(const std::array<int, 4>& cell, const Positions& rest, const Vecto
             scale * std::abs(signed_volume(rest, cell)));
 }
 
-/// Adds the cells of solids: those of a body without blocks, or of its blocks. The simplices of a cell whose sides are
-/// curved have its own volume together; a cell that lies in one slab needs none.
-template <class Counts>
-void add_cells(const Body& body, const VectorX& heights, const Counts& counts, Slabs& slabs) {
-  if (!has_blocks(body, 3))
-    for (const auto& cell : body.tetrahedra)
-      if (counts(cell)) add_cell(cell, body.rest, heights, slabs);
+/// Visits the cells of solids: the tetrahedra of a body without blocks, or by kind and nodes the cells of its blocks,
+/// with a function that gives the Jacobians at the quadrature points of these nodes.
+template <class Tetrahedron, class Cell>
+void for_each_solid(const Body& body, const Tetrahedron& tetrahedron, const Cell& cell) {
+  if (!has_blocks(body, 3)) std::ranges::for_each(body.tetrahedra, tetrahedron);
   for (const CellBlock& block : body.blocks) {
     if (block.kind->dimensions != 3) continue;
     const ReferenceSlopes<3> slopes(*block.kind);
     PointGradients<3> edges;
-    for (int own = 0; own < block.size(); ++own) {
-      const auto nodes = block.cell(own);
-      const auto [low, high] =
-          std::minmax_element(nodes.begin(), nodes.end(), [&](int a, int b) { return heights[a] < heights[b]; });
-      if (!counts(nodes) || !slabs.meet(heights[*low], heights[*high])) continue;
-      slopes.gradients(positions_of(body.rest, nodes), edges);
-      double volume = 0;
-      for (std::size_t g = 0; g < block.kind->slopes.size(); ++g)
-        volume += block.kind->weights[static_cast<Eigen::Index>(g)] * edges[g].determinant();
-      if (const int slab = slabs.around(heights[*low], heights[*high]); slab >= 0) {
-        slabs.volumes()[slab] += volume;
-        continue;
-      }
-      double flat = 0;
-      Cells<4> cells;
-      for (const auto& simplex : simplices_of(*block.kind, nodes)) {
-        cells.push_back({nodes[simplex[0]], nodes[simplex[1]], nodes[simplex[2]], nodes[simplex[3]]});
-        flat += signed_volume(body.rest, cells.back());
-      }
-      for (const auto& cell : cells) add_cell(cell, body.rest, heights, slabs, volume / flat);
-    }
+    for (int own = 0; own < block.size(); ++own)
+      cell(*block.kind, block.cell(own), [&](const auto& nodes) -> const PointGradients<3>& {
+        slopes.gradients(positions_of(body.rest, nodes), edges);
+        return edges;
+      });
   }
+}
+
+/// Adds the cells of solids. The simplices of a cell whose sides are curved have its own volume together; a cell that
+/// lies in one slab needs none.
+template <class Counts>
+void add_cells(const Body& body, const VectorX& heights, const Counts& counts, Slabs& slabs) {
+  const auto add = [&](const auto& cell) {
+    if (counts(cell)) add_cell(cell, body.rest, heights, slabs);
+  };
+  for_each_solid(body, add, [&](const CellKind& kind, const auto& nodes, const auto& slopes) {
+    const auto [low, high] =
+        std::minmax_element(nodes.begin(), nodes.end(), [&](int a, int b) { return heights[a] < heights[b]; });
+    if (!counts(nodes) || !slabs.meet(heights[*low], heights[*high])) return;
+    const PointGradients<3>& edges = slopes(nodes);
+    double volume = 0;
+    for (std::size_t g = 0; g < kind.slopes.size(); ++g) volume += kind.weights[g] * edges[g].determinant();
+    if (const int slab = slabs.around(heights[*low], heights[*high]); slab >= 0) {
+      slabs.volumes()[slab] += volume;
+      return;
+    }
+    double flat = 0;
+    Cells<4> cells;
+    for (const auto& simplex : simplices_of(kind, nodes)) {
+      cells.push_back({nodes[simplex[0]], nodes[simplex[1]], nodes[simplex[2]], nodes[simplex[3]]});
+      flat += signed_volume(body.rest, cells.back());
+    }
+    for (const auto& cell : cells) add_cell(cell, body.rest, heights, slabs, volume / flat);
+  });
 }
 
 /// Whether every molecule is a corner of one of the cells.
@@ -227,33 +237,21 @@ std::optional<Eigen::Matrix2d> second_moments_of_cells(const Body& body, const E
     for (std::size_t i = 0; i < terms.size(); ++i) sums[i] += volume * terms[i];
   };
   const auto counts = [&](const auto& cell) { return lowest_in_whole(body, cell) < owned_molecules(body); };
-  const auto add_tetrahedron = [&](std::span<const int> cell) {
+  const auto add_tetrahedron = [&](const auto& cell) {
+    if (!counts(cell)) return;
     const Points2 y = seen(Eigen::all, std::vector<int>(cell.begin(), cell.end()));
     const Eigen::Vector2d sum = y.rowwise().sum();
     add(std::abs(signed_volume(body.rest, {cell[0], cell[1], cell[2], cell[3]})), sum / 4,
         (y * y.transpose() + sum * sum.transpose()) / 20);
   };
-  if (!has_blocks(body, 3))
-    for (const auto& cell : body.tetrahedra)
-      if (counts(cell)) add_tetrahedron(cell);
-  for (const CellBlock& block : body.blocks) {
-    if (block.kind->dimensions != 3) continue;
-    const ReferenceSlopes<3> slopes(*block.kind);
-    PointGradients<3> edges;
-    for (int own = 0; own < block.size(); ++own) {
-      const auto nodes = block.cell(own);
-      if (!counts(nodes)) continue;
-      if (nodes.size() == 4) {
-        add_tetrahedron(nodes);
-        continue;
-      }
-      slopes.gradients(positions_of(body.rest, nodes), edges);
-      const Points2 at = seen(Eigen::all, std::vector<int>(nodes.begin(), nodes.end())) * block.kind->values;
-      for (Eigen::Index g = 0; g < block.kind->weights.size(); ++g)
-        add(block.kind->weights[g] * edges[static_cast<std::size_t>(g)].determinant(), at.col(g),
-            at.col(g) * at.col(g).transpose());
-    }
-  }
+  for_each_solid(body, add_tetrahedron, [&](const CellKind& kind, const auto& nodes, const auto& slopes) {
+    if (nodes.size() == 4) return add_tetrahedron(nodes);
+    if (!counts(nodes)) return;
+    const PointGradients<3>& edges = slopes(nodes);
+    const Points2 at = seen(Eigen::all, std::vector<int>(nodes.begin(), nodes.end())) * kind.values;
+    for (Eigen::Index g = 0; g < kind.weights.size(); ++g)
+      add(kind.weights[g] * edges[g].determinant(), at.col(g), at.col(g) * at.col(g).transpose());
+  });
   sum_over(body, sums);
   const Eigen::Vector2d middle = Eigen::Vector2d(sums[1], sums[2]) / sums[0];
   Eigen::Matrix2d moments;
