@@ -180,7 +180,7 @@ Cells<4> tetrahedra_inside(const Inside& tree, const Positions& positions, int o
 /// Takes nearly flat tetrahedra off the surface, until none is there; one that is a molecule's last stays.
 void peel(const Positions& positions, Cells<4>& cells) {
   for (bool peeled = true; peeled;) {
-    std::vector<int> uses(static_cast<std::size_t>(positions.cols()), 0);
+    std::vector<int> uses(positions.cols(), 0);
     for (const auto& cell : cells)
       for (const int corner : cell) ++uses[corner];
     std::set<std::array<int, 3>> boundary;
@@ -223,7 +223,7 @@ void check_count(double molecules, const char* where, const FillOptions& options
 
 /// Leaves out molecules without a tetrahedron.
 void leave_out_isolated(Filling& filling) {
-  std::vector<int> number(static_cast<std::size_t>(filling.positions.cols()), -1), left;
+  std::vector<int> number(filling.positions.cols(), -1), left;
   for (const auto& cell : filling.tetrahedra)
     for (const int corner : cell) number[corner] = 0;
   int on_surface = 0;
@@ -252,7 +252,7 @@ struct Component {
 };
 
 std::vector<Component> components_of(const Positions& points, const Cells<3>& triangles) {
-  DisjointSets sets(static_cast<std::size_t>(points.cols()));
+  DisjointSets sets(points.cols());
   for (const auto& [a, b, c] : triangles) sets.join(a, b), sets.join(b, c);
   std::map<int, std::size_t> numbers;
   std::vector<Component> components;
@@ -379,7 +379,7 @@ Filling together(const std::vector<Filling>& all) {
   }
   whole.positions.resize(3, molecules);
   whole.share.resize(molecules);
-  whole.shell.resize(static_cast<std::size_t>(molecules));
+  whole.shell.resize(molecules);
   int on_surface = 0, inside = whole.on_surface;
   for (std::size_t shell = 0; shell < all.size(); ++shell) {
     const Filling& own = all[shell];

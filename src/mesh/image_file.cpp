@@ -207,7 +207,7 @@ std::vector<std::size_t> ImageReader::sizes(const std::string& text, const std::
   for (const double value : numbers(text, key)) {
     if (!(value >= 1) || value > kMostVoxels || value != std::floor(value))
       fail("'" + key + "' is '" + text + "'; needed: whole numbers from 1");
-    result.push_back(static_cast<std::size_t>(value));
+    result.push_back(value);
   }
   return result;
 }
@@ -235,7 +235,7 @@ void ImageReader::check(const Image& image) const {
 void ImageReader::set_data(Image& image, std::string_view bytes) const {
   const std::size_t needed = data_bytes(image);
   // Some programs pad files; a header that is wrong misses a slice or more.
-  const std::size_t slice = needed / static_cast<std::size_t>(image.size[2]);
+  const std::size_t slice = needed / image.size[2];
   if (bytes.size() < needed || bytes.size() - needed >= slice)
     fail("has " + std::to_string(bytes.size()) + " bytes of data; its header says " + std::to_string(image.size[0]) +
          " x " + std::to_string(image.size[1]) + " x " + std::to_string(image.size[2]) + " voxels, " +
@@ -284,7 +284,7 @@ Image ImageReader::read_nifti() {
   for (std::size_t i = 1; i <= static_cast<std::size_t>(dim(0)); ++i) {
     if (dim(i) < 1 || dim(i) > kMostVoxels)
       fail("its dimension " + std::to_string(i) + " is " + std::to_string(dim(i)));
-    counts.push_back(static_cast<std::size_t>(dim(i)));
+    counts.push_back(dim(i));
   }
   set_size(image, counts);
   const int code = whole(second ? 12 : 70);
@@ -654,7 +654,7 @@ Image ImageReader::read_numpy() {
   image.swapped = bytes_of(image.number) > 1 && (descr[1] == '>') != (std::endian::native == std::endian::big);
   set_size(image, sizes(shape.substr(0, shape.find(')') + 1), "shape"));
   if (after("fortran_order").compare(0, 4, "True") != 0) {
-    const auto ny = static_cast<std::size_t>(image.size[1]), nz = static_cast<std::size_t>(image.size[2]);
+    const std::size_t ny = image.size[1], nz = image.size[2];
     image.strides = {ny * nz, nz, 1};
   }
   image.has_steps = false;
@@ -676,14 +676,10 @@ constexpr ImageFormat kFormats[] = {
 
 const char* image_endings() { return ".nii, .nii.gz, .hdr (with .img), .nrrd, .nhdr, .mhd, .mha, .npy"; }
 
-std::size_t ImageGrid::voxels() const {
-  return static_cast<std::size_t>(size[0]) * static_cast<std::size_t>(size[1]) * static_cast<std::size_t>(size[2]);
-}
+std::size_t ImageGrid::voxels() const { return std::size_t{1} * size[0] * size[1] * size[2]; }
 
 double Image::at(int x, int y, int z) const {
-  const char* place = data.data() + bytes_of(number) * (static_cast<std::size_t>(x) * strides[0] +
-                                                        static_cast<std::size_t>(y) * strides[1] +
-                                                        static_cast<std::size_t>(z) * strides[2]);
+  const char* place = data.data() + bytes_of(number) * (x * strides[0] + y * strides[1] + z * strides[2]);
   const auto value = [&]() -> double {
     switch (number) {
       case Number::int8:
@@ -760,8 +756,7 @@ std::string nifti_text(const ImageGrid& grid, ImageContent content, const std::s
   put(header, 70, std::int16_t(content == ImageContent::labels ? 8 : 16));
   put(header, 72, std::int16_t{32});
   put(header, 76, 1.f);
-  for (int axis = 0; axis < 3; ++axis)
-    put(header, 80 + 4 * static_cast<std::size_t>(axis), static_cast<float>(grid.steps.col(axis).norm()));
+  for (int axis = 0; axis < 3; ++axis) put(header, 80 + 4 * axis, static_cast<float>(grid.steps.col(axis).norm()));
   put(header, 108, 352.f);
   put(header, 112, 1.f);
   header[123] = static_cast<char>(grid.unit == 1 ? 1 : grid.unit == 1e-3 ? 2 : grid.unit == 1e-6 ? 3 : 0);
@@ -769,8 +764,7 @@ std::string nifti_text(const ImageGrid& grid, ImageContent content, const std::s
   for (int row = 0; row < 3; ++row)
     for (int column = 0; column < 4; ++column) {
       const double value = column < 3 ? grid.steps(row, column) : grid.origin[row];
-      put(header, 280 + 16 * static_cast<std::size_t>(row) + 4 * static_cast<std::size_t>(column),
-          static_cast<float>(against_ras(grid.space, static_cast<std::size_t>(row)) ? -value : value));
+      put(header, 280 + 16 * row + 4 * column, static_cast<float>(against_ras(grid.space, row) ? -value : value));
     }
   header.replace(344, 3, "n+1");
   return header + data;

@@ -91,7 +91,7 @@ void number_in_space(const std::vector<Vector3>& points, Mesh& mesh, std::vector
   std::stable_sort(mesh.tetrahedra.begin(), mesh.tetrahedra.end(), by_lowest);
   std::stable_sort(mesh.triangles.begin(), mesh.triangles.end(), by_lowest);
   for (CellBlock& block : mesh.blocks) {
-    std::vector<int> cells(static_cast<std::size_t>(block.size())), nodes;
+    std::vector<int> cells(block.size()), nodes;
     std::iota(cells.begin(), cells.end(), 0);
     std::stable_sort(cells.begin(), cells.end(), [&](int a, int b) { return by_lowest(block.cell(a), block.cell(b)); });
     for (const int cell : cells) nodes.insert(nodes.end(), block.cell(cell).begin(), block.cell(cell).end());
@@ -128,7 +128,7 @@ std::vector<char> copies_among(int count, const CellAt& cell_at) {
     order.emplace_back(hash, cell);
   }
   std::sort(order.begin(), order.end());
-  std::vector<char> copies(static_cast<std::size_t>(count), 0);
+  std::vector<char> copies(count, 0);
   for (std::size_t i = 0; i < order.size(); ++i) {
     if (i == 0 || order[i].first != order[i - 1].first) continue;
     read(order[i].second, own);
@@ -155,7 +155,7 @@ std::size_t drop_copies(CellBlock& block) {
   for (int cell = 0; cell < block.size(); ++cell)
     if (!copies[cell]) nodes.insert(nodes.end(), block.cell(cell).begin(), block.cell(cell).end());
   block.nodes = std::move(nodes);
-  return static_cast<std::size_t>(std::count(copies.begin(), copies.end(), 1));
+  return std::count(copies.begin(), copies.end(), 1);
 }
 
 }  // namespace
@@ -239,7 +239,7 @@ std::vector<std::size_t> mirrored(const CellKind& kind) {
     VectorX place = kind.reference.col(a);
     std::swap(place[0], place[1]);
     for (int b = 0; b < kind.nodes; ++b)
-      if ((kind.reference.col(b) - place).norm() < 1e-9) order.push_back(static_cast<std::size_t>(b));
+      if ((kind.reference.col(b) - place).norm() < 1e-9) order.push_back(b);
   }
   return order;
 }
@@ -446,10 +446,10 @@ Mesh MeshBuilder::finish(const std::string& path) const {
   const auto also = [&](const char* what, std::size_t count) {
     if (count > 0) left_out[what] += count;
   };
-  also("unused point", points_.size() - static_cast<std::size_t>(used));
+  also("unused point", points_.size() - used);
   if (solid) also("triangle", triangles_.size());
   for (const CellBlock& block : blocks_)
-    if (solid && block.kind->dimensions == 2) also("triangle", static_cast<std::size_t>(block.size()));
+    if (solid && block.kind->dimensions == 2) also("triangle", block.size());
   cut_into_simplices(mesh);
   std::vector<std::string> parts;
   for (const auto& [what, count] : left_out)
@@ -549,7 +549,7 @@ Mesh load_mesh(const std::string& path) {
 }
 
 int join_points(Mesh& mesh, double distance) {
-  std::vector<int> first(static_cast<std::size_t>(mesh.points.cols()));
+  std::vector<int> first(mesh.points.cols());
   std::iota(first.begin(), first.end(), 0);
   for (const auto& [a, b] : connections_within(mesh.points, distance).ends) {
     int low = a, high = b;

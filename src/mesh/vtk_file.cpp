@@ -184,8 +184,8 @@ void LegacyReader::read_cells_with_counts(std::size_t count, std::size_t size) {
       corners_->fail(next, "expected the number of points of cell " + std::to_string(cell) +
                                " (counted from 0), within the list's " + std::to_string(size) + " numbers");
     first_.push_back(next + 1);
-    count_.push_back(static_cast<std::size_t>(points));
-    next += static_cast<std::size_t>(points) + 1;
+    count_.push_back(points);
+    next += points + 1;
   }
   if (next != size)
     corners_->fail(next, "expected the end of the list of cells: its " + std::to_string(count) + " cells take " +
@@ -272,7 +272,7 @@ void LegacyReader::read_attributes() {
         in_.fail(in_.at() - 1, "expected the number of values a cell, 1 to 4; found " + quoted(rest));
       in_.expect("LOOKUP_TABLE");
       in_.word("the name of a table");
-      read_numbers(name, type, rest.empty() ? 1 : static_cast<std::size_t>(rest[0] - '0'), tuples, cells.has_value());
+      read_numbers(name, type, rest.empty() ? 1 : rest[0] - '0', tuples, cells.has_value());
     } else if (kind == "VECTORS" || kind == "NORMALS" || kind == "TENSORS") {
       const std::string name(in_.word("the name of the values"));
       read_numbers(name, read_any_type(), kind == "TENSORS" ? 9 : 3, tuples, cells.has_value());
@@ -349,8 +349,8 @@ void add_range(const Integers& offsets, std::size_t number, std::size_t size, st
   if (end < begin || static_cast<unsigned long long>(end) > size)
     offsets.fail(number, "expected an offset from " + std::to_string(begin) + " to " + std::to_string(size) +
                              ", found " + std::to_string(end));
-  first.push_back(static_cast<std::size_t>(begin));
-  count.push_back(static_cast<std::size_t>(end - begin));
+  first.push_back(begin);
+  count.push_back(end - begin);
 }
 
 void add_vtk_cells(const VtkCells& cells, int first_point, MeshBuilder& mesh) {

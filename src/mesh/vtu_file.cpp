@@ -156,7 +156,7 @@ Cursor VtuReader::numbers(pugi::xml_node array, NumberType type, std::size_t cou
     fail_attribute(array, "format", "ascii, binary or appended");
   const WrappedRange range = format == "appended" ? appended_range(array) : inline_range(array);
   if (format == "ascii") return in_.part(range.begin, range.end);
-  unwrapped_.push_back(unwrap(in_, range, wrapping_, count * static_cast<std::size_t>(type.bytes), at(array)));
+  unwrapped_.push_back(unwrap(in_, range, wrapping_, count * type.bytes, at(array)));
   return in_.unwrapped(unwrapped_.back(), at(array), wrapping_.order);
 }
 
@@ -197,7 +197,7 @@ VtkCells VtuReader::read_cells(pugi::xml_node cells, std::size_t count) {
 void VtuReader::read_piece(pugi::xml_node piece) {
   unwrapped_.clear();
   const int first_point = mesh_.point_count();
-  const std::size_t points = number_of(piece, "NumberOfPoints", static_cast<std::size_t>(INT_MAX - first_point));
+  const std::size_t points = number_of(piece, "NumberOfPoints", INT_MAX - first_point);
   const std::size_t cells = number_of(piece, "NumberOfCells", INT_MAX);
   if (points == 0 && cells == 0) return;
   read_points(child(piece, "Points"), points);
@@ -212,9 +212,9 @@ void VtuReader::read_cell_data(pugi::xml_node data, int first_cell, std::size_t 
     const int components = array.attribute("NumberOfComponents").as_int(1);
     if (components < 1 || components > 9) fail_attribute(array, "NumberOfComponents", "1 to 9");
     const NumberType type = number_type(array, std::nullopt);
-    const std::size_t size = static_cast<std::size_t>(components) * count;
+    const std::size_t size = components * count;
     Cursor in = numbers(array, type, size);
-    read_data(in, type, static_cast<std::size_t>(components), first_cell, count, mesh_);
+    read_data(in, type, components, first_cell, count, mesh_);
     in.expect_end("values of cells");
   }
 }

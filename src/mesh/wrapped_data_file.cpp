@@ -77,7 +77,7 @@ std::string Unwrapper::first_of_base64(std::size_t bytes) const {
 }
 
 std::vector<long long> Unwrapper::header(std::size_t numbers) const {
-  const std::string bytes = first(numbers * static_cast<std::size_t>(wrapping_.header.bytes));
+  const std::string bytes = first(numbers * wrapping_.header.bytes);
   Cursor in = in_.unwrapped(bytes, stands_at_, wrapping_.order);
   std::vector<long long> values = in.integers(numbers, "a size in the array's header", wrapping_.header).values;
   const auto wrong = std::find_if(values.begin(), values.end(), [](long long value) { return value < 0; });

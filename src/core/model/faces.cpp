@@ -40,7 +40,7 @@ VectorX triangle_thirds(const Body& body, const std::vector<int>& molecules, con
 
 /// Half of the way to the next place on each side along a line, for each point; points at one place share it alike.
 std::vector<double> tributary_lengths(const Points2& points) {
-  std::vector<double> lengths(static_cast<std::size_t>(points.cols()), 0);
+  std::vector<double> lengths(points.cols(), 0);
   const Eigen::Vector2d low = points.rowwise().minCoeff(), high = points.rowwise().maxCoeff();
   // Along a line it is the longer side of the box around it that tells the places apart.
   const int axis = high[1] - low[1] > high[0] - low[0] ? 1 : 0;
@@ -105,7 +105,7 @@ std::pair<Points2, std::size_t> seen_together(const Body& body, const std::vecto
   if (!body.share) return {std::move(own), 0};
   const auto mine = static_cast<double>(owned);
   const std::vector<double> counts = gathered_over(body, std::span(&mine, 1));
-  const std::vector<double> all = gathered_over(body, std::span(own.data(), static_cast<std::size_t>(own.size())));
+  const std::vector<double> all = gathered_over(body, std::span(own.data(), own.size()));
   const auto rank = static_cast<std::ptrdiff_t>(body.share->processes->rank());
   return {Eigen::Map<const Points2>(all.data(), 2, static_cast<Eigen::Index>(all.size()) / 2),
           static_cast<std::size_t>(std::accumulate(counts.begin(), counts.begin() + rank, 0.))};
@@ -142,7 +142,7 @@ VectorX side_areas(const Body& body, const std::vector<int>& molecules, const Ve
     for (; triangle < body.triangles.size(); ++triangle) note_sides(body.triangles[triangle], 3, own[triangle]);
   for (const CellBlock& block : body.blocks)
     for (int cell = 0; block.kind->dimensions == 2 && cell < block.size(); ++cell) {
-      note_sides(block.cell(cell), static_cast<std::size_t>(block.kind->corners), own[triangle]);
+      note_sides(block.cell(cell), block.kind->corners, own[triangle]);
       triangle += simplices_of(*block.kind, block.cell(cell)).size();
     }
   VectorX lengths = VectorX::Zero(body.size());
@@ -168,7 +168,7 @@ Eigen::Matrix<double, 3, 2> across(const Vector3& axis) {
 Points2 hull_over(const Body& body, const Points2& own) {
   if (!body.share) return convex_hull(own);
   const Points2 hull = own.cols() == 0 ? own : convex_hull(own);
-  const std::vector<double> all = gathered_over(body, std::span(hull.data(), static_cast<std::size_t>(hull.size())));
+  const std::vector<double> all = gathered_over(body, std::span(hull.data(), hull.size()));
   return convex_hull(Eigen::Map<const Points2>(all.data(), 2, static_cast<Eigen::Index>(all.size()) / 2));
 }
 
@@ -226,7 +226,7 @@ Face face_of(const Body& body, std::vector<int> molecules, const Vector3& direct
   const double sum = std::accumulate(parts.begin(), parts.end(), 0.),
                whole = line || sum > (1 + 1e-9) * face.area ? sum : face.area;
   if (!(whole > 0)) return face;
-  for (Eigen::Index i = 0; i < share.size(); ++i) share[i] = parts[first + static_cast<std::size_t>(i)] / whole;
+  for (Eigen::Index i = 0; i < share.size(); ++i) share[i] = parts[first + i] / whole;
   return face;
 }
 

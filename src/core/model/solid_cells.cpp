@@ -25,7 +25,7 @@ double volume_of(const SolidCell& cell, const Positions& rest) {
   const Positions nodes = rest(Eigen::all, cell.nodes);
   double volume = 0;
   for (Eigen::Index point = 0; point < cell.kind->weights.size(); ++point) {
-    const Matrix3 slope = nodes * cell.kind->slopes[static_cast<std::size_t>(point)].transpose();
+    const Matrix3 slope = nodes * cell.kind->slopes[point].transpose();
     volume += cell.kind->weights[point] * slope.determinant();
   }
   return volume;
@@ -39,7 +39,7 @@ std::vector<CellBorder> borders_of(const std::vector<SolidCell>& cells, const Po
     for (std::size_t face = 0; face < kind.faces.size(); ++face) {
       std::vector<int> corners;
       for (int i = 0; i < kind.face_kinds[face]->corners; ++i)
-        corners.push_back(cells[cell].nodes[static_cast<std::size_t>(kind.faces[face][static_cast<std::size_t>(i)])]);
+        corners.push_back(cells[cell].nodes[kind.faces[face][i]]);
       Vector3 area = Vector3::Zero();
       for (std::size_t i = 2; i < corners.size(); ++i)
         area += (rest.col(corners[i - 1]) - rest.col(corners[0]))
@@ -56,13 +56,13 @@ std::vector<CellBorder> borders_of(const std::vector<SolidCell>& cells, const Po
 Eigen::SparseMatrix<double, Eigen::RowMajor> shares_of_cells(const std::vector<SolidCell>& cells,
                                                              const std::vector<std::array<int, 2>>& connections,
                                                              int molecules) {
-  std::vector<std::vector<int>> around(static_cast<std::size_t>(molecules));
+  std::vector<std::vector<int>> around(molecules);
   for (std::size_t cell = 0; cell < cells.size(); ++cell)
-    for (const int node : cells[cell].nodes) around[static_cast<std::size_t>(node)].push_back(static_cast<int>(cell));
+    for (const int node : cells[cell].nodes) around[node].push_back(static_cast<int>(cell));
   std::vector<Eigen::Triplet<double>> entries;
   for (std::size_t row = 0; row < connections.size(); ++row) {
-    const auto& a = around[static_cast<std::size_t>(connections[row][0])];
-    const auto& b = around[static_cast<std::size_t>(connections[row][1])];
+    const auto& a = around[connections[row][0]];
+    const auto& b = around[connections[row][1]];
     std::vector<int> common;
     std::set_intersection(a.begin(), a.end(), b.begin(), b.end(), std::back_inserter(common));
     if (common.empty()) std::set_union(a.begin(), a.end(), b.begin(), b.end(), std::back_inserter(common));
@@ -90,14 +90,14 @@ void change_by_cells(const Body& body, VectorX& factors,
     double difference = 0;
     for (decltype(shares)::InnerIterator share(shares, connection); share; ++share) {
       double own = factor;
-      change(cells[static_cast<std::size_t>(share.col())].nodes, own);
+      change(cells[share.col()].nodes, own);
       if (!first) first = own;
       difference += share.value() * (own - *first);
     }
     if (first)
       factor = *first + difference;
     else
-      change(ends[static_cast<std::size_t>(connection)], factor);
+      change(ends[connection], factor);
   }
 }
 

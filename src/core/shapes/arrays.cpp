@@ -43,15 +43,13 @@ void check_array(const char* array, const VectorX& values, std::size_t count, co
                      " numbers; allowed: " + std::to_string(count) + ", one a " + each);
   for (Eigen::Index i = 0; i < values.size(); ++i)
     if (!(values[i] > 0) || !std::isfinite(values[i]))
-      throw InputError(row(array, static_cast<std::size_t>(i)) + ": is " + number(values[i]) +
-                       "; allowed: finite numbers above 0 " + unit);
+      throw InputError(row(array, i) + ": is " + number(values[i]) + "; allowed: finite numbers above 0 " + unit);
 }
 
 void check_positions(const Positions& positions) {
   if (positions.cols() == 0) throw InputError("positions: a body needs at least one molecule");
   for (Eigen::Index molecule = 0; molecule < positions.cols(); ++molecule)
-    if (!positions.col(molecule).allFinite())
-      throw InputError(row("positions", static_cast<std::size_t>(molecule)) + ": is not finite");
+    if (!positions.col(molecule).allFinite()) throw InputError(row("positions", molecule) + ": is not finite");
 }
 
 void set_blocks(const BodyArrays& arrays, Body& body) {
@@ -62,8 +60,8 @@ void set_blocks(const BodyArrays& arrays, Body& body) {
     for (int cell = 0; cell < block.size(); ++cell)
       for (const int molecule : block.cell(cell))
         if (molecule < 0 || molecule >= body.size())
-          throw InputError("cells: " + row(name.c_str(), static_cast<std::size_t>(cell)) + ": there is no molecule " +
-                           std::to_string(molecule) + "; allowed: 0 to " + std::to_string(body.size() - 1));
+          throw InputError("cells: " + row(name.c_str(), cell) + ": there is no molecule " + std::to_string(molecule) +
+                           "; allowed: 0 to " + std::to_string(body.size() - 1));
   }
   body.blocks = arrays.blocks;
   set_simplices(body);
@@ -78,7 +76,7 @@ void set_cells(const BodyArrays& arrays, Body& body) {
   for (auto& cell : body.tetrahedra)
     if (signed_volume(body.rest, cell) < 0) std::swap(cell[2], cell[3]);
   const auto refuse_flat = [](const char* array, const std::vector<int>& flat) {
-    if (!flat.empty()) throw InputError(row(array, static_cast<std::size_t>(flat.front())) + ": is flat");
+    if (!flat.empty()) throw InputError(row(array, flat.front()) + ": is flat");
   };
   refuse_flat("tetrahedra", flat_or_inverted_cells(body, body.rest));
   refuse_flat("triangles", flat_triangles(body, body.rest));
@@ -99,8 +97,7 @@ void set_connections(const BodyArrays& arrays, Body& body) {
   std::copy(arrays.rest_lengths.begin(), arrays.rest_lengths.end(), lengths.begin());
   const auto none = std::find_if(lengths.begin(), lengths.end(), [](double length) { return !(length > 0); });
   if (none != lengths.end())
-    throw InputError(row("connections", static_cast<std::size_t>(none - lengths.begin())) +
-                     ": has no length: its molecules lie at one position");
+    throw InputError(row("connections", none - lengths.begin()) + ": has no length: its molecules lie at one position");
 }
 
 void set_growth(const BodyArrays& arrays, Body& body) {
@@ -135,8 +132,8 @@ Body make_body(const BodyArrays& arrays) {
   check_numbers("connections", arrays.connections, molecules);
   check_numbers("triangles", arrays.triangles, molecules);
   check_numbers("tetrahedra", arrays.tetrahedra, molecules);
-  check_array("masses", arrays.masses, static_cast<std::size_t>(molecules), "molecule", "kg");
-  check_array("radii", arrays.radii, static_cast<std::size_t>(molecules), "molecule", "m");
+  check_array("masses", arrays.masses, molecules, "molecule", "kg");
+  check_array("radii", arrays.radii, molecules, "molecule", "m");
   Body body;
   body.rest = arrays.positions;
   set_cells(arrays, body);
@@ -151,7 +148,7 @@ Body make_body(const BodyArrays& arrays) {
   else if (!arrays.density)
     body.assumed_density = Material{}.density;
   if (arrays.radii.size()) body.radius = arrays.radii;
-  check_array("masses", body.mass, static_cast<std::size_t>(molecules), "molecule",
+  check_array("masses", body.mass, molecules, "molecule",
               "kg (from density, thickness and the cells that the molecule belongs to)");
   set_growth(arrays, body);
   return body;

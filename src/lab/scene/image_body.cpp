@@ -23,12 +23,9 @@ double ImageBoxes::stiffness(const Box& box) const {
 MoleculeSets ImageBoxes::sets() const {
   MoleculeSets sets;
   if (setup_.as == ImageCells::packing) return sets;
-  const auto lines = [&](int axis) { return static_cast<std::size_t>(counts_[axis]) + 1; };
   for_body([&](const Box& box, const std::array<int, 3>& at) {
     for (int c = 0; c < 8; ++c) {
-      const int molecule = numbers_[static_cast<std::size_t>(at[0] + c % 2) +
-                                    lines(0) * (static_cast<std::size_t>(at[1] + c / 2 % 2) +
-                                                lines(1) * static_cast<std::size_t>(at[2] + c / 4))];
+      const int molecule = numbers_[corner(at, c)];
       sets[labels_[box.label].name].push_back(molecule);
       for (const int side : {0, 1})
         if (setup_.ends >= 0 && at[setup_.ends] == ends_[side] && (c >> setup_.ends & 1) == side)
@@ -47,14 +44,14 @@ Positions ImageBoxes::outline() const {
     return boxes_[box_with(x, y, z)].label >= 0 && label_of(x, y, z) >= 0;
   };
   // Of each layer of voxels, the points in its middle and those on either side of it, in halves of voxels.
-  std::vector<std::vector<std::array<int, 2>>> layers(2 * static_cast<std::size_t>(image_.size[2]) + 1);
+  std::vector<std::vector<std::array<int, 2>>> layers(2 * image_.size[2] + 1);
   for (int z = range_.first[2]; z < range_.last[2]; ++z)
     for (int y = range_.first[1]; y < range_.last[1]; ++y) {
       int first = range_.first[0], last = range_.last[0] - 1;
       while (first <= last && !is_voxel(first, y, z)) ++first;
       while (last > first && !is_voxel(last, y, z)) --last;
       if (first > last) continue;
-      const auto middle = 2 * static_cast<std::size_t>(z) + 1;
+      const int middle = 2 * z + 1;
       for (const int x : {first, last}) {
         for (const int side : {-1, 1}) {
           layers[middle].push_back({2 * x + side, 2 * y});
@@ -66,8 +63,7 @@ Positions ImageBoxes::outline() const {
   std::vector<Vector3> kept;
   for (std::size_t layer = 0; layer < layers.size(); ++layer) {
     Points2 points(2, static_cast<Eigen::Index>(layers[layer].size()));
-    for (Eigen::Index i = 0; i < points.cols(); ++i)
-      points.col(i) << layers[layer][static_cast<std::size_t>(i)][0], layers[layer][static_cast<std::size_t>(i)][1];
+    for (Eigen::Index i = 0; i < points.cols(); ++i) points.col(i) << layers[layer][i][0], layers[layer][i][1];
     if (points.cols() == 0) continue;
     const Points2 hull = convex_hull(points);
     for (const auto& point : (hull.cols() < 3 ? points : hull).colwise())  // on one line there is no hull
@@ -75,7 +71,7 @@ Positions ImageBoxes::outline() const {
   }
   Positions result(3, static_cast<Eigen::Index>(kept.size()));
   for (Eigen::Index i = 0; i < result.cols(); ++i)
-    result.col(i) = setup_.length_unit * (image_.origin + image_.steps * kept[static_cast<std::size_t>(i)]);
+    result.col(i) = setup_.length_unit * (image_.origin + image_.steps * kept[i]);
   return result;
 }
 
@@ -124,15 +120,11 @@ Body ImageBoxes::body() {
   body.rest.resize(3, static_cast<Eigen::Index>(halves_.size()));
   for (std::size_t i = 0; i < halves_.size(); ++i)
     body.rest.col(static_cast<Eigen::Index>(i)) = place(Vector3(halves_[i][0], halves_[i][1], halves_[i][2]) / 2);
-  const auto lines = [&](int axis) { return static_cast<std::size_t>(counts_[axis]) + 1; };
-  const int mirrored = image_.steps.determinant() < 0 ? 1 : 0;
+  const int mirrored = image_.steps.determinant() < 0 ? 4 : 0;
   Cells<8> cubes;
   for_body([&](const Box&, const std::array<int, 3>& at) {
     auto& cube = cubes.emplace_back();
-    for (int c = 0; c < 8; ++c)
-      cube[c] = numbers_[static_cast<std::size_t>(at[0] + c % 2) +
-                         lines(0) * (static_cast<std::size_t>(at[1] + c / 2 % 2) +
-                                     lines(1) * static_cast<std::size_t>(at[2] + (c / 4 ^ mirrored)))];
+    for (int c = 0; c < 8; ++c) cube[c] = numbers_[corner(at, c ^ mirrored)];
   });
   if (setup_.as == ImageCells::hexahedra) {
     body.blocks.emplace_back().kind = &cell_kind("hexahedron8");
@@ -191,7 +183,6 @@ void ImageBoxes::part(Body& body) {
 void ImageBoxes::set_matter(Body& body) const {
   double all = 0;
   VectorX volumes = VectorX::Zero(body.size());
-  const auto lines = [&](int axis) { return static_cast<std::size_t>(counts_[axis]) + 1; };
   bool varied = false;
   std::vector<double> factors(boxes_.size());
   std::size_t boxes = 0;
@@ -219,10 +210,7 @@ void ImageBoxes::set_matter(Body& body) const {
       }
       return;
     }
-    for (int c = 0; c < 8; ++c)
-      volumes[numbers_[static_cast<std::size_t>(at[0] + c % 2) +
-                       lines(0) * (static_cast<std::size_t>(at[1] + c / 2 % 2) +
-                                   lines(1) * static_cast<std::size_t>(at[2] + c / 4))]] += of_box / 8;
+    for (int c = 0; c < 8; ++c) volumes[numbers_[corner(at, c)]] += of_box / 8;
   });
   if (setup_.as == ImageCells::packing) volumes.setConstant(all / body.size());
   context_.volumes = volumes;
@@ -275,9 +263,8 @@ std::function<int(const Vector3&)> ImageBoxes::label_at() const {
     const Vector3 voxel = steps * (place / unit - origin);
     std::size_t box = 0;
     for (int axis = 2; axis >= 0; --axis)
-      box = box * static_cast<std::size_t>(counts[axis]) +
-            static_cast<std::size_t>(box_of[axis][static_cast<std::size_t>(
-                std::clamp(voxel[axis] + 0.5, double(range.first[axis]), range.last[axis] - 0.5))]);
+      box = box * counts[axis] + box_of[axis][static_cast<std::size_t>(
+                                     std::clamp(voxel[axis] + 0.5, double(range.first[axis]), range.last[axis] - 0.5))];
     return label_of[box];
   };
 }

@@ -144,15 +144,13 @@ std::vector<float> ImageBoxes::blurred(const std::vector<std::int16_t>& labels, 
   for (int axis = 0, stride = 1; axis < 3; stride *= image_.size[axis++]) {
     const double deviation = *setup_.smoothing / (setup_.length_unit * image_.steps.col(axis).norm());
     const int reach = static_cast<int>(std::ceil(3 * deviation)), size = image_.size[axis];
-    std::vector<float> weights, line(static_cast<std::size_t>(size));
+    std::vector<float> weights, line(size);
     for (int i = -reach; i <= reach; ++i)
       weights.push_back(static_cast<float>(std::exp(-i * i / (2 * deviation * deviation))));
     const float sum = std::accumulate(weights.begin(), weights.end(), 0.f);
     for (std::size_t first = 0; first < values.size(); ++first) {
-      if (first / static_cast<std::size_t>(stride) % static_cast<std::size_t>(size) != 0) continue;
-      const auto at = [&](int i) -> float& {
-        return values[first + static_cast<std::size_t>(i) * static_cast<std::size_t>(stride)];
-      };
+      if (first / stride % size != 0) continue;
+      const auto at = [&](std::size_t i) -> float& { return values[first + i * stride]; };
       for (int i = 0; i < size; ++i) line[i] = at(i);
       if (std::all_of(line.begin(), line.end(), [&](float value) { return value == line[0]; })) continue;
       for (int i = 0; i < size; ++i) {
@@ -252,7 +250,7 @@ void ImageBoxes::lay() {
     while (2 * (last - planes.back()) >= 3 * step) planes.push_back(planes.back() + step);
     if (planes.back() < last) planes.push_back(last);
     counts_[axis] = static_cast<int>(planes.size()) - 1;
-    box_of_[axis].assign(static_cast<std::size_t>(image_.size[axis]), 0);
+    box_of_[axis].assign(image_.size[axis], 0);
     for (int box = 0; box < counts_[axis]; ++box)
       std::fill(box_of_[axis].begin() + planes[box], box_of_[axis].begin() + planes[box + 1], box);
   }
@@ -260,9 +258,7 @@ void ImageBoxes::lay() {
 }
 
 void ImageBoxes::fill() {
-  boxes_.assign(static_cast<std::size_t>(counts_[0]) * static_cast<std::size_t>(counts_[1]) *
-                    static_cast<std::size_t>(counts_[2]),
-                {});
+  boxes_.assign(std::size_t{1} * counts_[0] * counts_[1] * counts_[2], {});
   std::vector<int> counts(labels_.size());
   double fullest = 0;
   for (std::size_t number = 0; number < boxes_.size(); ++number) {
@@ -536,19 +532,14 @@ void ImageBoxes::find_thin_places() const {
 }
 
 void ImageBoxes::number_corners() {
-  const auto lines = [&](int axis) { return static_cast<std::size_t>(counts_[axis]) + 1; };
-  numbers_.assign(lines(0) * lines(1) * lines(2), -1);
-  const auto corner = [&](int x, int y, int z) -> int& {
-    return numbers_[static_cast<std::size_t>(x) +
-                    lines(0) * (static_cast<std::size_t>(y) + lines(1) * static_cast<std::size_t>(z))];
-  };
+  numbers_.assign((std::size_t{1} + counts_[0]) * (1 + counts_[1]) * (1 + counts_[2]), -1);
   for_body([&](const Box&, const std::array<int, 3>& at) {
-    for (int c = 0; c < 8; ++c) corner(at[0] + c % 2, at[1] + c / 2 % 2, at[2] + c / 4) = kUnnumbered;
+    for (int c = 0; c < 8; ++c) numbers_[corner(at, c)] = kUnnumbered;
   });
   for (int z = 0; z <= counts_[2]; ++z)
     for (int y = 0; y <= counts_[1]; ++y)
       for (int x = 0; x <= counts_[0]; ++x)
-        if (int& number = corner(x, y, z); number == kUnnumbered) {
+        if (int& number = numbers_[corner({x, y, z}, 0)]; number == kUnnumbered) {
           number = static_cast<int>(halves_.size());
           halves_.push_back({2 * x, 2 * y, 2 * z});
         }

@@ -75,18 +75,17 @@ class ImageBoxes {
     float fraction = 1;  ///< of it that is body
     float value = 0;     ///< mean of its voxels in the body
   };
-  std::size_t index(int x, int y, int z) const {
-    return static_cast<std::size_t>(x) +
-           static_cast<std::size_t>(counts_[0]) *
-               (static_cast<std::size_t>(y) + static_cast<std::size_t>(counts_[1]) * static_cast<std::size_t>(z));
+  std::size_t index(std::size_t x, std::size_t y, std::size_t z) const { return x + counts_[0] * (y + counts_[1] * z); }
+  std::size_t voxel(std::size_t x, std::size_t y, std::size_t z) const {
+    return x + image_.size[0] * (y + image_.size[1] * z);
   }
-  std::size_t voxel(int x, int y, int z) const {
-    return static_cast<std::size_t>(x) +
-           static_cast<std::size_t>(image_.size[0]) *
-               (static_cast<std::size_t>(y) + static_cast<std::size_t>(image_.size[1]) * static_cast<std::size_t>(z));
+  /// In numbers_: corner c of a box is its c % 2, c / 2 % 2, c / 4.
+  std::size_t corner(const std::array<int, 3>& box, int c) const {
+    const std::size_t x = box[0] + c % 2, y = box[1] + c / 2 % 2, z = box[2] + c / 4;
+    return x + (counts_[0] + 1) * (y + (counts_[1] + 1) * z);
   }
   std::array<int, 3> at(std::size_t box) const {
-    const auto nx = static_cast<std::size_t>(counts_[0]), ny = static_cast<std::size_t>(counts_[1]);
+    const std::size_t nx = counts_[0], ny = counts_[1];
     return {static_cast<int>(box % nx), static_cast<int>(box / nx % ny), static_cast<int>(box / nx / ny)};
   }
   bool is_body(int x, int y, int z) const {
