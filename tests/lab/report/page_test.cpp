@@ -140,6 +140,24 @@ TEST_CASE("positions and tensions come through base64 as they are", "[page]") {
   CHECK(states["frames"][0]["tensions"]["most"] < 1e-9 * most);
 }
 
+TEST_CASE("a page has the body where the first strategy fails before it has a state", "[page]") {
+  const TemporaryFolder folder;
+  folder.write("it.yaml",
+               "body: {molecules: [[0, 0, 0], [0, 0, 1 cm], [0, 0, 1 cm], [0, 0, 2 cm]],"
+               " connections: [[0, 1], [1, 2], [2, 3]], radius: 5 mm}\nmaterial: {youngs_modulus: 10 kPa}\n"
+               "stiffness: standard\nexperiment: {kind: tension, axis: z, force: 1 mN, cross_section: 1 cm2,"
+               " fixed_grip: clamped, loaded_grip: clamped}\n");
+  run("cd '" + folder.path("") +
+      "' && '" ELASTIN_COMMAND "' compare it.yaml --strategies standard,uniform --quiet --out out");
+  const auto views = lines_of(folder.path("out/views.jsonl"));
+  REQUIRE(views.size() == 3);
+  CHECK(Json::parse(views[0])["kind"] == "body");
+  CHECK(Json::parse(views[1])["strategy"] == "standard");
+  const std::string page = text_of_file(folder.path("out/report.html"));
+  CHECK(count(page, "<canvas") == 1);
+  CHECK_THAT(page, !Contains("The body is not drawn here"));
+}
+
 TEST_CASE("what a page carries packed is gzip of the text", "[page]") {
   const std::string text = "positions and tensions, positions and tensions";
   const std::string inflated = inflated_base64(packed(text));
