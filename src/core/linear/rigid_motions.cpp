@@ -5,7 +5,7 @@
 
 #include "core/base/dense.h"
 #include "core/linear/sparse_stiffness.h"
-#include "core/model/pieces.h"
+#include "core/model/neighbours.h"
 #include "core/parallel/parallel.h"
 #include "elastin/core/linear/linear_solver.h"
 
@@ -16,7 +16,7 @@ namespace {
 std::vector<int> separate_pieces(const Tangent& tangent) {
   const Model& model = tangent.model();
   if (model.body().share) return {};
-  Pieces pieces = pieces_of(model.body());
+  DisjointSets pieces = pieces_of(model.body());
   if (pieces.count() > 1) tangent.visit_blocks([&](int a, int b, const Matrix3&) { pieces.join(a, b); });
   return pieces.count() > 1 ? pieces.numbers() : std::vector<int>();
 }

@@ -8,7 +8,7 @@
 #include "core/base/rows.h"
 #include "core/geometry/point_buckets.h"
 #include "core/model/block_geometry.h"
-#include "core/model/pieces.h"
+#include "core/model/neighbours.h"
 #include "core/model/solid_cells.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/model/parts.h"
@@ -241,8 +241,8 @@ std::string flat_or_inverted_text(const std::vector<int>& cells, std::size_t of)
   return text + " of " + std::to_string(of) + (cells.size() == 1 ? " is" : " are") + " flat or inverted";
 }
 
-Pieces pieces_of(const Body& body) {
-  Pieces pieces(body.size());
+DisjointSets pieces_of(const Body& body) {
+  DisjointSets pieces(static_cast<std::size_t>(body.size()));
   for (int connection = 0; connection < body.connections.proper() && pieces.count() > 1; ++connection) {
     const auto& [a, b] = body.connections.ends[connection];
     pieces.join(a, b);
@@ -274,7 +274,7 @@ BodyFindings inspect(const Body& body) {
     if (sorted[i].first == sorted[i - 1].first) findings.duplicate_connections.push_back(sorted[i].second);
   std::sort(findings.duplicate_connections.begin(), findings.duplicate_connections.end());
 
-  const Pieces pieces = pieces_of(body);
+  const DisjointSets pieces = pieces_of(body);
   findings.pieces = pieces.count();
   findings.piece_of = pieces.numbers();
   for (int molecule = 0; molecule < n; ++molecule)

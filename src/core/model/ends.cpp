@@ -4,8 +4,8 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <numeric>
 
+#include "core/base/disjoint_sets.h"
 #include "core/geometry/boundary.h"
 #include "core/geometry/rim.h"
 #include "elastin/core/model/share.h"
@@ -103,21 +103,18 @@ std::vector<FacingSide> facing_sides(const Body& body, const Vector3& direction)
   return sides;
 }
 
-/// The patch that each side belongs to, by the number of one of its sides.
+/// The patch that each side belongs to, by the number of its first side.
 std::vector<std::size_t> patches_of(const std::vector<FacingSide>& sides) {
-  std::vector<std::size_t> patch(sides.size());
-  std::iota(patch.begin(), patch.end(), std::size_t{0});
-  const auto root = [&](std::size_t side) {
-    while (patch[side] != side) side = patch[side] = patch[patch[side]];
-    return side;
-  };
-  std::vector<std::pair<double, std::size_t>> met;
+  std::vector<std::pair<double, int>> met;
   for (std::size_t side = 0; side < sides.size(); ++side)
-    for (const double corner : sides[side].corners) met.emplace_back(corner, side);
+    for (const double corner : sides[side].corners) met.emplace_back(corner, static_cast<int>(side));
   std::sort(met.begin(), met.end());
+  DisjointSets patches(sides.size());
   for (std::size_t i = 1; i < met.size(); ++i)
-    if (met[i].first == met[i - 1].first) patch[root(met[i].second)] = root(met[i - 1].second);
-  for (std::size_t side = 0; side < sides.size(); ++side) patch[side] = root(side);
+    if (met[i].first == met[i - 1].first) patches.join(met[i].second, met[i - 1].second);
+  std::vector<std::size_t> patch;
+  for (int side = 0; side < static_cast<int>(sides.size()); ++side)
+    patch.push_back(static_cast<std::size_t>(patches.set_of(side)));
   return patch;
 }
 

@@ -3,10 +3,14 @@
 #include <span>
 #include <vector>
 
+#include "core/base/disjoint_sets.h"
 #include "core/base/rows.h"
 #include "elastin/core/model/body.h"
 
 namespace elastin {
+
+/// The molecules, joined by proper connections, rigid parts and ties.
+DisjointSets pieces_of(const Body& body);
 
 /// Two cells that share a side: a face of solids, an edge of triangles.
 struct SharedSide {

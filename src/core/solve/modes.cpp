@@ -4,9 +4,9 @@
 #include <cmath>
 #include <deque>
 #include <map>
-#include <numeric>
 
 #include "core/base/dense.h"
+#include "core/base/disjoint_sets.h"
 #include "core/linear/sparse_factor.h"
 #include "core/model/incidence.h"
 
@@ -181,12 +181,7 @@ class Search {
     const int unknowns = first_unknown[n];
     if (unknowns == 0) return;
     // One row for each connection: its lengthening by each unknown. Unknowns that share a row belong to one group.
-    std::vector<int> parent(unknowns);
-    std::iota(parent.begin(), parent.end(), 0);
-    const auto root = [&](int u) {
-      while (parent[u] != u) u = parent[u] = parent[parent[u]];
-      return u;
-    };
+    DisjointSets sets(static_cast<std::size_t>(unknowns));
     std::vector<std::vector<std::pair<int, double>>> rows;
     for (int c = 0; c < links_.size(); ++c) {
       std::vector<std::pair<int, double>> row;
@@ -196,12 +191,13 @@ class Search {
         for (int i = 0; i < part.size(); ++i)
           if (std::abs(part[i]) > kParallel) row.push_back({first_unknown[m] + i, part[i]});
       }
-      for (std::size_t i = 1; i < row.size(); ++i) parent[root(row[i].first)] = root(row[0].first);
+      for (std::size_t i = 1; i < row.size(); ++i) sets.join(row[i].first, row[0].first);
       if (!row.empty()) rows.push_back(std::move(row));
     }
-    std::map<int, std::pair<std::vector<int>, std::vector<int>>> groups;  // root → unknowns, rows
-    for (int u = 0; u < unknowns; ++u) groups[root(u)].first.push_back(u);
-    for (std::size_t r = 0; r < rows.size(); ++r) groups[root(rows[r][0].first)].second.push_back(static_cast<int>(r));
+    std::map<int, std::pair<std::vector<int>, std::vector<int>>> groups;  // set → unknowns, rows
+    for (int u = 0; u < unknowns; ++u) groups[sets.set_of(u)].first.push_back(u);
+    for (std::size_t r = 0; r < rows.size(); ++r)
+      groups[sets.set_of(rows[r][0].first)].second.push_back(static_cast<int>(r));
     std::vector<int> molecule_of(unknowns);
     for (int m = 0; m < n; ++m)
       for (int u = first_unknown[m]; u < first_unknown[m + 1]; ++u) molecule_of[u] = m;
