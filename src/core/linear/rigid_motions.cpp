@@ -12,6 +12,11 @@
 namespace elastin {
 namespace {
 
+using Matrix66 = Eigen::Matrix<double, 6, 6>;
+
+/// Of the most that forces resist a piece's motion: what counts as none.
+constexpr double kUnresisted = 1e-7;
+
 /// The piece of each molecule, by connections and what loads and contact join now; nothing where all are one.
 std::vector<int> separate_pieces(const Tangent& tangent) {
   const Model& model = tangent.model();
@@ -19,6 +24,26 @@ std::vector<int> separate_pieces(const Tangent& tangent) {
   DisjointSets pieces = pieces_of(model.body());
   if (pieces.count() > 1) tangent.visit_blocks([&](int a, int b, const Matrix3&) { pieces.join(a, b); });
   return pieces.count() > 1 ? pieces.numbers() : std::vector<int>();
+}
+
+/// How to combine the candidates that are left, as columns, into those that nothing resists to the least: none where
+/// one is left at most, or all are resisted.
+Matrix66 axes_without(const Matrix66& resistance, const Matrix66& candidates) {
+  Matrix66 matrix = (resistance + resistance.transpose()) / 2;
+  const double size = matrix.diagonal().cwiseAbs().maxCoeff();
+  int left = 0;
+  for (int k = 0; k < 6; ++k) {
+    const bool tried = candidates.col(k).isZero(0);
+    left += !tried;
+    if (!tried) continue;
+    matrix.row(k).setZero(), matrix.col(k).setZero();
+    matrix(k, k) = size;
+  }
+  const SymmetricEigen eigen = symmetric_eigen(matrix);
+  Matrix66 axes = Matrix66::Zero();
+  for (int k = 0; left > 1 && k < 6; ++k)
+    if (std::abs(eigen.values[k]) <= kUnresisted * size) axes.col(k) = eigen.vectors.col(k);
+  return axes;
 }
 
 }  // namespace
@@ -40,14 +65,14 @@ RigidMotions::RigidMotions(const Tangent& tangent, const std::vector<Support>& s
 }
 
 /// Leaves the pieces that have free motions, with these. One product of the stiffness tells about a motion of each
-/// piece; they go unlike far, so that none of them moves along with what it pulls at.
+/// piece; they go unlike far, so that none of them moves along with what it pulls at. Loads may resist some motions of
+/// a piece and not others: those are tried along the axes of what resists, too.
 void RigidMotions::find_free(const Tangent& tangent, const std::vector<Support>& supports,
                              const std::vector<int>& piece_of, Positions& motions, Positions& forces) {
   const Positions& positions = tangent.positions();
   for (Piece& piece : pieces_) piece.set_place(positions);
   // First what no support minds, then what of that no force minds either.
-  using Sixes = Eigen::Matrix<double, 6, 6>;
-  std::vector<Sixes> held(pieces_.size(), Sixes::Zero());
+  std::vector<Matrix66> held(pieces_.size(), Matrix66::Zero());
   std::vector<int> counts(pieces_.size(), 0);
   for (const Support& support : supports) {
     const int number = piece_of.empty() ? 0 : piece_of[support.molecule];
@@ -57,7 +82,7 @@ void RigidMotions::find_free(const Tangent& tangent, const std::vector<Support>&
     held[number] += part.transpose() * part;
     ++counts[number];
   }
-  std::vector<Sixes> candidates(pieces_.size());
+  std::vector<Matrix66> candidates(pieces_.size());
   for (std::size_t number = 0; number < pieces_.size(); ++number) {
     const SymmetricEigen eigen = symmetric_eigen(held[number]);
     for (int k = 0; k < 6; ++k)
@@ -66,23 +91,31 @@ void RigidMotions::find_free(const Tangent& tangent, const std::vector<Support>&
     pieces_[number].free.resize(6, 0);
   }
   motions.resize(3, positions.cols()), forces.resize(3, positions.cols());
-  for (int k = 0; k < 6; ++k) {
-    bool any = false;
+  std::vector<Matrix66> resistance(pieces_.size(), Matrix66::Zero());
+  for (int k = 0; k < 12; ++k) {
+    if (k == 6)
+      for (std::size_t number = 0; number < pieces_.size(); ++number)
+        candidates[number] *= axes_without(resistance[number], candidates[number]);
+    if (std::all_of(candidates.begin(), candidates.end(),
+                    [&](const Matrix66& own) { return own.col(k % 6).isZero(0); }))
+      continue;
     for (std::size_t number = 0; number < pieces_.size(); ++number) {
       const double far = 1 + std::fmod(0.618034 * static_cast<double>(number), 1.);
-      const Six candidate = far * candidates[number].col(k);
-      pieces_[number].set_motion(candidate, positions, motions);
-      any |= !candidate.isZero(0);
+      pieces_[number].set_motion(far * candidates[number].col(k % 6), positions, motions);
     }
-    if (!any) continue;
     tangent.apply(motions, forces);
     keep_free(supports, forces);
     for (std::size_t number = 0; number < pieces_.size(); ++number) {
       Piece& piece = pieces_[number];
-      const Six candidate = candidates[number].col(k);
-      if (candidate.isZero(0) || piece.norm(forces) > 1e-9 * piece.stiffness(tangent) * piece.norm(motions)) continue;
+      auto candidate = candidates[number].col(k % 6);
+      if (candidate.isZero(0)) continue;
+      if (piece.norm(forces) > 1e-9 * piece.stiffness(tangent) * piece.norm(motions)) {
+        if (k < 6) resistance[number].col(k) = candidates[number].transpose() * piece.sums_of(positions, forces);
+        continue;
+      }
       piece.free.conservativeResize(6, piece.free.cols() + 1);
       piece.free.rightCols(1) = candidate;
+      candidate.setZero();
     }
   }
   std::erase_if(pieces_, [](const Piece& piece) { return piece.free.cols() == 0; });
@@ -132,11 +165,11 @@ void RigidMotions::Piece::set_inverse(const Positions& positions, Positions& mot
   }
   // Of molecules on a line the turn about it moves none: it is no motion to take out.
   inverse = symmetric_pseudoinverse(products);
+  rank = static_cast<int>(std::lround(inverse.cwiseProduct(products).sum()));
 }
 
-/// Of the vectors v at places y, Σ v and Σ y × v say it all: (t + w × y) · v = t · v + w · (y × v).
-VectorX RigidMotions::Piece::products_with(const Positions& positions, const Positions& vectors) const {
-  const Six sums = ordered_sum_of_blocks<Six>(
+RigidMotions::Six RigidMotions::Piece::sums_of(const Positions& positions, const Positions& vectors) const {
+  return ordered_sum_of_blocks<Six>(
       size,
       [&](int begin, int end) {
         Six sum = Six::Zero();
@@ -148,7 +181,6 @@ VectorX RigidMotions::Piece::products_with(const Positions& positions, const Pos
         return sum;
       },
       Six::Zero(), kMoleculeThreshold);
-  return free.transpose() * sums;
 }
 
 void RigidMotions::remove_from(const Positions& positions, Positions& motions) const {
@@ -162,6 +194,12 @@ void RigidMotions::remove_from(const Positions& positions, Positions& motions) c
         },
         kMoleculeThreshold);
   }
+}
+
+int RigidMotions::count() const {
+  int sum = 0;
+  for (const Piece& piece : pieces_) sum += piece.rank;
+  return sum;
 }
 
 double RigidMotions::part_of(const Positions& positions, const Positions& vectors) const {

@@ -13,6 +13,8 @@ class RigidMotions {
   /// `motions` and `forces` are room that the caller has no other use for yet.
   RigidMotions(const Tangent& tangent, const std::vector<Support>& supports, Positions& motions, Positions& forces);
   bool empty() const { return pieces_.empty(); }
+  /// Of all pieces; a turn about the line on which a piece lies is none.
+  int count() const;
   /// Takes them out of the motions [m] of things at these positions [m], both 3 × n.
   void remove_from(const Positions& positions, Positions& motions) const;
   /// Size of what that would take out of vectors.
@@ -27,6 +29,7 @@ class RigidMotions {
     double per_size;  ///< [1/m]
     Eigen::Matrix<double, 6, Eigen::Dynamic> free;
     MatrixX inverse;  ///< pseudo-inverse of the products of each with each
+    int rank;         ///< of these products
 
     int molecule(int i) const { return molecules.empty() ? i : molecules[i]; }
     /// From the middle, in units of the piece's size.
@@ -38,7 +41,11 @@ class RigidMotions {
     void set_motion(const Six& six, const Positions& positions, Positions& motions) const;
     double stiffness(const Tangent& tangent) const;
     double norm(const Positions& vectors) const;
-    VectorX products_with(const Positions& positions, const Positions& vectors) const;
+    /// Σ v and Σ y × v of vectors v at places y: (t + w × y) · v = t · v + w · (y × v).
+    Six sums_of(const Positions& positions, const Positions& vectors) const;
+    VectorX products_with(const Positions& positions, const Positions& vectors) const {
+      return free.transpose() * sums_of(positions, vectors);
+    }
     void set_inverse(const Positions& positions, Positions& motions);
   };
   void find_free(const Tangent& tangent, const std::vector<Support>& supports, const std::vector<int>& piece_of,

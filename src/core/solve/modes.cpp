@@ -45,18 +45,49 @@ Eigen::Matrix<double, 3, 6> rigid_rows(const Vector3& position, const Vector3& c
   return rows;
 }
 
+std::vector<Fixed> fixed_by(const std::vector<Support>& supports, Eigen::Index molecules) {
+  std::vector<Fixed> fixed(static_cast<std::size_t>(molecules));
+  for (const Support& support : supports) {
+    const Matrix3 held = Matrix3::Identity() - support.free;
+    for (int axis = 0; axis < 3; ++axis)
+      if (held.col(axis).norm() > 1e-6) fixed[support.molecule].add(held.col(axis));
+  }
+  return fixed;
+}
+
+/// The motions as a whole of molecules at their rest, about their centre.
+struct RigidSpace {
+  Vector3 centre;
+  double size;
+  MatrixX motions;  ///< as columns, of rigid_rows: those that what is fixed leaves free
+
+  RigidSpace(const Positions& rest, const std::vector<Fixed>& fixed)
+      : centre(rest.rowwise().mean()), size(std::max((rest.colwise() - centre).colwise().norm().maxCoeff(), 1e-300)) {
+    // Rotations about the line of a body on a line move nothing: they are no motion at all.
+    Eigen::Matrix<double, 6, 6> held = Eigen::Matrix<double, 6, 6>::Zero(), all = held;
+    for (Eigen::Index m = 0; m < rest.cols(); ++m) {
+      const auto rows = rigid_rows(rest.col(m), centre, size);
+      all += rows.transpose() * rows / static_cast<double>(rest.cols());
+      const MatrixX own = fixed[m].basis.leftCols(fixed[m].count).transpose() * rows;
+      held += own.transpose() * own;
+    }
+    const auto null_space = [](const MatrixX& matrix, double scale) -> MatrixX {
+      const SymmetricEigen eigen = symmetric_eigen(matrix);
+      const int zeros = static_cast<int>((eigen.values.array() < 1e-12 * scale).count());
+      return eigen.vectors.leftCols(zeros);
+    };
+    const MatrixX still = null_space(all, 1);
+    motions = null_space(held + product(still, still.transpose()), std::max(1., held.trace()));
+  }
+};
+
 class Search {
  public:
   Search(const Body& body, const std::vector<Support>& supports, const std::vector<char>& stiff)
-      : body_(body), fixed_(body.size()), free_basis_(body.size()) {
+      : body_(body), fixed_(fixed_by(supports, body.size())), free_basis_(body.size()) {
     for (int c = 0; c < body.connections.size(); ++c)
       if ((stiff.empty() || stiff[c]) && direction(c).norm() > 0) links_.ends.push_back(body.connections.ends[c]);
     incident_ = connections_of_molecules(body.size(), links_);
-    for (const Support& support : supports) {
-      const Matrix3 held = Matrix3::Identity() - support.free;
-      for (int axis = 0; axis < 3; ++axis)
-        if (held.col(axis).norm() > 1e-6) fixed_[support.molecule].add(held.col(axis));
-    }
   }
 
   ModeReport run() {
@@ -77,30 +108,8 @@ class Search {
   /// Holds the rigid motions that the supports leave, at as few molecules as can: the first, one joined to it, one
   /// joined to both. Each pin takes exactly one rigid motion, so the count of other modes stays as it is.
   int pin_rigid_motions() {
-    const int n = body_.size();
-    if (n == 0) return 0;
-    const Vector3 centre = body_.rest.rowwise().mean();
-    const double size = std::max((body_.rest.colwise() - centre).colwise().norm().maxCoeff(), 1e-300);
-    Eigen::Matrix<double, 6, 6> gram = Eigen::Matrix<double, 6, 6>::Zero();
-    for (int m = 0; m < n; ++m)
-      for (int i = 0; i < fixed_[m].count; ++i) {
-        const Eigen::Matrix<double, 1, 6> row =
-            fixed_[m].basis.col(i).transpose() * rigid_rows(body_.rest.col(m), centre, size);
-        gram += row.transpose() * row;
-      }
-    // Rotations about the line of a body on a line move nothing: they are no motion at all.
-    Eigen::Matrix<double, 6, 6> all = Eigen::Matrix<double, 6, 6>::Zero();
-    for (int m = 0; m < n; ++m) {
-      const auto rows = rigid_rows(body_.rest.col(m), centre, size);
-      all += rows.transpose() * rows / n;
-    }
-    const auto null_space = [](const MatrixX& matrix, double scale) -> MatrixX {
-      const SymmetricEigen eigen = symmetric_eigen(matrix);
-      const int zeros = static_cast<int>((eigen.values.array() < 1e-12 * scale).count());
-      return eigen.vectors.leftCols(zeros);
-    };
-    const MatrixX still = null_space(all, 1);
-    MatrixX motions = null_space(gram + product(still, still.transpose()), std::max(1., gram.trace()));
+    if (body_.size() == 0) return 0;
+    auto [centre, size, motions] = RigidSpace(body_.rest, fixed_);
     const int rigid = static_cast<int>(motions.cols());
     for (const int m : pin_order()) {
       if (motions.cols() == 0) break;
@@ -318,6 +327,10 @@ Vector3 plane_normal(const Body& body) {
   const double width = std::sqrt(std::max(0., moments.values[1])), size = arms.colwise().norm().maxCoeff();
   const bool flat = width > kParallel * size && (normal.transpose() * arms).cwiseAbs().maxCoeff() <= kParallel * size;
   return flat ? normal : Vector3(Vector3::Zero());
+}
+
+int free_rigid_motions(const Positions& rest, const std::vector<Support>& supports) {
+  return rest.cols() == 0 ? 0 : static_cast<int>(RigidSpace(rest, fixed_by(supports, rest.cols())).motions.cols());
 }
 
 ModeReport find_zero_energy_modes(const Body& body, const std::vector<Support>& supports,

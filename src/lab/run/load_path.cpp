@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "contact/distance.h"
+#include "core/linear/rigid_motions.h"
 #include "core/model/faces.h"
 #include "core/solve/modes.h"
 #include "elastin/core/base/stop.h"
@@ -649,8 +650,32 @@ Measures measure_step(const Model& model, const StaticExperiment& experiment, co
   return measures;
 }
 
-void solve_load_curve(Model& model, const StaticExperiment& experiment, StaticRig& rig, const Material& material,
-                      const RunOptions& options, Run& run, const std::function<void(State&)>& begin) {
+namespace {
+
+/// "the supports leave 3 rigid motions of the body free", or "": those that forces at this state do not resist, either.
+/// Asked where displacements in space are measured, and no contact holds the body.
+std::string free_motions_text(const Model& model, const StaticExperiment& experiment, const State& state) {
+  if (experiment.calibration() || experiment.leaves_out_rigid_motions() || model.body().share || contact_of(model))
+    return "";
+  Positions motions, forces;
+  const int free = RigidMotions(Tangent(model, state), model.supports, motions, forces).count();
+  return free == 0 ? ""
+                   : "the supports leave " + counted(free, "rigid motion") + " of the " +
+                         (model.body().parts.empty() ? "body" : "bodies") + " free";
+}
+
+/// What may be the reason that there is no equilibrium, for the end of the cause; or "".
+std::string unheld_text(Model& model, const StaticExperiment& experiment, StaticRig& rig, const StaticOptions& options,
+                        const Run& run) {
+  if (run.zero_energy_modes > 0 && !options.linear && options.static_method == StaticMethod::newton)
+    return "; `solver.method: implicit` finds where a mechanism comes to rest";
+  set_load(model, rig, 0);
+  const std::string free = free_motions_text(model, experiment, state_at_rest(model.body()));
+  return free.empty() ? "" : "; " + free + ": hold more of " + (model.body().parts.empty() ? "it" : "them");
+}
+
+void follow_load_curve(Model& model, const StaticExperiment& experiment, StaticRig& rig, const Material& material,
+                       const RunOptions& options, Run& run, const std::function<void(State&)>& begin) {
   State at_start = state_at_rest(model.body());
   if (begin) begin(at_start);
   Start start;
@@ -755,6 +780,11 @@ void solve_load_curve(Model& model, const StaticExperiment& experiment, StaticRi
   if (const contact::Contact* contact = contact_of(model); contact && run.contact && run.contact->pairs == 0)
     if (const std::string gap = gap_text(*contact, model.body(), path.state()); !gap.empty())
       run.remark = (run.remark.empty() ? "nothing touches" : run.remark) + ": " + gap;
+  if (const std::string free =
+          free_motions_text(model, experiment, options.statics.linear ? state_at_rest(model.body()) : path.state());
+      !free.empty())
+    run.warnings.push_back(free + ", any of which may be in its displacements: hold more of " +
+                           (model.body().parts.empty() ? "it" : "them"));
   // What resists bending may bear compression.
   if (!model.body().share && !model.body().triangles.empty() && !options.statics.linear &&
       !(material.bending_rigidity > 0))
@@ -770,6 +800,15 @@ void solve_load_curve(Model& model, const StaticExperiment& experiment, StaticRi
     if (std::isfinite(sum)) run.measures.set("average_modulus", sum / steps);
     add_mean_gradient(run.curve, list.named(MeasureRole::youngs_modulus), "average_modulus", run.gradients);
   }
+}
+
+}  // namespace
+
+void solve_load_curve(Model& model, const StaticExperiment& experiment, StaticRig& rig, const Material& material,
+                      const RunOptions& options, Run& run, const std::function<void(State&)>& begin) {
+  follow_load_curve(model, experiment, rig, material, options, run, begin);
+  if (run.outcome == Outcome::limit_reached || run.outcome == Outcome::diverged || run.outcome == Outcome::mechanism)
+    run.cause += unheld_text(model, experiment, rig, options.statics, run);
 }
 
 }  // namespace elastin::lab

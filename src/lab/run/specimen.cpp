@@ -119,7 +119,7 @@ void note_lost_faces(const Body& body, const Strategy& strategy, Run& run) {
     if (part.voronoi) note("body '" + part.name + "'", mesh::lost_share(part_alone(body, part).body, *part.voronoi));
 }
 
-void count_modes(const Specimen& specimen, const Model& model, const Experiment& experiment, double duration,
+void count_modes(const Specimen& specimen, const Model& model, const Experiment& experiment, const RunOptions& options,
                  Run& run) {
   std::vector<char> stiff;
   if (run.constants.size() > 0) {
@@ -127,21 +127,13 @@ void count_modes(const Specimen& specimen, const Model& model, const Experiment&
     for (Eigen::Index c = 0; c < run.constants.size(); ++c) stiff[c] = run.constants[c] != 0;
   }
   ModeReport report = find_modes_in_parts(model.body(), model.supports, stiff);
-  if (report.out_of_plane > 0 && stays_in_plane(specimen, experiment, duration))
+  if (report.out_of_plane > 0 && stays_in_plane(specimen, experiment, options.time ? options.time->duration : 0))
     report.zero_energy_modes -= std::exchange(report.out_of_plane, 0);
   run.zero_energy_modes = report.zero_energy_modes;
   if (report.zero_energy_modes > 0)
-    run.warnings.push_back(warning_of_modes(report) + "; the load is solved in the range of the stiffness");
-  // What has no modulus measures displacements in space.
-  const StaticExperiment* own_loads = experiment.at_rest();
-  const Body& body = model.body();
-  const bool one = body.parts.empty(),
-             each_alone = body.ties.empty() && inspect(body).pieces >= static_cast<int>(body.parts.size());
-  if (report.rigid_motions > 0 && own_loads && !own_loads->calibration() && !own_loads->leaves_out_rigid_motions() &&
-      (one || each_alone) && !contact_of(model))
-    run.warnings.push_back("the supports leave " + counted(report.rigid_motions, "rigid motion") + " of the " +
-                           (one ? "body" : "bodies") +
-                           " free, any of which may be in its displacements: hold more of " + (one ? "it" : "them"));
+    run.warnings.push_back(warning_of_modes(report) + (options.statics.static_method == StaticMethod::newton
+                                                           ? "; the load is solved in the range of the stiffness"
+                                                           : " of the unloaded body"));
 }
 
 /// The choice as it works on the specimen's body.
@@ -467,7 +459,7 @@ Run run_strategy(const Specimen& specimen, const Experiment& experiment, const S
   const auto& share = specimen.body.share;
   const bool whole = !share || share->processes->count() == 1;
   if (whole && !experiment.stiffened_by_load() && !(specimen.material.bending_rigidity > 0))
-    count_modes(at_work, model, experiment, options.time ? options.time->duration : 0, run);
+    count_modes(at_work, model, experiment, options, run);
 
   std::shared_ptr<Derivatives> of_whole_runs;
   if (options.derivatives && Derivatives::by_whole_runs(experiment, *held->rig, choice, model, options))

@@ -145,10 +145,7 @@ void add_modes(std::string& out, Scene& scene) {
   ModeReport report = find_modes_in_parts(scene.specimen.body, model.supports, stiff);
   add_line(out, "fixed molecules", digits(static_cast<int>(model.supports.size())));
   add_line(out, "free rigid motions",
-           fmt::format("{}{}", report.rigid_motions,
-                       !report.rigid_motions              ? ""
-                       : scene.specimen.body.ties.empty() ? " (left by the grips; no mechanism)"
-                                                          : " (of each body without its ties)"));
+           fmt::format("{}{}", report.rigid_motions, report.rigid_motions ? " (left by the grips; no mechanism)" : ""));
   std::string but;
   if (report.out_of_plane > 0 &&
       stays_in_plane(scene.specimen, *scene.experiment, scene.time ? scene.time->duration : 0)) {

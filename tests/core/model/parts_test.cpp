@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 
+#include "core/solve/modes.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/forces/ties.h"
 #include "elastin/core/geometry/cell_kind.h"
@@ -139,8 +140,11 @@ TEST_CASE("molecules in one place become one", "[parts][ties]") {
 TEST_CASE("other molecules are moved onto the surface and held there", "[parts][ties]") {
   Body body = stack(3, 4, 2e-4);
   const Body before = body;
+  CHECK(find_modes_in_parts(body, {}, {}).rigid_motions == 12);
   const TieReport report = tie_parts(body, "high", "low", 3e-4, 1e5);
   CHECK(report.tied == 25);  // of the finer block
+  CHECK(find_modes_in_parts(body, {}, {}).rigid_motions == 6);
+  CHECK(find_modes_in_parts(body, {{body.ties.front().molecule, Matrix3::Zero()}}, {}).rigid_motions == 3);
   CHECK(report.furthest == Approx(2e-4));
   CHECK(body.size() == before.size());
   for (const Tie& tie : body.ties) {

@@ -138,6 +138,62 @@ TEST_CASE("supports that leave a rigid motion free are named where displacements
   }
 }
 
+TEST_CASE("a rigid motion that loads hold is not free", "[statics][load_path]") {
+  // A triangle of bars hangs by two of its corners: gravity holds its swing. By one: all but the turn about the
+  // vertical.
+  const TemporaryFolder folder;
+  for (const auto& [held, gravity, said] :
+       {std::tuple{"[0, 1]", "-9.81 m/s2", ""},
+        {"[0, 1]", "0 m/s2", "the supports leave 1 rigid motion of the body free"},
+        {"[2]", "9.81 m/s2", "the supports leave 1 rigid motion of the body free"}}) {
+    const auto scene = load_scene(
+        folder.write("scene.yaml",
+                     "body: {molecules: [[0, 0, 0], [1 cm, 0, 0], [5 mm, 0, -8 mm]], radius: 1 mm, connections: "
+                     "[[0, 1], [1, 2], [2, 0]]}\nmaterial: {youngs_modulus: 1 MPa, density: 1000 kg/m3}\n"
+                     "stiffness: {strategy: uniform, constant: 10 N/m}\nsupports: [{molecules: " +
+                         std::string(held) + "}]\nloads: [{gravity: [0, 0, " + gravity +
+                         "]}]\nexperiment: {kind: loads}\n"),
+        built_in_catalog());
+    const Run run = run_strategy(scene->specimen, *scene->experiment, scene->stiffness, {.statics = scene->statics});
+    INFO(held << gravity << run.cause);
+    REQUIRE(run.outcome == Outcome::converged);
+    CHECK(run.warnings.size() == (*said ? 1 : 0));
+    if (*said && !run.warnings.empty()) CHECK_THAT(run.warnings.front(), Contains(said));
+  }
+}
+
+TEST_CASE("a body that finds no equilibrium says that it is not held, or a mechanism", "[statics][load_path]") {
+  const TemporaryFolder folder;
+  const auto cause = [&](const std::string& text) {
+    const auto scene = load_scene(folder.write("scene.yaml", text), built_in_catalog());
+    const Run run = run_strategy(scene->specimen, *scene->experiment, scene->stiffness, {.statics = scene->statics});
+    CHECK(run.outcome == Outcome::limit_reached);
+    return run.cause;
+  };
+  const std::string sides =
+      "{molecules: {side: -z, body: low}, fix: [z]}, {molecules: [0]}]\n"
+      "loads: [{pressure: {pressure: 200 Pa, 'on': {side: -x, body: low}}}, "
+      "{pressure: {pressure: 200 Pa, 'on': {side: x, body: low}}}]\nexperiment: {kind: loads}\n";
+  CHECK_THAT(
+      cause("bodies: [{name: low, tetrahedra: {kind: body_centred, cubes: [2, 2, 2], size: [10 mm, 10 mm, 8 mm]}}, "
+            "{name: up, at: [0, 0, 8 mm], lattice: {kind: cubic, molecules: [3, 3, 3], spacing: [5 mm, 5 mm, 4 mm], "
+            "order: 2}}]\nties: [{between: [low, up], within: 0.1 mm}]\n"
+            "material: {youngs_modulus: 10 kPa, poissons_ratio: 0.3}\nstiffness: neo_hookean\nsupports: [" +
+            sides),
+      Contains("; the supports leave 1 rigid motion of the bodies free: hold more of them"));
+  std::string molecules, connections;
+  for (int a = 0; a <= 40; ++a) {
+    molecules += (a ? ", [" : "[") + std::to_string(0.0175 * a) + ", 0, " +
+                 std::to_string(-0.0178536 * std::min(a, 40 - a)) + "]";
+    if (a) connections += (a > 1 ? ", [" : "[") + std::to_string(a - 1) + ", " + std::to_string(a) + "]";
+  }
+  CHECK_THAT(cause("body: {molecules: [" + molecules + "], connections: [" + connections +
+                   "], radius: 0.002}\nmaterial: {youngs_modulus: 5e7, density: 1000}\n"
+                   "stiffness: {strategy: uniform, constant: 1e5}\nsupports: [{molecules: [0]}, {molecules: [40]}]\n"
+                   "loads: [{gravity: [0, 0, -9.81]}]\nexperiment: {kind: loads}\n"),
+             Contains("; `solver.method: implicit` finds where a mechanism comes to rest"));
+}
+
 TEST_CASE("rigid motions of several bodies that nothing joins are named, too", "[statics][load_path]") {
   const TemporaryFolder folder;
   const std::string block = "tetrahedra: {kind: body_centred, cubes: [2, 2, 2], size: [4 mm, 4 mm, 4 mm]}";
