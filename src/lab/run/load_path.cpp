@@ -14,11 +14,11 @@
 #include "core/solve/modes.h"
 #include "elastin/core/base/stop.h"
 #include "elastin/core/base/text.h"
-#include "elastin/core/forces/tension.h"
 #include "elastin/core/model/rest.h"
 #include "elastin/core/model/share.h"
 #include "elastin/core/solve/vibrations.h"
 #include "lab/run/common_measures.h"
+#include "lab/run/compression.h"
 #include "lab/run/contact_measures.h"
 #include "lab/run/derivatives.h"
 
@@ -582,10 +582,11 @@ void note_curve_error(const Experiment& experiment, const MeasureList& list, con
   run.measures.set("curve_error", difference / largest);
 }
 
-void note_compression(const Model& model, const Positions& positions, const Material& material, Run& run) {
-  const Compression found = find_compression(model, positions);
+}  // namespace
+
+std::string compression_text(const Model& model, const Positions& positions, const Compression& found,
+                             const Material& material) {
   const int all = static_cast<int>(model.body().triangles.size());
-  if (found.triangles == 0) return;
   const auto& [a, b, c] = model.body().triangles[found.worst];
   const Vector3 at = (positions.col(a) + positions.col(b) + positions.col(c)) / 3;
   char text[240];
@@ -595,8 +596,10 @@ void note_compression(const Model& model, const Positions& positions, const Mate
       "wrinkle there; `wrinkling: drop` leaves compression out",
       found.triangles, all, found.worst, at.x(), at.y(), at.z(),
       found.tension / thicknesses(model.body(), material.thickness)[static_cast<std::size_t>(found.worst)]);
-  run.warnings.push_back(text);
+  return text;
 }
+
+namespace {
 
 /// Under preload: forces, displacements and energy as what the experiment adds, and as what there is in all.
 void note_preload(const Model& model, const MeasureList& list, const StaticRig& rig, const Start& start,
@@ -787,8 +790,11 @@ void follow_load_curve(Model& model, const StaticExperiment& experiment, StaticR
                            (model.body().parts.empty() ? "it" : "them"));
   // What resists bending may bear compression.
   if (!model.body().share && !model.body().triangles.empty() && !options.statics.linear &&
-      !(material.bending_rigidity > 0))
-    note_compression(model, path.state().positions, material, run);
+      !(material.bending_rigidity > 0)) {
+    const Positions& at_end = path.state().positions;
+    if (const Compression found = find_compression(model, at_end); found.triangles > 0)
+      run.warnings.push_back(compression_text(model, at_end, found, material));
+  }
   const bool grows = std::is_sorted(run.curve.begin(), run.curve.end(), [](const CurvePoint& a, const CurvePoint& b) {
     return a.load_factor < b.load_factor;
   });

@@ -1,5 +1,6 @@
 #include "lab/run/load_path.h"
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <optional>
@@ -8,12 +9,14 @@
 #include "core/base/stopwatch.h"
 #include "core/model/visit_state.h"
 #include "core/solve/energies.h"
+#include "core/solve/modes.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/base/text.h"
 #include "elastin/core/model/rest.h"
 #include "elastin/core/model/share.h"
 #include "elastin/lab/run/experiment.h"
 #include "lab/run/common_measures.h"
+#include "lab/run/compression.h"
 #include "lab/run/contact_measures.h"
 #include "lab/run/specimen.h"
 #include "lab/run/step_control.h"
@@ -39,11 +42,25 @@ TimeOptions with_steps_for(const TimedExperiment& experiment, TimeOptions option
   return options;
 }
 
+/// Of a flat membrane that could leave its plane; else zero.
+Vector3 free_flat_normal(const Model& model, const Material& material) {
+  const Body& body = model.body();
+  if (body.share || body.triangles.empty() || !body.tetrahedra.empty() || material.bending_rigidity > 0 ||
+      contact_of(model))
+    return Vector3::Zero();
+  const Vector3 normal = plane_normal(body);
+  std::vector<char> held(static_cast<std::size_t>(body.size()), 0);
+  for (const Support& support : model.supports)
+    if ((support.free * normal).norm() < 0.5) held[support.molecule] = 1;
+  return std::count(held.begin(), held.end(), 1) == body.size() ? Vector3(Vector3::Zero()) : normal;
+}
+
 /// One timed run.
 class TimedRun {
  public:
   TimedRun(Model& model, const TimedExperiment& experiment, const TimedRig& rig, const RunOptions& options, Run& run,
-           State start, const StepperMethod& method, const std::string& identity, bool muscles, bool contact_damps)
+           State start, const StepperMethod& method, const std::string& identity, bool muscles, bool contact_damps,
+           const Material& material)
       : model_(model),
         experiment_(experiment),
         rig_(rig),
@@ -56,7 +73,9 @@ class TimedRun {
         begin_(state_.positions),
         ledger_(model, state_),
         control_(model, state_, with_steps_for(experiment, *options.time), method, options.statics),
-        mass_(sum_over(model.body(), model.body().mass.head(owned_molecules(model.body())).sum())) {}
+        mass_(sum_over(model.body(), model.body().mass.head(owned_molecules(model.body())).sum())),
+        material_(material),
+        flat_normal_(free_flat_normal(model, material)) {}
 
   void resume() {
     const std::string& path = options_.restart_path;
@@ -98,6 +117,7 @@ class TimedRun {
       if (!advance_frame(time.time_of(frame_ + 1))) break;
       ++frame_;
       keep_snapshot();
+      note_flat_compression();
       const Stopwatch look;
       control_.look(model_, state_);
       looked += look.seconds();
@@ -123,6 +143,23 @@ class TimedRun {
     StepControl::Memory memory;
     std::size_t history;
   };
+
+  /// A flat sheet that is pressed stays in its plane, where it is not stable, as long as nothing moves it out.
+  void note_flat_compression() {
+    constexpr double flat = 1e-9, rounding = 1e-6, much = 0.01;
+    if (flat_normal_.isZero(0)) return;
+    const Compression found = find_compression(model_, state_.positions);
+    const double strain = -found.tension / (material_.youngs_modulus * material_.thickness);
+    largest_strain_ = std::max(largest_strain_, run_.curve.back().measures.get("largest_strain"));
+    if (!(strain > std::max(rounding, much * largest_strain_))) return;  // a wave
+    const Eigen::RowVectorXd heights = flat_normal_.transpose() * state_.positions;
+    const auto [low, high] = outline_of_whole(model_.body());
+    if (heights.maxCoeff() - heights.minCoeff() < flat * (high - low).norm())
+      run_.warnings.push_back("the flat sheet is not stable from t = " + number(state_.time, 4) +
+                              " s on, and stays flat: " + compression_text(model_, state_.positions, found, material_) +
+                              ", and `initial: {scatter: {amount: …}}` lets it fold");
+    flat_normal_.setZero();
+  }
 
   /// Where the run is, and how long the rest takes at this pace: four times a second.
   void report_progress(double now) {
@@ -375,6 +412,9 @@ class TimedRun {
   double available_ = 0;  ///< the most energy that there has been [J]
   StepControl control_;
   double mass_;  ///< of the whole [kg]
+  const Material& material_;
+  Vector3 flat_normal_;        ///< zero: not flat, or its compression is known
+  double largest_strain_ = 0;  ///< of the frames
   Stopwatch began_, reported_;
   double began_at_ = 0;  // [s] of the run, when the first was started
   int frame_ = 0;
@@ -437,7 +477,7 @@ void run_in_time(Model& model, const TimedExperiment& experiment, TimedRig& rig,
   const bool muscles =
       std::any_of(materials.begin(), materials.end(), [](const Material& own) { return own.active.has_value(); });
   TimedRun timed_run(model, experiment, rig, options, run, std::move(state), method, identity, muscles,
-                     specimen.contact && specimen.contact->restitution < 1);
+                     specimen.contact && specimen.contact->restitution < 1, specimen.material);
   if (run.time->resumed) timed_run.resume();
   timed_run.go();
 }

@@ -999,3 +999,29 @@ TEST_CASE("a block that sticks to a turning table takes few iterations a step", 
     CHECK(run.newton_iterations <= 6 * 50);
   }
 }
+
+TEST_CASE("a flat sheet that is pressed in its plane is not stable in time either, which is said once",
+          "[run_in_time]") {
+  const auto run = [](const std::string& law, const std::string& strain, const std::string& more = "") {
+    return run_of(
+        "body: {sheet: {size: [6 mm, 4 mm], squares: [3, 2], pattern: one_way}}\n"
+        "material: {youngs_modulus: 20 kPa, poissons_ratio: 0, density: 1 g/cm3, thickness: 0.1 mm}\n"
+        "stiffness: " +
+        law + "\nexperiment: {kind: motion, fixture: {kind: tension, axis: x, strain: " + strain +
+        "}}\n"
+        "time: {duration: 0.1 s, frames: 20, stepper: backward_euler, step: {per_frame: 1}}\n" +
+        more);
+  };
+  const auto said = [](const Run& done) {
+    INFO(done.cause);
+    CHECK(done.outcome == Outcome::converged);
+    return std::count_if(done.warnings.begin(), done.warnings.end(), [](const std::string& warning) {
+      return warning.starts_with("the flat sheet is not stable from t = ") &&
+             warning.find("a membrane would wrinkle there") != std::string::npos;
+    });
+  };
+  CHECK(said(run("st_venant_kirchhoff_membrane", "-2 %")) == 1);
+  CHECK(said(run("st_venant_kirchhoff_membrane", "2 %")) == 0);
+  CHECK(said(run("st_venant_kirchhoff_membrane+wrinkling", "-2 %")) == 0);
+  CHECK(said(run("st_venant_kirchhoff_membrane", "-2 %", "initial: {scatter: {amount: 1 um}}\n")) == 0);
+}
