@@ -477,6 +477,25 @@ ComputedReferences Sequence::solve(const std::function<void(const std::string&)>
   return result;
 }
 
+/// A value that is smaller than its uncertainty is none: it has no limit, or the bodies are far from it.
+ComputedReferences without_unlimited(const Scene& scene, ComputedReferences found) {
+  const auto has_unit = [&](const Reference& r) { return scene.measures->at(r.measure).unit != dimension::none; };
+  const auto unlimited = [&](const Reference& r) { return has_unit(r) && !(r.uncertainty <= 1); };
+  std::string names;
+  for (const Reference& reference : found.references)
+    if (unlimited(reference))
+      names += (names.empty() ? "" : ", ") + std::string(scene.measures->at(reference.measure).label());
+  if (names.empty()) return found;
+  std::erase_if(found.references, unlimited);
+  // A ratio alone says nothing of what has a unit.
+  if (std::none_of(found.references.begin(), found.references.end(), has_unit)) found.references.clear();
+  found.trouble =
+      "no limit shows of " + names +
+      " as the cells are refined (a grip or load on a point or an edge yields without limit: hold a patch of "
+      "the surface)";
+  return found;
+}
+
 using Json = nlohmann::ordered_json;
 
 /// Checksum of what a problem's entry has before it.
@@ -568,11 +587,11 @@ ComputedReferences compute_references(const Scene& scene, const Catalog& catalog
     if (const ComputedReferences* known = store.find(key)) {
       ComputedReferences found = *known;
       for (Reference& reference : found.references) reference.read_back = true;
-      return found;
+      return without_unlimited(scene, std::move(found));
     }
     ComputedReferences found = sequence.solve(progress, stop);
     if (found.trouble != "interrupted") store.add(key, found);
-    return found;
+    return without_unlimited(scene, std::move(found));
   } catch (const InputError& error) {
     return {{}, error.what()};
   }

@@ -243,6 +243,17 @@ TEST_CASE("what has no solution to refine gets a reason, in a sentence", "[refer
              Contains("no equilibrium to refine"));
 }
 
+TEST_CASE("what yields without limit as cells are refined has no computed reference", "[reference]") {
+  // A force on one molecule: the displacement goes with one over the cells' size.
+  const ComputedReferences found =
+      Written(block("cubes: [2, 2, 2], size: [10 mm, 10 mm, 20 mm]", "youngs_modulus: 30 kPa, poissons_ratio: 0.3",
+                    "force: 1 mN, loaded: {nearest: [5 mm, 5 mm, 20 mm]}, fixed_grip: clamped",
+                    "reference: {computed: {most_cells: 7000}}\n"))
+          .compute();
+  CHECK(found.references.empty());
+  CHECK_THAT(found.trouble, Contains("no limit shows of E") && Contains("hold a patch"));
+}
+
 TEST_CASE("where one body alone is affordable its cells' order says how well the measures are known",
           "[reference][slow]") {
   const std::string bar = block(kBar, kRubber, "displacement: 0.1 mm, " + kClamped);
