@@ -249,12 +249,16 @@ void Simulation::Impl::begin_step(double start, double end) {
   tools->start = start, tools->end = end;
 }
 
+/// What the host's functions fail at here, as they did in the step, the next step asks them again.
 void Simulation::Impl::go_back() {
   work = shown;
-  model.begin_step(work, work.time);
-  if (model.drive) model.drive(shown.time, model.supports);
   host_supports.go_back();
   tools->go_back();
+  try {
+    model.begin_step(work, work.time);
+    if (model.drive) model.drive(shown.time, model.supports);
+  } catch (const std::exception&) {
+  }
 }
 
 StepResult Simulation::Impl::substeps_of(double dt, int substeps) {

@@ -658,6 +658,27 @@ TEST_CASE("simulation: what a load throws is the cause of a step that has not be
   }
 }
 
+TEST_CASE("simulation: a muscle whose activation is lost, at the step's start too, leaves the body where it was") {
+  Material material = kTissue;
+  double level = 0.1;
+  material.active =
+      ActiveFibre{.direction = Vector3::UnitZ(), .stress = 10, .activation = [&](double) { return level; }};
+  for (const char* method : {"symplectic_euler", "newmark", "backward_euler"}) {
+    CAPTURE(method);
+    level = 0.1;
+    SimulationOptions options;
+    options.stepper.method = method;
+    Simulation tissue(tissue_block(), built_in_catalog().find("neo_hookean"), material, options);
+    CHECK(tissue.step(kStep).outcome == Outcome::converged);
+    const Positions before = tissue.positions();
+    level = kNaN;
+    CHECK_THAT(tissue.step(kStep).cause, Contains("the activation of the muscle"));
+    CHECK(tissue.positions() == before);
+    level = 0.1;
+    CHECK(tissue.step(kStep).outcome == Outcome::converged);
+  }
+}
+
 TEST_CASE("simulation: settle leaves an equilibrium that is no minimum, unless it is told not to look") {
   // Two links in line, their joint held sideways by two springs of 100 N/m: straight up to 50 N, as in
   // relaxation_test.cpp.
