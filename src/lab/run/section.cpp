@@ -101,7 +101,8 @@ void add_cell(const std::array<int, 4>& cell, const Positions& rest, const Vecto
 /// with a function that gives the Jacobians at the quadrature points of these nodes.
 template <class Tetrahedron, class Cell>
 void for_each_solid(const Body& body, const Tetrahedron& tetrahedron, const Cell& cell) {
-  if (!has_blocks(body, 3)) std::ranges::for_each(body.tetrahedra, tetrahedron);
+  if (!has_blocks(body, 3))
+    for (const auto& corners : body.tetrahedra) tetrahedron(corners);
   for (const CellBlock& block : body.blocks) {
     if (block.kind->dimensions != 3) continue;
     const ReferenceSlopes<3> slopes(*block.kind);
