@@ -1239,7 +1239,7 @@ class Parachute(Experiment):
     def __init__(self, *, direction: Any = None, gravity: Any = None, speed: Any = None) -> None: ...
 
 class Vibration(Experiment):
-    """Natural frequencies of a body, free or fixed by a fixture; at rest.
+    """Natural frequencies and shapes of a body, free or fixed by a fixture; at rest.
     fixture: how the body is fixed (experiment at rest; default: free body).
     load: whether the body vibrates about rest, or about its equilibrium under the fixture's load (removed, applied;
     default: removed).
