@@ -133,7 +133,7 @@ void count_modes(const Specimen& specimen, const Model& model, const Experiment&
   if (report.zero_energy_modes > 0)
     run.warnings.push_back(warning_of_modes(report) + (options.statics.static_method == StaticMethod::newton
                                                            ? "; the load is solved in the range of the stiffness"
-                                                           : " of the unloaded body"));
+                                                           : "; counted without the load"));
 }
 
 /// The choice as it works on the specimen's body.
