@@ -72,7 +72,7 @@ const MeasureList& measures_in_time() {
 const MeasureList& measures_of_contact() {
   using namespace dimension;
   static const MeasureList list{
-      {"contact_force", force, "largest force on one obstacle; without obstacles that of two pieces on each other"},
+      {"contact_force", force, "largest force on one obstacle; without obstacles that of two pieces on each other; none of a piece on itself"},
       {"contact_area", area, "area of the samples in contact"},
       {"largest_pressure", pressure, "contact pressure, the largest of a molecule's part of the surface"},
       {"largest_penetration", length, "largest penetration of a contact"},

@@ -13,6 +13,7 @@
 #include "core/solve/trial.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/base/text.h"
+#include "elastin/core/forces/loads.h"
 #include "elastin/core/model/share.h"
 #include "lab/run/contact_measures.h"
 #include "lab/run/uniform_block.h"
@@ -31,6 +32,10 @@ constexpr double kRebound = 1.02;
 constexpr double kMoving = 2e-3;
 /// Of damping to what the laws bear; and of the energy by which a load grows within a frame.
 constexpr double kDamped = 0.01, kGrows = 1e-3;
+
+/// Fewest loaded molecules of which one is told from the rest; and how many times as far as most one must have moved.
+constexpr std::size_t kFewLoaded = 8;
+constexpr double kFarther = 5;
 
 /// The second of an obstacle's extents [m], by size: what must fit between samples for it to pass.
 double width_of(const Obstacle& obstacle) {
@@ -169,6 +174,30 @@ std::string self_crossing(const Specimen& specimen, const Positions& end) {
          ", " + number(at.z(), 4) + ") mm; `contact: {self: true}` holds it off itself";
 }
 
+/// That some of many molecules which a force loads have moved far further than the rest of them, and which; or "". Of a
+/// share of a body, whose loaded molecules are others' too, nothing is said.
+std::string weakly_held(const Model& model, const Positions& end) {
+  const Body& body = model.body();
+  if (body.share || end.cols() != body.size()) return "";
+  for (const auto& load : model.loads()) {
+    const auto* forces = dynamic_cast<const PointLoads*>(load.get());
+    if (!forces || forces->molecules().size() < kFewLoaded) continue;
+    std::vector<std::pair<double, int>> motions;
+    for (const int molecule : forces->molecules())
+      motions.emplace_back((end.col(molecule) - body.rest.col(molecule)).norm(), molecule);
+    std::sort(motions.begin(), motions.end());
+    const double usual = motions[motions.size() / 2].first;
+    const auto [farthest, molecule] = motions.back();
+    if (!(farthest > kFarther * usual && motions[motions.size() * 9 / 10].first < kFarther * usual)) continue;
+    const Vector3 at = 1e3 * body.rest.col(molecule);
+    return "of " + counted(static_cast<int>(motions.size()), "loaded molecule") + " the one at (" + number(at.x(), 4) +
+           ", " + number(at.y(), 4) + ", " + number(at.z(), 4) + ") mm, which the body holds weakly, has moved " +
+           number(1e3 * farthest, 3) + " mm, most of them " + number(1e3 * usual, 3) +
+           " mm: it is part of every mean over them; a displacement in place of the force moves them alike";
+  }
+  return "";
+}
+
 }  // namespace
 
 std::vector<std::string> findings_at_end(const Specimen& specimen, const MeasureList& list, const Model& model,
@@ -203,6 +232,7 @@ std::vector<std::string> findings_at_end(const Specimen& specimen, const Measure
     found.emplace_back(
         "the modulus is of all forces, those of the active fibres too; an experiment at rest has them before the load");
   if (std::string crossing = self_crossing(specimen, run.end); !crossing.empty()) found.push_back(std::move(crossing));
+  if (std::string weak = weakly_held(model, run.end); !weak.empty()) found.push_back(std::move(weak));
   if (!specimen.contact) return found;
   double deepest = 0, speed = 0;
   for (const CurvePoint& row : run.curve) {

@@ -9,6 +9,7 @@
 #include <map>
 #include <numeric>
 #include <random>
+#include <set>
 #include <sstream>
 #include <utility>
 
@@ -41,6 +42,16 @@ void check_axes(const Study& study) {
     }
 }
 
+/// Reads the scene with each value of the study once, so that an error in the last is found before the first run.
+void read_each_value(const ScenePlan& plan, const Request& request, const Catalog& catalog) {
+  std::set<std::pair<std::string, std::string>> read;
+  for (const auto& combination : plan.combinations) {
+    const std::size_t before = read.size();
+    read.insert(combination.begin(), combination.end());
+    if (read.size() > before) load_scene(plan.source, catalog, overrides_of(request.overrides, combination));
+  }
+}
+
 ScenePlan plan_scene(const Request& request, const Catalog& catalog, const SceneSource& source) {
   ScenePlan plan;
   plan.source = source;
@@ -66,7 +77,7 @@ ScenePlan plan_scene(const Request& request, const Catalog& catalog, const Scene
   plan.own_reference = study.own_reference;
   if (!study.axes.empty() && !plan.scene->expectations.empty())
     plan.warnings.emplace_back("`expect` is not judged: it speaks of the scene as it is, and the study varies it");
-  if (!study.axes.empty()) load_scene(source, catalog, overrides_of(request.overrides, plan.combinations.front()));
+  if (!study.axes.empty()) read_each_value(plan, request, catalog);
   return plan;
 }
 

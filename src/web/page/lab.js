@@ -23,7 +23,11 @@ function complain(text) {
 const short = value => String(+value.toPrecision(2));
 
 /** "+0.12 %"; "—" where there is no target. */
-const error_text = error => Number.isFinite(error) ? `${error > 0 ? '+' : ''}${(100 * error).toFixed(2)} %`.replace('-', '−') : '—';
+const error_text = error => {
+  if (!Number.isFinite(error)) return '—';
+  const percent = Math.round(1e4 * error) / 100 || 0;  // never -0
+  return `${percent > 0 ? '+' : ''}${percent.toFixed(2)} %`.replace('-', '−');
+};
 
 const said = text => { part('said').textContent = text; };
 
@@ -77,7 +81,7 @@ class Lab {
     const counted = (count, name) => `${count.toLocaleString('en')} ${name}${count === 1 ? '' : 's'}`;
     part('about').textContent = [counted(scene.molecules, 'molecule'), counted(scene.connections, 'connection'),
       ...(scene.cells ? [counted(scene.cells, 'cell')] : [])].join(', ') +
-      `; its material has Young's modulus E = ${with_prefix(first.E, 'Pa')} and Poisson's ratio ν = ${+first.nu.toPrecision(4)}.` +
+      `; its ${scene.parts > 1 ? 'first ' : ''}material has Young's modulus E = ${with_prefix(first.E, 'Pa')} and Poisson's ratio ν = ${+first.nu.toPrecision(4)}.` +
       (scene.dropped.length ? ` Of the scene this page leaves out ${scene.dropped.join(' and ')}.` : '');
     part('test-note').textContent = 'How stiff is the whole body? ' + (scene.own_test ? "It is pulled as in the scene's own test, where its E and ν are read, "
       : 'It is pulled by a strain of 10⁻⁴ along its longest side, where its E and ν are read, ') + 'and then on to the strain that you set.';
@@ -717,7 +721,8 @@ class Lab {
     part('tested').hidden = false;
     const {E, nu} = this.test_settings;
     const targets = results.filter(result => Number.isFinite(result?.error)).map(result => `${result.strategy} ${with_prefix(result.target, 'Pa', 4)}`);
-    part('target').textContent = `Dashed: ${scene.parts > 1 ? "the first material's" : "the material's"} E = ${with_prefix(E, 'Pa', 4)} at rest${scene.own_constants ? '' : `; its ν = ${+nu.toPrecision(4)}`}. ` +
+    const own = this.own_target();
+    part('target').textContent = (own ? `Dashed: the law's own E = ${with_prefix(own, 'Pa', 4)}; the material's` : `Dashed: ${scene.parts > 1 ? "the first material's" : "the material's"}`) + ` E = ${with_prefix(E, 'Pa', 4)} at rest${scene.own_constants ? '' : `; its ν = ${+nu.toPrecision(4)}`}. ` +
       (scene.no_error ? `No error: ${scene.no_error}.` : targets.length ? `Errors are to the law's own E at a strain of ${+(100 * results.find(Boolean).strain).toPrecision(3)} %: ${targets.join(', ')}.` : '');
     const problem = bodies.find(body => body.problem)?.problem;
     if (problem) complain(`The test of a body stops here: ${problem}.`);
@@ -725,9 +730,15 @@ class Lab {
       points: [[0, 0], ...readings.map(reading => [reading.strain, reading.stress])].sort((a, b) => a[0] - b[0])})), this.target()], 'Stress–strain curve of each strategy; dashed: the target E');
   }
 
+  /** The law's own E at the strain of the test, where it is another than the material's, as with fibres; else undefined. */
+  own_target() {
+    const own = this.results().find(result => Number.isFinite(result?.error))?.target;
+    return Math.abs(own / this.test_settings.E - 1) > 1e-3 ? own : undefined;
+  }
+
   target() {
     const strains = this.readings.flat().map(reading => reading.strain), end = strains.reduce((far, v) => Math.abs(v) > Math.abs(far) ? v : far, 0);
-    return {name: 'target', colour: 'var(--faint)', dashed: true, points: [[0, 0], [end, this.test_settings.E * end]]};
+    return {name: 'target', colour: 'var(--faint)', dashed: true, points: [[0, 0], [end, (this.own_target() ?? this.test_settings.E) * end]]};
   }
 
   say_results() {

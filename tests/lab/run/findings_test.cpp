@@ -152,3 +152,17 @@ TEST_CASE("a body that goes through itself says so, one that is held off itself 
   CHECK(crossings("100 Pa", "contact: {self: true}\n") == 0);
   CHECK(crossings("1 Pa", "") == 0);
 }
+
+TEST_CASE("a loaded molecule that moves far further than the rest of its end is named", "[findings]") {
+  const auto weak = [](int seed, const std::string& load) {
+    return warnings_of("title: a packing\nbody: {packing: {size: [20 mm, 10 mm, 10 mm], distance: 2 mm, seed: " +
+                           std::to_string(seed) +
+                           "}}\nmaterial: {youngs_modulus: 10 kPa, poissons_ratio: 0.3}\nstiffness: standard\n"
+                           "experiment: {kind: tension, axis: x, " +
+                           load + "}\n",
+                       "which the body holds weakly");
+  };
+  CHECK(weak(4, "force: 1 mN") == 1);  // its elongation is four times that of other packings
+  CHECK(weak(1, "force: 1 mN") == 0);
+  CHECK(weak(4, "strain: 0.1 %") == 0);
+}
