@@ -290,7 +290,7 @@ TEST_CASE("multigrid keeps the sides of gaps apart in bodies of hexahedra", "[mu
   }
 }
 
-TEST_CASE("multigrid takes cells of any shape turned any way against its boxes", "[multigrid][cells]") {
+TEST_CASE("multigrid takes cells of any shape turned any way against its boxes", "[multigrid][cells][slow]") {
   // Boxes are as large as cells of second order: along the axes each has its points, and turned some have hardly any.
   for (const char* kind : {"hexahedron8", "hexahedron20", "hexahedron27", "tetrahedron10", "prism6"})
     for (const double degrees : {0., 10., 25., 45.}) {
@@ -305,7 +305,7 @@ TEST_CASE("multigrid takes cells of any shape turned any way against its boxes",
     }
 }
 
-TEST_CASE("multigrid takes tetrahedra whose surface is stepped, and flat ones", "[multigrid][cells]") {
+TEST_CASE("multigrid takes tetrahedra whose surface is stepped, and flat ones", "[multigrid][cells][slow]") {
   // Of the first, boxes at the surface have molecules and no cell's middle; of the others, stiffnesses of sides are
   // large and cancel out.
   const auto body_of = [](const Body& block, const auto& keeps) {

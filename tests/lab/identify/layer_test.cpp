@@ -55,7 +55,7 @@ TEST_CASE("layers are as stiff as their series begin", "[identify][layer]") {
           Approx(first((1.2876 - 1.4678 * nu + 1.3442 * nu * nu) / (1 - nu)) - 1).epsilon(0.03));
 }
 
-TEST_CASE("an indenter that goes down, stays and is drawn back gives E and relaxation", "[identify][layer]") {
+TEST_CASE("an indenter that goes down, stays and is drawn back gives E and relaxation", "[identify][layer][slow]") {
   // Hertz's sphere on a solid with G = 1 + g exp(-t / tau): Lee and Radok's integral while the contact grows, and
   // Ting's while it shrinks, here by fine sums of their own.
   constexpr double radius = 5e-3, depth = 1e-4, ramp = 1, hold = 2, g = 1.5, tau = 0.8, modulus = 20e3 / (1 - 0.16);

@@ -264,13 +264,12 @@ TEST_CASE("a law with directions has its own moduli as the target, or none", "[d
     const Record blind = make_record(*scene, run);
     CHECK(rank_strategies({blind}).best == nullptr);
     CHECK(blind.errors.empty());
+    if (scene->experiment->name() != "material") continue;  // computed in half a minute
     ReferenceStore store;
-    ComputedReferences found = compute_references(*scene, catalog, {}, store, {}, {});
-    REQUIRE_FALSE(found.references.empty());
-    scene->specimen.references = found.references;
-    const Record record = make_record(*scene, run);
-    if (scene->experiment->name() == "material")  // a uniform body is exact at any fineness
-      CHECK(record.error("effective_modulus_to_reference") == Approx(0).margin(1e-5));
+    scene->specimen.references = compute_references(*scene, catalog, {}, store, {}, {}).references;
+    REQUIRE_FALSE(scene->specimen.references.empty());
+    const Record record = make_record(*scene, run);  // a uniform body is exact at any fineness
+    CHECK(record.error("effective_modulus_to_reference") == Approx(0).margin(1e-5));
     CHECK(rank_strategies({record}).best != nullptr);
   }
   CHECK(no_reference(*load("kind: tension, axis: z, strain: 1 %")).empty());

@@ -213,7 +213,7 @@ TEST_CASE("rigid motions of several bodies that nothing joins are named, too", "
   }
 }
 
-TEST_CASE("a bar near nu = 1/2 is twisted in few Newton iterations a step", "[statics][load_path]") {
+TEST_CASE("a bar near nu = 1/2 is twisted in few Newton iterations a step", "[statics][load_path][slow]") {
   // The torque is that of 40 steps, whose extrapolation is near the path.
   const TemporaryFolder folder;
   const auto twisted = [&](int steps) {

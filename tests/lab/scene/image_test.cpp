@@ -363,7 +363,7 @@ TEST_CASE("image: boxes begin and end where the body does", "[image]") {
 }
 
 TEST_CASE("image: a grip is as deep as is stated behind the voxels' end, and not behind boxes that stand out over it",
-          "[image]") {
+          "[image][slow]") {
   const TemporaryFolder folder;
   // A bar of 48 mm × 16 mm × 12 mm, turned about z in the image, held over 6 mm at each end and pulled by 0.36 mm.
   for (const double degrees : {0., 20., 30., 45., 75.}) {

@@ -84,7 +84,7 @@ void check_taylor(const std::string& scene, const std::string& measure, const Nu
 
 TEST_CASE(
     "derivatives of every measure are differences of whole runs, for laws, shapes, experiments and kinds of number",
-    "[derivatives]") {
+    "[derivatives][slow]") {
   struct Case {
     std::string name, scene;
     std::vector<Number> numbers;
@@ -167,7 +167,7 @@ TEST_CASE("derivatives of springs whose constants change with the shape are thos
   }
 }
 
-TEST_CASE("derivatives of what is pressed in hardly at all are differences of whole runs", "[derivatives]") {
+TEST_CASE("derivatives of what is pressed in hardly at all are differences of whole runs", "[derivatives][slow]") {
   // From as stiff as the command takes it to a penetration of 1e-8 of the depth.
   for (const std::string stiffness : {"1e8", "1e10", "1e12"}) {
     const std::string scene =

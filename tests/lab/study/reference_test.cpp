@@ -132,7 +132,7 @@ TEST_CASE("a membrane is refined by its own law", "[reference]") {
   CHECK_THAT(modulus.source, Contains("neo_hookean_membrane on 16 to"));
 }
 
-TEST_CASE("progress of a reference says how long the next body may take", "[reference]") {
+TEST_CASE("progress of a reference says how long the next body may take", "[reference][slow]") {
   const Written bar(block(kBar, kRubber, "displacement: 0.1 mm, " + kClamped, kSmall));
   ReferenceStore store;
   std::vector<std::string> said;  // as each body begins
@@ -167,7 +167,7 @@ TEST_CASE("a prism with sliding grips shows the material and has no computed ref
 }
 
 TEST_CASE("a block sheared with free sides is compared with the solid, but for a force that is next to nothing",
-          "[reference][shear]") {
+          "[reference][shear][slow]") {
   const Written scene(
       "body: {tetrahedra: {kind: kuhn, cubes: [3, 3, 4], size: [6 mm, 6 mm, 8 mm], order: 2}}\n"
       "material: {youngs_modulus: 10 kPa, poissons_ratio: 0.3}\nstiffness: neo_hookean\n"
