@@ -149,15 +149,21 @@ class Stage {
   /** The picture holds the body at rest and at the end; of a motion every state. */
   aim() {
     const {frames, in_time, modes} = this.run, times = +this.part('scale').value;
-    const states = (in_time || modes ? frames : frames.slice(-1)).map(frame => positions_of(this.body, frame.displacements, times));
+    const states = (in_time || modes ? frames : frames.slice(-1)).flatMap(frame =>
+      (modes ? [times, -times] : [times]).map(scale => positions_of(this.body, frame.displacements, scale)));
     this.viewer.fit(in_time ? states : [this.body.rest, ...states]);
     this.show();
   }
 
   play() {
-    const step = this.part('step'), last = +step.max, length = this.run.modes ? 1000 * last : this.run.in_time ? 4000 : 2000;  // ms
+    const step = this.part('step'), last = +step.max, length = this.run.in_time ? 4000 : 2000;  // ms
     const first = +step.value < last ? +step.value : 0, begin = performance.now();
-    const tick = () => {
+    if (this.run.modes) step.value = +step.value || 1;
+    const tick = this.run.modes ? () => {  // a mode swings about the rest until it is paused
+      this.swing = Math.cos(2 * Math.PI * (performance.now() - begin) / 1500);
+      this.show();
+      this.playing = requestAnimationFrame(tick);
+    } : () => {
       const position = Math.min(last, first + (performance.now() - begin) / length * last);
       step.value = position;
       this.show();
@@ -169,9 +175,12 @@ class Stage {
   }
 
   pause() {
+    const swung = this.playing && this.run.modes;
     cancelAnimationFrame(this.playing);
     this.playing = undefined;
+    this.swing = 1;
     this.mark_playing();
+    if (swung) this.show();
   }
 
   mark_playing() {
@@ -249,7 +258,7 @@ class Stage {
     const {viewer, run: {frames, in_time}} = this, position = +this.part('step').value, state = state_at(frames, position);
     const {values} = this.shown_values(state, position), {low, high, map} = this.range();
     const colours = numbers => numbers && colours_of(map, numbers.map(v => map === 'signed' ? v / high : (v - low) / (high - low || 1)));
-    viewer.set_state(positions_of(this.body, state.displacements, +this.part('scale').value),
+    viewer.set_state(positions_of(this.body, state.displacements, this.swing * this.part('scale').value),
       {connections: colours(values.connections), molecules: colours(values.molecules), faces: colours(values.faces)});
     // Displacements that are drawn enlarged do not meet what the body touches.
     const to_scale = +this.part('scale').value === 1;
