@@ -48,7 +48,14 @@ void read_each_value(const ScenePlan& plan, const Request& request, const Catalo
   for (const auto& combination : plan.combinations) {
     const std::size_t before = read.size();
     read.insert(combination.begin(), combination.end());
-    if (read.size() > before) load_scene(plan.source, catalog, overrides_of(request.overrides, combination));
+    if (read.size() == before) continue;
+    try {
+      load_scene(plan.source, catalog, overrides_of(request.overrides, combination));
+    } catch (const InputError& error) {
+      const std::string what = error.what(), set = "--set: ";
+      if (!what.starts_with(set)) throw;
+      throw InputError((request.vary.empty() ? "study: " : "--vary: ") + what.substr(set.size()));
+    }
   }
 }
 
