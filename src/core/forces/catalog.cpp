@@ -122,7 +122,7 @@ LoadKind point() {
     model.add(std::make_unique<PointLoads>(
         model.body(), molecules, values.vectors.at("force").replicate(1, static_cast<Eigen::Index>(molecules.size()))));
   };
-  load.of_shares = true;
+  load.of_shares = load.of_each = true;
   return load;
 }
 

@@ -498,12 +498,21 @@ void Simulation::Impl::keep_history() {
   if (!shown.history.empty() || shown.time > 0) work.history = shown.history = std::move(history);
 }
 
-Simulation::Impl::Added Simulation::Impl::load_of(std::shared_ptr<const LoadKind> kind,
-                                                  const LoadValues& values) const {
-  return {[kind, checked = checked_values(*kind, body, values), of = material](Model& its) {
-            elastin::add_load(its, *kind, checked, of ? &*of : nullptr);
-          },
-          std::move(kind)};
+/// Throws InputError where they do not suit the body.
+void Simulation::Impl::set_values(Added& load, const LoadValues& values) const {
+  load.values = checked_values(*load.kind, body, values);
+  load.add = [kind = load.kind, own = load.values, of = material](Model& its) {
+    elastin::add_load(its, *kind, own, of ? &*of : nullptr);
+  };
+}
+
+Simulation::Impl::Added Simulation::Impl::load_of(std::shared_ptr<const LoadKind> kind, const LoadValues& values) {
+  Added load;
+  load.kind = std::move(kind);
+  set_values(load, values);
+  load.given = load.values;
+  if (!load.given.molecules.empty()) load.given_on = origin_of_molecules();
+  return load;
 }
 
 Simulation::Impl::Added& Simulation::Impl::load(LoadId id) {

@@ -42,8 +42,10 @@ struct Simulation::Impl {
 
   /// What was added to the model by a function, and what it put there.
   struct Added {
-    std::function<void(Model&)> add;            // empty: removed
+    std::function<void(Model&)> add;            // empty: removed, or nothing is left that it acts on
     std::shared_ptr<const LoadKind> kind = {};  // null: no load out of a table
+    LoadValues values = {}, given = {};         // of such a load: on this body, and on that which it was given on
+    std::vector<int> given_on = {};             // the origins of that body's molecules
     std::vector<const Load*> loads = {};
     std::vector<const Viscosity*> viscosity = {};
     double frequency = 0, damping_rate = 0;  // bounds of its own, of what came after `stable` was found
@@ -54,7 +56,9 @@ struct Simulation::Impl {
   void bound_step(Added& added) const;
   void keep_history();
   Added& load(LoadId id);  ///< throws InputError for an unknown one
-  Added load_of(std::shared_ptr<const LoadKind> kind, const LoadValues& values) const;
+  void set_values(Added& load, const LoadValues& values) const;
+  Added load_of(std::shared_ptr<const LoadKind> kind, const LoadValues& values);
+  const std::vector<int>& origin_of_molecules();
   /// How its model is made again on another body.
   struct Recipe {
     std::function<void(Impl&)> add_laws;
@@ -66,8 +70,8 @@ struct Simulation::Impl {
   /// Its laws and what was added, on its own body.
   void make_model();
   std::size_t terms() const { return model.elasticity().size() + model.viscosity().size() + model.loads().size(); }
-  /// The same simulation on another body, with its state at rest.
-  std::unique_ptr<Impl> on(Topology topology) const;
+  /// The same simulation on another body, with its state at rest; `moved` gives the values of a load there.
+  std::unique_ptr<Impl> on(Topology topology, const std::function<LoadValues(const Added&)>& moved) const;
   /// Throws InputError where what acts here cannot follow a change of topology.
   void check_follows() const;
   std::shared_ptr<const Topology> shared_topology() const;

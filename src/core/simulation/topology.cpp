@@ -49,6 +49,16 @@ SimulationState carried_over(const SimulationState& before, const ChangedBody& c
   return after;
 }
 
+/// These molecules on another body; of each, in `images`, what it has become.
+std::vector<int> images_of(const std::vector<int>& molecules, const Rows& images, bool one_each) {
+  std::vector<int> all;
+  for (const int molecule : molecules) {
+    const auto own = images[molecule];
+    all.insert(all.end(), own.begin(), one_each && !own.empty() ? own.begin() + 1 : own.end());
+  }
+  return all;
+}
+
 /// Throws InputError where a body that was read somewhere cannot be one.
 void check_read(const Topology& topology, bool carries) {
   const Body& body = topology.body;
@@ -83,7 +93,8 @@ std::shared_ptr<const Topology> Simulation::Impl::shared_topology() const {
   return topology;
 }
 
-std::unique_ptr<Simulation::Impl> Simulation::Impl::on(Topology other) const {
+std::unique_ptr<Simulation::Impl> Simulation::Impl::on(Topology other,
+                                                       const std::function<LoadValues(const Added&)>& moved) const {
   other.body.unstressed = body.unstressed;  // which saved states do not have
   auto made = std::make_unique<Impl>(std::move(other.body), options);
   made->material = material;
@@ -94,6 +105,17 @@ std::unique_ptr<Simulation::Impl> Simulation::Impl::on(Topology other) const {
   made->effort_is_given = effort_is_given;
   made->budget = budget;
   made->budget.restart();
+  for (Added& load : made->recipe.added) {
+    if (!load.kind || load.values.molecules.empty()) continue;
+    LoadValues values = moved(load);
+    try {
+      made->set_values(load, values);
+    } catch (const InputError&) {  // nothing is left there that it acts on
+      load.add = nullptr;
+      load.values = std::move(values);
+      load.loads.clear(), load.viscosity.clear();
+    }
+  }
   made->next_coupling = next_coupling;
   made->make_model();
   if (const std::string why = unsuited_for(*options.stepper.method, made->model); !why.empty())
@@ -128,7 +150,11 @@ TopologyReport Simulation::change(ChangedBody changed) {
   }
   const Rows images = rows_by_target(in.body.size(), report.molecule_from);
   changed.molecule_from = report.molecule_from;
-  auto made = in.on(std::move(next));
+  auto made = in.on(std::move(next), [&](const Impl::Added& load) {
+    LoadValues values = load.values;
+    for (auto& [name, molecules] : values.molecules) molecules = images_of(molecules, images, load.kind->of_each);
+    return values;
+  });
   made->restore(carried_over(save(), changed, images));
   made->original = in.original ? in.original : std::make_shared<const Topology>(Topology{in.body, {}, origin()});
   made->observers = std::move(in.observers);
@@ -149,14 +175,15 @@ TopologyReport Simulation::remove(const std::vector<int>& connections, const std
   return change(without(impl_->body, connections, cells));
 }
 
-const std::vector<int>& Simulation::origin() const noexcept {
-  std::vector<int>& origin = impl_->origin;
+const std::vector<int>& Simulation::Impl::origin_of_molecules() {
   if (origin.empty()) {
-    origin.resize(impl_->body.size());
+    origin.resize(body.size());
     std::iota(origin.begin(), origin.end(), 0);
   }
   return origin;
 }
+
+const std::vector<int>& Simulation::origin() const noexcept { return impl_->origin_of_molecules(); }
 
 std::shared_ptr<const void> Simulation::restore(const SimulationState& saved) {
   Impl& in = *impl_;
@@ -167,7 +194,25 @@ std::shared_ptr<const void> Simulation::restore(const SimulationState& saved) {
   in.check_idle("restore");
   in.check_follows();
   if (saved.topology) check_read(*saved.topology, static_cast<bool>(in.recipe.constants));
-  auto made = in.on(saved.topology ? *saved.topology : *in.original);
+  const Topology& target = saved.topology ? *saved.topology : *in.original;
+  int count = 0;  // of the molecules at first, as far as they are known here
+  const auto see = [&](const std::vector<int>& numbers) {
+    for (const int molecule : numbers) count = std::max(count, molecule + 1);
+  };
+  see(target.origin);
+  for (const Impl::Added& load : in.recipe.added) see(load.given_on);
+  const Rows images = rows_by_target(count, target.origin);  // of each of these
+  auto made = in.on(target, [&](const Impl::Added& load) {
+    LoadValues values = load.given;
+    if (load.given_on == target.origin) return values;
+    for (auto& [name, molecules] : values.molecules) {
+      for (int& molecule : molecules) molecule = load.given_on[molecule];
+      std::ranges::sort(molecules);
+      molecules.erase(std::unique(molecules.begin(), molecules.end()), molecules.end());
+      molecules = images_of(molecules, images, load.kind->of_each);
+    }
+    return values;
+  });
   made->restore(saved);
   if (saved.topology) {
     made->original = in.original ? in.original : std::make_shared<const Topology>(Topology{in.body, {}, origin()});

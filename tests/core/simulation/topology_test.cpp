@@ -169,6 +169,53 @@ TEST_CASE("supports, host forces and observers follow a cut", "[topology]") {
   CHECK_FALSE(again.changed);
 }
 
+TEST_CASE("loads on named molecules follow cuts, removals and their undoing", "[topology]") {
+  Simulation tissue(tissue_block(), built_in_catalog().find("neo_hookean"), kTissue, {});
+  const Body whole = tissue.body();
+  const double high = whole.rest.row(2).maxCoeff(), middle = whole.rest.row(1).maxCoeff() / 2;
+  std::vector<int> top;
+  int corner = -1, last = -1;
+  for (int molecule = 0; molecule < whole.size(); ++molecule) {
+    if (whole.rest(2, molecule) == high) top.push_back(molecule), last = molecule;
+    if (whole.rest.col(molecule).norm() == 0) corner = molecule;
+  }
+  REQUIRE(corner == 0);
+  const auto total = [&] { return Vector3(tissue.forces().rowwise().sum()); };
+  const LoadId traction = tissue.add_load(*built_in_loads().find("traction"),
+                                          {.vectors = {{"traction", Vector3(0, 0, 50)}}, .molecules = {{"on", top}}});
+  tissue.add_load(*built_in_loads().find("pressure"), {.numbers = {{"pressure", 100}}, .molecules = {{"on", top}}});
+  tissue.add_load(*built_in_loads().find("point"),
+                  {.vectors = {{"force", Vector3(1e-3, 0, 0)}}, .molecules = {{"molecules", {last}}}});
+  const Vector3 before = total();
+  const SimulationState saved = tissue.save();
+  const TopologyReport cut = tissue.cut(CutSurface::plane({0, middle, 0}, {0, 1, 0}));
+  REQUIRE(cut.split_molecules > 0);
+  CHECK((total() - before).norm() < 1e-12 * before.norm());
+
+  std::vector<int> cells;  // all that have the corner, and then all that have a molecule of the top
+  for (std::size_t cell = 0; cell < tissue.body().tetrahedra.size(); ++cell)
+    if (std::ranges::count(tissue.body().tetrahedra[cell], corner)) cells.push_back(static_cast<int>(cell));
+  tissue.remove({}, cells);
+  REQUIRE(tissue.origin()[0] != corner);
+  CHECK((total() - before).norm() < 1e-12 * before.norm());
+  int pulled = -1;
+  for (int molecule = 0; molecule < tissue.body().size(); ++molecule)
+    if (std::abs(tissue.forces()(0, molecule)) > 0.5e-3) pulled = molecule;
+  REQUIRE(pulled >= 0);
+  CHECK(tissue.origin()[pulled] == last);
+
+  cells.clear();
+  for (std::size_t cell = 0; cell < tissue.body().tetrahedra.size(); ++cell)
+    if (std::ranges::any_of(tissue.body().tetrahedra[cell],
+                            [&](int molecule) { return whole.rest(2, tissue.origin()[molecule]) == high; }))
+      cells.push_back(static_cast<int>(cell));
+  tissue.remove({}, cells);
+  CHECK(total().norm() < 1e-12 * before.norm());
+  tissue.restore(saved);
+  CHECK(total() == before);
+  CHECK_NOTHROW(tissue.remove_load(traction));
+}
+
 TEST_CASE("a block torn by its own weight falls apart, and keeps its mass", "[topology]") {
   Simulation tissue = hanging("neo_hookean");
   const double mass = tissue.body().mass.sum();

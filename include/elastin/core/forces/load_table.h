@@ -31,6 +31,9 @@ struct LoadKind : Descriptor {
   std::function<bool(const LoadValues& values)> acts_at_rest = [](const LoadValues&) { return true; };
   /// Whether it acts on a process's share of a body (Body::share): on owned molecules as on those of the whole.
   bool of_shares = false;
+  /// Whether each of its molecules has its own force: one that a cut splits goes on with it on one of the two. Of the
+  /// others, as of faces, both are among its molecules then.
+  bool of_each = false;
 };
 
 /// The loads that Elastin has, a row each.

@@ -215,7 +215,9 @@ class Simulation {
 
   /// Parts the body where the surface goes through it in its present positions; see elastin::cut. What is left goes on
   /// with the same positions, velocities, masses and stiffness; supports of a molecule that is split hold
-  /// all that comes of it, host forces are shared out as its mass, couplings stay with what keeps its number. Contact,
+  /// all that comes of it, host forces are shared out as its mass, couplings stay with what keeps its number. Of loads
+  /// out of the table faces are those of all that comes of their molecules, a force on each molecule stays with what
+  /// keeps its number, and what has nothing left that it acts on does nothing until set_load or restore. Contact,
   /// colours, hierarchies and matrices are made again, so the next step takes longer; points of contact forget where
   /// they stuck. Throws InputError as elastin::cut, and changes nothing, where something cannot follow: a law or load
   /// with a history, springs with fibres, sheets with bending stiffness, calibrated:RULE+volume, supports that
