@@ -65,9 +65,27 @@ double passing_depth(const Specimen& specimen, const Obstacle& obstacle) {
 
 }  // namespace
 
+/// Whether some cell has another E or ν than the material, by its fields.
+bool has_other_moduli(const Body& body, const Material& material) {
+  if (!material.field) return false;
+  const auto differs = [&](const auto& cell) {
+    Vector3 middle = Vector3::Zero();
+    for (const int molecule : cell) middle += body.rest.col(molecule) / static_cast<double>(std::size(cell));
+    const Material own = local_material(material, middle);
+    return std::abs(own.youngs_modulus / material.youngs_modulus - 1) > 1e-9 ||
+           std::abs(own.poissons_ratio - material.poissons_ratio) > 1e-9;
+  };
+  for (const CellBlock& block : body.blocks)
+    for (int cell = 0; cell < block.size(); ++cell)
+      if (differs(block.cell(cell))) return true;
+  return std::ranges::any_of(body.tetrahedra, differs) || std::ranges::any_of(body.triangles, differs);
+}
+
 std::string no_one_modulus(const Specimen& specimen) {
   if (specimen.materials.size() > 1) return "the bodies are of several materials";
-  return has_other_stiffness(specimen.body) ? "the body is not everywhere as stiff as the scene's material" : "";
+  return has_other_stiffness(specimen.body) || has_other_moduli(specimen.body, specimen.material)
+             ? "the body is not everywhere as stiff as the scene's material"
+             : "";
 }
 
 std::vector<std::string> findings_at_start(const Specimen& specimen, const Model& model, bool uses_cells) {
@@ -210,8 +228,11 @@ std::vector<std::string> findings_at_end(const Specimen& specimen, const Measure
   if (const double restitution = run.measures.get("restitution"); restitution > kRebound)
     found.push_back("it rebounds " + number(restitution, 3) +
                     " times as fast as it came: the steps are too long for the contact");
-  if (const auto& rest = specimen.body.unstressed;
-      reads_stiffness && rest && (!rest->part || rest->part(0) != rest->part(1)))
+  if (const auto& rest = specimen.body.unstressed; reads_stiffness && rest && run.time)
+    found.emplace_back(
+        "the modulus is of all forces, those of `rest` too; an experiment at rest with `factor: 1` has them before the "
+        "load");
+  else if (reads_stiffness && rest && (!rest->part || rest->part(0) != rest->part(1)))
     found.emplace_back(
         "the modulus is of all forces, those of `rest` too, which comes with the load: `factor: 1` has it before");
   if (const double lively = reads_stiffness && run.time ? liveliness(run) : 0; lively > kMoving && !run.curve.empty())

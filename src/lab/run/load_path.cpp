@@ -603,13 +603,18 @@ namespace {
 
 /// Under preload: forces, displacements and energy as what the experiment adds, and as what there is in all.
 void note_preload(const Model& model, const MeasureList& list, const StaticRig& rig, const Start& start,
-                  const State& state, const RunOptions& options, StaticResult solved, Measures& measures) {
+                  const State& state, const RunOptions& options, StaticResult solved, double copies,
+                  Measures& measures) {
   const Positions& rest = model.body().rest;
   if (!any_over(model.body(), start.positions != rest || !start.reactions.isZero(0))) return;
   measures.set("preload_strain", largest_strain(model, start.positions));
-  if (std::isfinite(measures.get("energy")))
-    measures.set("energy_increase",
-                 measures.get("energy") - sum_over(model.body(), model.stored_energy(start.positions)));
+  if (std::isfinite(measures.get("energy"))) {
+    const double part = model.rest_part();  // the start is without what of the rest comes with the load
+    if (const auto& own = model.body().unstressed) model.set_rest(own->part ? own->part(0) : 0);
+    const double before = sum_over(model.body(), model.stored_energy(start.positions));
+    model.set_rest(part);
+    measures.set("energy_increase", measures.get("energy") - copies * before);
+  }
   const Measures whole =
       rig.measure({rest, Positions::Zero(3, start.reactions.cols())}, state, options.statics, solved);
   for (const MeasureRole role : {MeasureRole::force, MeasureRole::torque, MeasureRole::displacement})
@@ -645,7 +650,7 @@ Measures measure_step(const Model& model, const StaticExperiment& experiment, co
                       const State& state, const RunOptions& options, StaticResult& solved,
                       std::optional<contact::ContactReport>& contact) {
   Measures measures = rig.measure(start, state, options.statics, solved);
-  note_preload(model, experiment.measures(), rig, start, state, options, solved, measures);
+  note_preload(model, experiment.measures(), rig, start, state, options, solved, experiment.copies(), measures);
   if (const contact::Contact* touching = contact_of(model)) {
     contact = touching->report(state);
     note_contact(*contact, experiment.copies(), measures);

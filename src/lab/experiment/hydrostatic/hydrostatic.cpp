@@ -57,7 +57,11 @@ class Hydrostatic final : public Driven {
     const double strain = held.factor * strain_, growth = std::pow(1 + strain, 3);
     const double volume_strain = solved.linear ? 3 * strain : growth - 1;
     const double volume = solved.linear ? volume_ : volume_ * growth;
-    const double pressure = -virial(pull, solved.linear ? body_.rest : state.positions).trace() / (3 * volume);
+    const auto pressure_of = [&](const Positions& forces, const Positions& positions, double own) {
+      return -virial(forces, solved.linear ? body_.rest : positions).trace() / (3 * own);
+    };
+    const double pressure =
+        pressure_of(solved.reactions, state.positions, volume) - pressure_of(start.reactions, start.positions, volume_);
     Measures measures;
     if (is_strained(volume_strain)) measures.set("bulk_modulus", -pressure / volume_strain);
     measures.set("pressure", pressure);

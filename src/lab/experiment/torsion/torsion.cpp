@@ -102,11 +102,17 @@ class Torsion final : public Driven {
   Measures measure(const Held& held, const Start& start, const State& state, const StaticOptions&,
                    StaticResult& solved) const override {
     const Positions pull = pull_of(start, solved);
-    const Positions& positions = solved.linear ? body_.rest : state.positions;
+    const Positions &at_start = solved.linear ? body_.rest : start.positions,
+                    &positions = solved.linear ? body_.rest : state.positions;
     std::array<double, 3> sums{0, 0, 0};
     for (std::size_t i = first_loaded_; i < fixed_.size(); ++i) {
-      const Vector3 force = pull.col(static_cast<Eigen::Index>(i));
-      sums[0] += setup_.axis.dot((positions.col(fixed_[i].molecule) - middle_).cross(force));
+      const auto column = static_cast<Eigen::Index>(i);
+      const Vector3 force = pull.col(column);
+      const auto torque_of = [&](const Positions& forces, const Positions& all) {  // the arms turn with the end
+        const Vector3 arm = all.col(fixed_[i].molecule) - middle_;
+        return setup_.axis.dot(arm.cross(Vector3(forces.col(column))));
+      };
+      sums[0] += torque_of(solved.reactions, positions) - torque_of(start.reactions, at_start);
       sums[1] += setup_.axis.dot(force);
       sums[2] += force.norm();
     }
