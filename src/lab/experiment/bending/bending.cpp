@@ -1,9 +1,11 @@
 #include "lab/experiment/bending/bending.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <limits>
+#include <utility>
 
 #include "elastin/core/base/error.h"
 #include "elastin/core/model/share.h"
@@ -97,10 +99,24 @@ class Bending final : public StaticExperiment {
       distance.push_back((plane.transpose() * (body_.rest.col(molecule) - middle)).norm());
     double nearest = std::numeric_limits<double>::infinity(), furthest = 0;
     for (const double own : distance) nearest = std::min(nearest, own), furthest = std::max(furthest, own);
-    const double reach = least_over(body_, nearest) + 1e-6 * largest_over(body_, furthest);
+    const double rounding = 1e-6 * largest_over(body_, furthest), reach = least_over(body_, nearest) + rounding;
+    std::array<double, 4> sums{0, 0, 0, 0};  // of the nearest: their number and places from the middle
+    for (std::size_t i = 0; i < distance.size(); ++i) {
+      const int molecule = tip.molecules[i];
+      if (distance[i] > reach || molecule >= owned_molecules(body_)) continue;
+      tip_.emplace_back(molecule, 1);
+      ++sums[0];
+      for (int axis = 0; axis < 3; ++axis) sums[axis + 1] += (body_.rest.col(molecule) - middle)[axis];
+    }
+    sum_over(body_, sums);
+    if ((plane.transpose() * Vector3(sums[1], sums[2], sums[3])).norm() <= rounding * sums[0]) {
+      for (auto& [molecule, share] : tip_) share /= sums[0];
+      return;
+    }
+    tip_.clear();  // what is nearest is not the centre, and goes another way where the tip turns
     for (std::size_t i = 0; i < distance.size(); ++i)
-      if (distance[i] <= reach && tip.molecules[i] < owned_molecules(body_)) tip_.push_back(tip.molecules[i]);
-    tip_count_ = sum_over(body_, static_cast<double>(tip_.size()));
+      if (tip.molecules[i] < owned_molecules(body_))
+        tip_.emplace_back(tip.molecules[i], tip.share[static_cast<Eigen::Index>(i)]);
   }
 
   /// A section's area [m²], second moment [m⁴], and E times the deflection by a shear force of 1 N over 1 m.
@@ -162,9 +178,8 @@ class Bending final : public StaticExperiment {
   const Body& body_;
   BendingSetup setup_;
   Face root_;
-  std::vector<int> held_;  // molecules of the root, with all of a rigid body there
-  std::vector<int> tip_;   // owned molecules whose mean is the tip's middle
-  double tip_count_ = 0;   // of all processes
+  std::vector<int> held_;                    // molecules of the root, with all of a rigid body there
+  std::vector<std::pair<int, double>> tip_;  // owned molecules whose mean is the tip's middle, with their shares of it
   Positions full_forces_;
   double length_ = 0, deflection_times_modulus_ = 0;
   std::string apparent_;  // why the modulus depends on the shape; "": it does not
@@ -191,8 +206,8 @@ class BendingRig final : public StaticRig {
 
   Measures measure(const Start& start, const State& state, const StaticOptions&, StaticResult& solved) const override {
     Vector3 motion = Vector3::Zero();
-    for (const int molecule : experiment_.tip_)
-      motion += (state.positions.col(molecule) - start.positions.col(molecule)) / experiment_.tip_count_;
+    for (const auto& [molecule, share] : experiment_.tip_)
+      motion += share * (state.positions.col(molecule) - start.positions.col(molecule));
     motion = vector_sum_over(body_, motion);
     const double deflection = setup_.direction.dot(motion);
     const int owned = owned_molecules(body_);
