@@ -89,8 +89,16 @@ void load_in_full(const Scene& scene, const std::shared_ptr<Rig>& rig, Model& mo
   if (TimedRig* timed = rig->in_time()) {
     const StaticResult started = timed->start(state, scene.statics);
     if (started.outcome != Outcome::converged) throw InputError(started.cause + " (before time 0)");
+  } else if (StaticRig& own = *rig->at_rest(); own.seeks_load()) {  // which has its load when it has found it
+    Run run;
+    RunOptions options;
+    options.statics = scene.statics;
+    solve_load_curve(model, *scene.experiment->at_rest(), own, scene.specimen.material, options, run,
+                     scene.specimen.start);
+    if (run.outcome != Outcome::converged)
+      throw InputError(run.cause + " (while the load that the experiment prescribes was sought)");
   } else {
-    set_load(model, *rig->at_rest(), 1);
+    set_load(model, own, 1);
   }
   if (scene.specimen.start) scene.specimen.start(state);
   if (model.drive)

@@ -308,3 +308,47 @@ TEST_CASE("what supports bear alone is no load, in a turned scene either", "[res
     CHECK(turned.measures.get("effective_modulus") == Approx(plain.measures.get("effective_modulus")).epsilon(1e-8));
   }
 }
+
+TEST_CASE("under a rest that was there before, an experiment's measures are what it adds", "[scene][rest]") {
+  const auto measures = [](const std::string& experiment, const std::string& rest, const std::string& more = "") {
+    const Run run =
+        run_of("title: A bar\nbody: {" + kTetrahedra +
+               "}\nmaterial: {youngs_modulus: 10 kPa, poissons_ratio: 0.25}\nstiffness: neo_hookean\nrest: {" + rest +
+               "}\nexperiment: {" + experiment + "}\nreference: none\n" + more);
+    INFO(experiment << ", " << rest << ": " << run.cause);
+    REQUIRE(run.outcome == Outcome::converged);
+    return run.measures;
+  };
+  const std::string before = "growth: 1.1, factor: 1", with = "growth: 1.1";
+
+  const Measures turned = measures("kind: torsion, axis: z, angle: 0.01 rad", before);
+  const double torque = turned.get("torque");
+  CHECK(torque == Approx(turned.get("total_torque")).epsilon(1e-4));  // symmetry: before the turn there was none
+  CHECK(torque == Approx(measures("kind: torsion, axis: z, angle: 0.01 rad", with).get("torque")).epsilon(1e-4));
+  CHECK(torque == Approx(2 * turned.get("energy_increase") / 0.01).epsilon(1e-2));
+
+  const auto pressure = [&](const std::string& strain, const std::string& rest) {
+    return measures("kind: hydrostatic, strain: " + strain, rest).get("pressure");
+  };
+  CHECK(pressure("0.1", before) == Approx(pressure("0.1", with) - pressure("1e-9", with)).epsilon(1e-6));
+
+  const Measures pulled = measures("kind: tension, axis: z, strain: 0.1", with);  // the rest comes with the load
+  if (const double added = pulled.get("energy_increase"); std::isfinite(added))
+    CHECK(added == Approx(pulled.get("energy")).epsilon(1e-9));
+
+  const Measures pressed =
+      measures("kind: press, axis: -z, displacement: 1 nm, grip: sliding", "growth: 1.1, along: z, factor: 1",
+               "contact: {obstacles: [{plane: {point: [0, 0, -10 mm], normal: z}}]}\n");
+  CHECK(pressed.get("total_force") > 0.05);
+  CHECK(std::abs(pressed.get("force")) < 1e-4 * pressed.get("total_force"));
+}
+
+TEST_CASE("where a field has another Poisson's ratio, the material's is no target", "[scene][fields]") {
+  const auto target = [](const std::string& field) {
+    const std::string text = bar("", "strain: 1 %", kTetrahedra, "neo_hookean", ", fields: {" + field + "}");
+    TemporaryFolder folder;
+    return no_one_modulus(load_scene(folder.write("scene.yaml", text), kCatalog)->specimen);
+  };
+  CHECK_THAT(target("poissons_ratio: {expression: '0.37 + 0 * x / 1 mm'}"), Contains("not everywhere as stiff"));
+  CHECK(target("poissons_ratio: {expression: '0.25 + 0 * x / 1 mm'}").empty());
+}

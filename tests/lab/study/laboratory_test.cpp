@@ -162,6 +162,30 @@ TEST_CASE("A scene's body, held and loaded, settles where its run does", "[labor
   }
 }
 
+TEST_CASE("A scene's body settles where its run does though its load is sought", "[laboratory]") {
+  const TemporaryFolder folder;
+  const std::string block =
+      "body: {tetrahedra: {kind: body_centred, cubes: [3, 3, 2], size: [15 mm, 15 mm, 10 mm]}}\n"
+      "material: {youngs_modulus: 10 kPa, poissons_ratio: 0.3}\nstiffness: neo_hookean\nexperiment: ";
+  for (const std::string& text :
+       {block +
+            "{kind: indentation, axis: z, indenter: {sphere: {radius: 8 mm}}, force: 20 mN}\ncontact: {friction: 0}\n",
+        std::string("body: {geodesic: {radius: 1 cm, subdivisions: 2}}\nmaterial: {youngs_modulus: 10 kPa, "
+                    "poissons_ratio: 0.3, thickness: 1 mm}\nstiffness: neo_hookean\n"
+                    "experiment: {kind: inflation, volume_ratio: 1.6}\n")}) {
+    INFO(text);
+    Laboratory laboratory(folder.write("scene.yaml", text));
+    const LaboratoryResult result = laboratory.run();
+    INFO(result.cause);
+    REQUIRE(result.outcome == Outcome::converged);
+    Simulation tissue = laboratory.simulation();
+    CHECK(tissue.positions() == laboratory.body().rest);
+    REQUIRE(tissue.settle().outcome == Outcome::converged);
+    const double displacement = (result.positions - laboratory.body().rest).cwiseAbs().maxCoeff();
+    CHECK((tissue.positions() - result.positions).cwiseAbs().maxCoeff() < 1e-5 * displacement);
+  }
+}
+
 TEST_CASE("A simulation of a scene lives without its laboratory", "[laboratory]") {
   auto laboratory = std::make_unique<Laboratory>(kScenes + "dynamics/shake.yaml");
   Simulation tissue = laboratory->simulation(), other = laboratory->simulation();
