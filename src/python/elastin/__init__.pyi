@@ -1126,7 +1126,7 @@ class Press(Experiment):
     displacement [m]: displacement of what is moved (quantity; default: one of three needed).
     strain: `displacement` over the height along the axis of the body, of all bodies together (number; default: one
     of three needed).
-    force [N]: force that ends the motion (quantity; default: one of three needed).
+    force [N]: force that ends the motion, with that of a preload (quantity; default: one of three needed).
     move: what is moved (a body's name, or [pick](#picked-molecules); default: the near end).
     fix: what is fixed (a body's name, or [pick](#picked-molecules); default: the far end, or rigid bodies).
     grip: how both are fixed across the axis (clamped, sliding; default: clamped).
