@@ -208,6 +208,7 @@ constexpr const char* kStage = R"html(<section class="card"><div class="bar tool
 <label><input type="checkbox" data-part="surface"> surface</label>
 <label>cut <select data-part="cut"><option value="">none</option><option>x</option><option>y</option><option>z</option></select>
 <input type="range" min="0" max="1" step="0.01" value="0.5" data-part="cut_at" aria-label="place of the cut" hidden></label>
+<small class="note" data-part="inside" hidden></small>
 <button type="button" data-save="png" data-name="body">PNG</button></div>
 <div class="view"><canvas tabindex="0" role="img"></canvas></div>
 <div class="legend"><span data-part="title"></span><input data-part="low" aria-label="lowest value of the colours; empty: of itself"><i data-part="ramp"></i><input data-part="high" aria-label="highest value of the colours; empty: of itself">

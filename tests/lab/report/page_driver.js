@@ -109,6 +109,37 @@ function colours(stage) {
   });
 }
 
+/** Ends of the colours as they are, and with the state at rest as the last one: those of all states. */
+function ranges_of_states(stage) {
+  const ends = () => {
+    stage.ranges.clear();
+    return colours(stage);
+  };
+  const loaded = ends();
+  stage.run.frames.push(stage.run.frames[0]);
+  const unloaded = ends();
+  stage.run.frames.pop();
+  stage.ranges.clear();
+  return {loaded, unloaded};
+}
+
+/** How the same body opens with other states, of other displacements: the scale of its displacements, the title of its colours, and the word next to a cut. */
+function opened(stage, times, change, frequencies) {
+  const section = stage.section.cloneNode(true);
+  stage.section.after(section);
+  for (const name of ['strategy', 'colour', 'scale']) section.querySelector(`[data-part="${name}"]`).replaceChildren();
+  const frames = stage.run.frames.map(frame => ({...frame, displacements: frame.displacements.map(u => times * u), ...change}));
+  const one = new Stage(section, stage.body, new Map([['standard', {frames, frequencies}]]));
+  for (const [name, on] of [['surface', true], ['connections', false], ['molecules', false]]) one.part(name).checked = on;
+  one.look();
+  one.part('cut').value = 'y';
+  one.cut();
+  const found = {scale: one.part('scale').selectedOptions[0].text, title: one.legend().title, inside: one.part('inside').hidden ? '' : one.part('inside').textContent};
+  one.release();
+  section.remove();
+  return found;
+}
+
 /** Back and forth between scenes, more often than a browser allows pictures at a time. */
 async function visits(count) {
   const most = [];
@@ -132,6 +163,9 @@ async function visits(count) {
     out.picks = picks(stage);
     out.strains = [[1.2, 0.9], [0.7, 1.1], [1, 1], [1.05, 1.3]].map(([first, second]) => strain_of(first, second));
     out.colours = colours(stage);
+    out.ranges = ranges_of_states(stage);
+    out.opened = {free: opened(stage, 0.1, {}), touching: opened(stage, 0.1, {pressures: new Float32Array(stage.body.radius.length)}),
+      modes: opened(stage, 1, {}, [NaN, 10, 20, 30])};
     out.picture = [stage.picture().width, stage.viewer.canvas.width];
     out.staged = await visits(18);
   }

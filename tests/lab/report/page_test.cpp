@@ -230,6 +230,14 @@ TEST_CASE("a browser draws the page and a visitor's hand turns it", "[page][brow
   CHECK(colours("displacement")[3] == "rising");
   CHECK(colours("von Mises stress")[3] == "rising");
   CHECK(colours("distance from the best")[2] == "0");  // the best is nowhere away from itself
+  // A run that ends unloaded has the colours of its loaded states.
+  CHECK(seen["ranges"]["unloaded"] == seen["ranges"]["loaded"]);
+  const Json& opened = seen["opened"];
+  CHECK(opened["free"]["scale"] != "true to scale");
+  CHECK(opened["touching"]["scale"] == "true to scale");
+  CHECK(opened["modes"]["scale"] == "shape of the mode, enlarged");
+  CHECK(opened["modes"]["title"] == "displacement, of the enlarged mode");
+  CHECK(opened["free"]["inside"] == "The surface alone is drawn: connections and molecules show the inside.");
   CHECK(seen["picture"][0] == seen["picture"][1]);
   CHECK(seen["staged"] == Json::array({1, 1}));  // of two scenes, one body at a time
 }

@@ -37,6 +37,7 @@ class Stage {
   /** What the boxes say is drawn. */
   look() {
     this.viewer.set_look(Object.fromEntries(this.shapes.map(name => [name, this.part(name).checked])));
+    this.note_inside();
     if (this.run) this.show();
   }
 
@@ -44,27 +45,31 @@ class Stage {
     const strategy = this.part('strategy'), known = this.runs.has(this.best);
     for (const name of this.runs.keys()) strategy.append(new Option(name === this.best ? `${name} (${this.section.dataset.bestWord})` : name, name));
     if (known) strategy.value = this.best;
+    const has_field = field => [...this.runs.values()].some(({frames}) => frames.some(frame => frame[field]));
     const has = field => [...this.runs.values()].some(({frames}) => frames.some(frame => frame[field]?.some(value => value)));
     const strained = this.body.ends.length + this.body.surface.length > 0;
     for (const [kind, {field}] of Object.entries(colour_kinds))
       if (kind === 'error' ? known : kind === 'strain' ? strained : !field || has(field)) this.part('colour').append(new Option(colour_kinds[kind].title, kind));
     // Solids are seen by the stress on their surface, graphs of springs by their connections.
     const solid = !this.body.membrane && has('stresses');
-    if ([...this.runs.values()].some(run => run.modes)) this.part('colour').value = 'displacement';
+    const of_modes = [...this.runs.values()].some(run => run.modes);
+    if (of_modes) this.part('colour').value = 'displacement';
     else if (solid) this.part('colour').value = 'stress';
     const shown = {connections: !solid, molecules: !solid && !this.body.membrane, surface: solid || this.body.membrane};
     for (const [name, on] of Object.entries(shown)) {
       this.part(name).checked = on;
       this.part(name).disabled = name === 'surface' && !this.body.surface.length;
     }
-    // Displacements are enlarged to an eighth of the body where nobody could see them otherwise, unless the body touches something.
+    // Displacements are enlarged to an eighth of the body where nobody could see them otherwise, unless the body touches something:
+    // bodies that are drawn enlarged lie in each other.
     let longest = 0;
     for (const {frames} of this.runs.values())
       for (const frame of frames) longest = lengths_of(frame.displacements).reduce((a, b) => Math.max(a, b), longest);
     const most = longest > 0 && !this.body.obstacles.length ? Math.max(1, round_down(0.12 * this.body.size / longest)) : 1, scale = this.part('scale');
+    const touches = has_field('pressures');
     for (const times of [...new Set([1, round_down(Math.sqrt(most)), most])])
-      scale.append(new Option(times === 1 ? 'true to scale' : `× ${times.toLocaleString('en')}`, times));
-    scale.value = longest < 0.03 * this.body.size ? most : 1;
+      scale.append(new Option(times !== 1 ? `× ${times.toLocaleString('en')}` : of_modes ? 'shape of the mode, enlarged' : 'true to scale', times));
+    scale.value = longest < 0.03 * this.body.size && !touches ? most : 1;
   }
 
   listen() {
@@ -122,7 +127,15 @@ class Stage {
     if (axis !== this.cut_axis) this.cut_side = axis < 0 ? 0 : this.viewer.side_of_eye(axis);
     this.cut_axis = axis;
     this.viewer.set_cut(axis, this.cut_side, +this.part('cut_at').value);
+    this.note_inside();
     this.show_slice();
+  }
+
+  /** Of a solid the faces of its surface alone are known: behind a cut they are a shell. */
+  note_inside() {
+    const {viewer: {look}, body} = this, note = this.part('inside'), inner = body.radius.length > new Set(body.surface).size;
+    note.hidden = !(this.cut_axis >= 0) || body.membrane || !look.surface || look.connections || look.molecules;
+    note.textContent = 'The surface alone is drawn' + (inner ? ': connections and molecules show the inside.' : '.');
   }
 
   /** The image that the body was made of, in the plane of the cut. */
@@ -227,31 +240,33 @@ class Stage {
   }
 
   /** One range for all states, so that the slider shows growth: from the largest compression to as large a pull where there
-   *  is both; otherwise from the least to the most of the end. It is that of what is seen, so that faces alone have all
-   *  colours, too. */
+   *  is both; otherwise from the least to the most of the state with the largest value, or from 0 where nothing is below it. It is
+   *  that of what is seen, so that faces alone have all colours, too. */
   range() {
-    const {frames, modes} = this.run, kind = this.part('colour').value;
+    const kind = this.part('colour').value;
     if (this.typed.has(kind)) return this.typed.get(kind);
     const key = [kind, this.part('strategy').value, ...Object.values(this.viewer.look)].join();
-    if (this.ranges.has(key)) return this.ranges.get(key);
-    let low = Infinity, high = -Infinity;
-    const widen = position => this.shown_values(frames[position], position).seen.slice(0, 2).forEach(numbers =>
-      numbers.forEach(v => { low = Math.min(low, v); high = Math.max(high, v); }));
-    (modes ? [...frames.keys()] : [frames.length - 1]).forEach(widen);
-    if (!(low <= high)) low = high = 0;  // nothing is shown
-    if (kind === 'strain' && Math.max(-low, high) < this.strain_noise()) low = high = 0;
+    if (!this.ranges.has(key)) this.ranges.set(key, this.range_of(kind));
+    return this.ranges.get(key);
+  }
+
+  range_of(kind) {
+    const ends = this.run.frames.map((frame, position) => {
+      let low = Infinity, high = -Infinity;
+      for (const numbers of this.shown_values(frame, position).seen.slice(0, 2))
+        numbers.forEach(v => { low = Math.min(low, v); high = Math.max(high, v); });
+      return low <= high ? {low, high} : {low: 0, high: 0};  // nothing is shown
+    });
+    const size = ({low, high}) => Math.max(-low, high), largest = ends.reduce((most, end) => size(end) >= size(most) ? end : most);
+    if (kind === 'strain' && size(largest) < this.strain_noise()) return {low: 0, high: 0, map: 'rising'};
+    const least = Math.min(...ends.map(({low}) => low)), most = Math.max(...ends.map(({high}) => high));
+    if (least < -0.02 * most && most > -0.02 * least) return {low: -size(largest), high: size(largest), map: 'signed'};
+    let {low, high} = largest;
     // What differs by less than a thousandth has one colour: its differences are not worth a scale.
-    const alike = high - low < 1e-3 * Math.max(Math.abs(low), Math.abs(high));
+    const alike = high - low < 1e-3 * size(largest);
     if (alike) [low, high] = [Math.min(low, 0), Math.max(high, 0)];
     if (kind !== 'tension' && kind !== 'strain') low = 0;
-    let range = {low, high, map: 'rising'};
-    if (low < -0.02 * high && high > -0.02 * low) {
-      frames.forEach((_, position) => widen(position));
-      high = Math.max(high, -low);
-      range = {low: -high, high, map: 'signed'};
-    }
-    this.ranges.set(key, range);
-    return range;
+    return {low, high, map: 'rising'};
   }
 
   show() {
@@ -281,8 +296,8 @@ class Stage {
   }
 
   legend() {
-    const {low, high, map} = this.range();
-    return {title: colour_kinds[this.part('colour').value].title, map, low: this.text_of(low), high: this.text_of(high)};
+    const {low, high, map} = this.range(), {title} = colour_kinds[this.part('colour').value];
+    return {title: this.run.modes ? `${title}, of the enlarged mode` : title, map, low: this.text_of(low), high: this.text_of(high)};
   }
 
   show_legend() {
