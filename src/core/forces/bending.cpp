@@ -10,6 +10,7 @@
 #include "core/forces/own_slopes.h"
 #include "core/parallel/parallel.h"
 #include "elastin/core/base/error.h"
+#include "elastin/core/base/text.h"
 
 namespace elastin {
 namespace {
@@ -223,9 +224,12 @@ double bending_excess(const Body& body, double poissons_ratio) {
 
 std::string unsuited_for_bending(const Body& body) {
   if (body.triangles.empty()) return "needs triangles";
+  constexpr double flat = 1e-6;  // of the size: places in single precision are so far from any plane that is not level
   const VectorX heights = normal_of(body).transpose() * body.rest;
   const double size = (body.rest.rowwise().maxCoeff() - body.rest.rowwise().minCoeff()).norm();
-  if (heights.maxCoeff() - heights.minCoeff() > 1e-9 * size) return "needs a sheet that is flat at rest";
+  if (const double depth = heights.maxCoeff() - heights.minCoeff(); depth > flat * size)
+    return "needs a sheet that is flat at rest: this one is " + number(1e3 * depth, 3) + " mm deep, " +
+           number(100 * depth / size, 3) + " % of its size";
   std::map<Pair, int> triangles;
   for (const auto& cell : body.triangles)
     for (std::size_t e = 0; e < 3; ++e)

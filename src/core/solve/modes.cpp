@@ -13,6 +13,7 @@
 namespace elastin {
 namespace {
 
+constexpr double kFlat = 1e-6;      ///< of the size: places in single precision are so far from a plane
 constexpr double kParallel = 1e-7;  ///< sine below which a direction counts as contained in a subspace
 
 /// Directions of one molecule that are known not to move, as an orthonormal basis.
@@ -325,7 +326,7 @@ Vector3 plane_normal(const Body& body) {
   const SymmetricEigen3 moments = symmetric_eigen3(arms * arms.transpose());
   const Vector3 normal = moments.vectors.col(0);
   const double width = std::sqrt(std::max(0., moments.values[1])), size = arms.colwise().norm().maxCoeff();
-  const bool flat = width > kParallel * size && (normal.transpose() * arms).cwiseAbs().maxCoeff() <= kParallel * size;
+  const bool flat = width > kFlat * size && (normal.transpose() * arms).cwiseAbs().maxCoeff() <= kFlat * size;
   return flat ? normal : Vector3(Vector3::Zero());
 }
 

@@ -45,7 +45,7 @@ void add_cost(StaticResult& result, const StaticResult& cost) {
 }  // namespace
 
 bool stays_in_plane(const Specimen& specimen, const Experiment& experiment, double duration) {
-  constexpr double rounding = 1e-9;
+  constexpr double rounding = 1e-6;  // that of directions in a sheet whose places are in single precision
   constexpr int moments = 64;
   const Vector3 normal = plane_normal(specimen.body);
   const StaticExperiment* held = experiment.at_rest() ? experiment.at_rest() : experiment.calibration();

@@ -120,6 +120,14 @@ TEST_CASE("of a flat body the modes out of its plane are those that nothing in t
       CHECK(report.zero_energy_modes == (diagonals ? 7 : 9));
       CHECK(std::abs(plane_normal(body).dot(turn.col(1))) == Approx(1));
     }
+  // As a file in single precision has it, far from the origin.
+  Body sheet = cubic_lattice({4, 1, 3}, 1, {true, true, false});
+  const std::vector<Support> supports = fix_layer(sheet, Matrix3::Zero());
+  rotate(sheet, Eigen::AngleAxisd(0.7, Vector3(1, -2, 0.5).normalized()).toRotationMatrix());
+  sheet.rest = (sheet.rest.colwise() + Vector3(7, 11, 13)).cast<float>().cast<double>().eval();
+  const ModeReport single = find_zero_energy_modes(sheet, supports);
+  CHECK(single.out_of_plane == single.zero_energy_modes);
+  CHECK_FALSE(plane_normal(sheet).isZero(0));
   const ModeReport solid = find_zero_energy_modes(cubic_lattice({3, 3, 3}, 1, {true, false, false}), {});
   CHECK(solid.zero_energy_modes > 0);
   CHECK(solid.out_of_plane == 0);
