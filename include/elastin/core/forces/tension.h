@@ -12,7 +12,7 @@ std::vector<Matrix3> triangle_tensions(const Model& model, const Positions& posi
 
 /// Where a membrane is pressed.
 struct Compression {
-  int triangles = 0;   ///< with a principal tension below −1e-6 of the largest one there is
+  int triangles = 0;   ///< with a principal tension below −1e-3 of the largest one there is
   int worst = 0;       ///< the most pressed triangle
   double tension = 0;  ///< there, ≤ 0 [N/m]
 };
