@@ -304,12 +304,18 @@ void choose_branch(const DataTest& test, MeasuredData& data) {
   if (data.x.size() < 2) test.fail("cycle: the branch has one point; a curve needs two or more");
 }
 
+/// Whether the first row is near rest, compared with the row that is the furthest from it.
+bool is_near_rest(const MeasuredData& data, Eigen::Index* furthest = nullptr) {
+  Eigen::Index row = 0;
+  const VectorX e = (data.x.array() - rest_of(data)).matrix();
+  const double far = e.cwiseAbs().maxCoeff(furthest ? furthest : &row);
+  return std::abs(e[0]) < 0.3 * far;
+}
+
 /// Whether the rows go away from rest to one side.
 bool leaves_rest(const MeasuredData& data) {
-  const VectorX e = (data.x.array() - rest_of(data)).matrix();
-  Eigen::Index largest = 0;
-  const double far = e.cwiseAbs().maxCoeff(&largest);
-  return std::abs(e[0]) < 0.3 * far && largest > e.size() / 2;
+  Eigen::Index furthest = 0;
+  return is_near_rest(data, &furthest) && furthest > data.x.size() / 2;
 }
 
 void cut_behind_tear(const DataTest& test, MeasuredData& data) {
@@ -333,8 +339,44 @@ std::string range_of(const ZeroPoint& zero, const MeasuredData& data) {
   return fmt::format("{} (95 %: {} … {})", text(zero.value), text(zero.low), text(zero.high));
 }
 
+/// Counts what is prescribed from here; strains are then over the length here.
+void move_zero(double zero, MeasuredData& data) {
+  if (data.along->name == "nominal_strain" || data.along->name == "stretch")
+    data.x = ((data.x.array() - rest_of(data) - zero) / (1 + zero) + rest_of(data)).matrix();
+  else
+    data.x.array() -= zero;
+}
+
+/// Whether the rows begin far from rest without a load there, as they do by the position of a crosshead.
+bool begins_elsewhere(const MeasuredData& data) {
+  constexpr double nothing = 0.01, noise = 0.1;  // of the largest reading: what no load is, and the most of its noise
+  const double largest = data.y.cwiseAbs().maxCoeff(), scatter = 4 * noise_of(data.x, data.y);
+  return !is_near_rest(data) && std::abs(data.y[0]) <= std::max(nothing * largest, std::min(scatter, noise * largest));
+}
+
+/// Counts from the first row where the scene says so, or where it looks for a zero point that no row is near; names
+/// such rows where the scene says nothing.
+void count_from_first(const DataTest& test, MeasuredData& data) {
+  const double begin = data.x[0] - rest_of(data);
+  const std::string first = readable(data.x[0], data.along->unit);
+  if (!test.zero && begins_elsewhere(data)) {
+    const bool known = data.along->name == "displacement" && test.length > 0;
+    data.warnings.push_back(fmt::format(
+        "the {} begins at {}{}, where the {} is nothing ({} of {}): if it counts from elsewhere, as the position of a "
+        "crosshead does, zero: first counts from the first row, and zero: found from where the load begins",
+        data.along->name, first, known ? fmt::format(", a strain of {:.3g} %", 100 * begin / test.length) : "",
+        data.up->name, readable(data.y[0], data.up->unit, 3),
+        readable(data.y.cwiseAbs().maxCoeff(), data.up->unit, 3)));
+  } else if (test.zero == ZeroChoice::first ||
+             (test.zero && test.zero != ZeroChoice::as_given && begins_elsewhere(data))) {
+    move_zero(begin, data);
+    data.notes.push_back(fmt::format("{} counts from the first row, {}", data.along->name, first));
+  }
+}
+
 /// Moves the zero point of what is prescribed to where the load begins, or names it where it lies elsewhere.
 void find_zero_point(const DataTest& test, MeasuredData& data) {
+  if (test.zero == ZeroChoice::first) return;
   const bool stated = test.zero && test.zero != ZeroChoice::as_given;
   const VectorX e = (data.x.array() - rest_of(data)).matrix();
   const auto zero = test.zero == ZeroChoice::toe ? find_toe(e, data.y) : find_zero(e, data.y);
@@ -345,6 +387,13 @@ void find_zero_point(const DataTest& test, MeasuredData& data) {
     return;
   }
   const std::string found = range_of(*zero, data);
+  const bool longer = data.along->name == "displacement" && test.length > 0 && !test.scene;
+  const std::string over_length =
+      longer ? fmt::format(", where the length is {}: `length`, {}, {} {}",
+                           readable(test.length + zero->value, dimension::length, 4),
+                           readable(test.length, dimension::length, 4), zero->value < 0 ? "less" : "and",
+                           readable(std::abs(zero->value), dimension::length, 4))
+             : "";
   if (!stated) {
     const bool elsewhere = (zero->low > 0 || zero->high < 0) && std::abs(zero->value) > kNoticedZero * range;
     if (!elsewhere || !(data.noise > 0)) return;
@@ -355,19 +404,16 @@ void find_zero_point(const DataTest& test, MeasuredData& data) {
       data.warnings.push_back(where + (slack ? "slack" : "a preload") + "? zero: found counts from there");
       return;
     }
-    data.warnings.push_back(where +
-                            "slack, and no curve that begins at 0 fits; it counts from there, which zero: "
-                            "found says and zero: as_given prevents");
+    data.warnings.push_back(where + "slack, and no curve that begins at 0 fits; it counts from there" + over_length +
+                            ", which zero: found says and zero: as_given prevents; zero: first counts from the first "
+                            "row, and leaves `length` as it is");
   } else {
-    data.notes.push_back(data.along->name + " counts from " + found);
+    data.notes.push_back(data.along->name + " counts from " + found + over_length);
   }
   data.zero_half = (zero->high - zero->low) / 2;
   data.zero = zero->value;
-  if (data.along->name == "nominal_strain" || data.along->name == "stretch")  // the length there is the one at rest
-    data.x = ((e.array() - zero->value) / (1 + zero->value) + rest_of(data)).matrix(),
-    data.zero_half /= 1 + zero->value;
-  else
-    data.x.array() -= zero->value;
+  if (data.along->name == "nominal_strain" || data.along->name == "stretch") data.zero_half /= 1 + zero->value;
+  move_zero(zero->value, data);
   const double side = e[e.size() - 1] < zero->value ? -1 : 1;
   Eigen::Index first = 0;
   while (first < e.size() && side * (e[first] - zero->value) < 0) ++first;
@@ -497,6 +543,7 @@ MeasuredData load_data(const DataTest& test) {
     }
     return data;
   }
+  if (!test.kind->layer) count_from_first(test, data);  // before signs are turned, which are by what is pulled
   turn_signs(test, file, data);
   choose_branch(test, data);
   check_points(data);
@@ -507,9 +554,10 @@ MeasuredData load_data(const DataTest& test) {
   if (data.x.size() > points) data.notes.push_back(fmt::format("{} rows averaged to {} points", data.x.size(), points));
   average(data, std::max(points, kManyRows));
   if (from_rest && !test.kind->layer) find_zero_point(test, data);  // a layer's contact point is an unknown
-  if (!from_rest && test.zero && test.zero != ZeroChoice::as_given)
+  if (!from_rest && (test.zero == ZeroChoice::found || test.zero == ZeroChoice::toe))
     test.fail("zero: the rows of " + data.file +
-              " do not begin near rest; choose those that do by branch, `from` and `to`");
+              " do not begin near rest; choose those that do by branch, `from` and `to`, or count from the first row "
+              "by zero: first");
   average(data, points);
   check_points(data);
   return data;

@@ -253,7 +253,8 @@ double leaning(const Fit& fit) {
 }
 
 /// What of the unknowns the data say nothing of; "" if there is nothing.
-std::string flat_cause(const UnknownMaterial& unknown, const Fit& fit, const Uncertainty& known) {
+/// @param forces whether a test measured any
+std::string flat_cause(const UnknownMaterial& unknown, const Fit& fit, const Uncertainty& known, bool forces) {
   VectorX size = fit.values;  // a position may be 0
   for (Eigen::Index i = 0; i < size.size(); ++i)
     if (const double own = unknown.unknowns[i].size; own > 0) size[i] = own;
@@ -272,17 +273,20 @@ std::string flat_cause(const UnknownMaterial& unknown, const Fit& fit, const Unc
     moduli &= unknown.unknowns[i].unit == dimension::pressure &&
               (blind || std::abs(relative[i]) > (1 - kSameLeast) * relative.cwiseAbs().maxCoeff());
   }
-  const std::string or_force = moduli ? ", or measure a force" : "";
+  const std::string or_force = moduli && !forces ? ", or measure a force" : "";
   if (blind) return "the data do not change with " + names + ": fix " + (count > 1 ? "them" : "it") + or_force;
   if (moduli) return "the data determine the ratios of " + names + " alone: fix one of them" + or_force;
   return "the data do not change with a change of " + names + " together: fix one of them";
 }
 
-void judge(const UnknownMaterial& unknown, Fit& fit) {
+void judge(const UnknownMaterial& unknown, const std::vector<WeightedTest>& tests, Fit& fit) {
+  const bool forces = std::any_of(tests.begin(), tests.end(), [](const WeightedTest& test) {
+    return test.test->data().up->unit != dimension::length;
+  });
   const Uncertainty known = uncertainty(fit.residuals, fit.jacobian, fit.values);
   if (!fit.converged) {
     fit.outcome = FitOutcome::not_converged, fit.cause = "the search did not end: " + fit.message;
-  } else if (const std::string flat = flat_cause(unknown, fit, known); !flat.empty()) {
+  } else if (const std::string flat = flat_cause(unknown, fit, known, forces); !flat.empty()) {
     fit.outcome = FitOutcome::flat_valley, fit.cause = flat;
   } else if (fit.at_bound.empty() && leaning(fit) > kLeaning) {
     fit.outcome = FitOutcome::bound_reached;
@@ -452,7 +456,7 @@ Fit fit_material(const UnknownMaterial& unknown, std::vector<WeightedTest>& test
   fit.trial = tested->trial;
   for (WeightedTest& test : tests) fit.predictions.push_back(test.test->predict(*tested).value_or(Prediction{}));
   find_bounds(unknown, residuals, fit);
-  judge(unknown, fit);
+  judge(unknown, tests, fit);
   return fit;
 }
 

@@ -159,10 +159,14 @@ const Keys<DataTest>& data_test_keys() {
           "rows behind a tear or slip: a fall of the reading by a fifth within three rows, or by half of the largest")
           .when(curved),
       key::choice("zero", &S::zero,
-                  {{"as_given", ZeroChoice::as_given}, {"found", ZeroChoice::found}, {"toe", ZeroChoice::toe}},
-                  "where what is prescribed counts from: as the file has it; `found`: where the load begins, behind "
+                  {{"as_given", ZeroChoice::as_given},
+                   {"first", ZeroChoice::first},
+                   {"found", ZeroChoice::found},
+                   {"toe", ZeroChoice::toe}},
+                  "where what is prescribed counts from: as the file has it; `first`: the first row, where the "
+                  "specimen has its `length`, as of a crosshead's position; `found`: where the load begins, behind "
                   "slack or before a preload; `toe`: where the tangent of the steepest fifth of the range crosses "
-                  "zero. `length` and strains are then over the length there")
+                  "zero. Of `found` and `toe` `length` and strains are then over the length there")
           .when(with_zero)
           .otherwise("`as_given`; `found` where it begins behind slack that no smooth curve explains"),
       key::whole("points", &S::points, 2, "more rows than these are averaged in groups")

@@ -291,6 +291,44 @@ TEST_CASE("a curve that cannot be meant as it is, is refused with its line and t
   CHECK(answer_of(folder, slipped, ", to: 0.31").numbers.front().value == Approx(kConstant).epsilon(0.01));
 }
 
+TEST_CASE("a displacement that is the position of a crosshead is named, and counts from where the load begins",
+          "[identify][machines]") {
+  const TemporaryFolder folder;
+  Layout layout{"", "", "Crosshead (mm),Load (N)\n", ",", '.', "", "df", "", "\n"};
+  layout.offset = 105.3;
+  const auto answer = [&](const Test& test, const std::string& keys) {
+    return answer_of(folder, file_of(layout, readings(test)), kSizes + keys);
+  };
+  const Answer unsaid = answer({}, "");
+  INFO(joined(unsaid.warnings));
+  CHECK(has(joined(unsaid.warnings),
+            "the displacement begins at 105.30 mm, a strain of 421 %, where the force is "
+            "nothing ("));
+  CHECK(has(joined(unsaid.warnings), "zero: first counts from the first row"));
+  CHECK(!has(joined(unsaid.warnings), "measure a force"));  // that was measured
+  for (const char* keys : {", zero: first", ", zero: found"}) {
+    const Answer found = answer({}, keys);
+    INFO(keys << ": " << joined(found.warnings));
+    CHECK(found.numbers.front().value == Approx(kConstant).epsilon(0.02));
+    CHECK(has(joined(found.tests.front().data.notes), "displacement counts from the first row, 105.30 mm"));
+    CHECK(!has(joined(found.warnings), "the displacement begins at"));
+  }
+  CHECK(!has(joined(answer({}, ", zero: as_given").warnings), "the displacement begins at"));
+  // Moved down, a crosshead presses.
+  Layout pressing = layout;
+  pressing.displacement_factor = -1;
+  const std::string text = file_of(pressing, readings({.to = 5}));
+  CHECK(answer_of(folder, text, kSizes + ", zero: first", "compression").tests.front().data.x.minCoeff() < -4e-3);
+}
+
+TEST_CASE("where a curve counts from behind its slack, the length there is said", "[identify][machines]") {
+  const TemporaryFolder folder;
+  const std::string text = file_of(kBluehill, readings(kSlack)), sizes = ", cross_section: 12 mm2, length: 24.2 mm";
+  const std::string length = "where the length is 25.0";  // and 0.8 mm of slack
+  CHECK(has(joined(answer_of(folder, text, sizes).warnings), length));
+  CHECK(has(joined(answer_of(folder, text, sizes + ", zero: found").tests.front().data.notes), length));
+}
+
 TEST_CASE("rows behind a tear that count give no material", "[identify][machines]") {
   const TemporaryFolder folder;
   const Layout plain{"", "", "displacement [mm],force [N]\n", ",", '.', "", "df", "", "\n"};
