@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <numeric>
 
@@ -23,6 +25,17 @@ std::vector<double> numbers_of(const VectorX& values) { return {values.begin(), 
 
 std::string percent_of(double ratio) { return std::isfinite(ratio) ? fmt::format("{:.3g} %", 100 * ratio) : ""; }
 
+/// Digits that tell a value from the ends of its interval, where five do not.
+int digits_of(const FoundNumber& number) {
+  constexpr int least = 5, most = 12;
+  int digits = least;
+  const auto text = [&](double value) { return readable(value, number.unit, digits); };
+  while (digits < most && number.low < number.high &&
+         (text(number.low) == text(number.value) || text(number.high) == text(number.value)))
+    ++digits;
+  return digits;
+}
+
 Table number_table(const Answer& answer) {
   const bool published = !answer.published_source.empty();
   std::vector<std::string> head{"number", "value", "95 % from", "to", "half width", "from"};
@@ -30,11 +43,12 @@ Table number_table(const Answer& answer) {
   Table table(head);
   for (const FoundNumber& number : answer.numbers) {
     const double width = (number.high - number.low) / 2 / number.scale;
+    const int digits = digits_of(number);
     std::vector<TableCell> row{
         {number.name},
-        number_cell(readable(number.value, number.unit), number.value),
-        number_cell(readable(number.low, number.unit), number.low),
-        number_cell(readable(number.high, number.unit), number.high),
+        number_cell(readable(number.value, number.unit, digits), number.value),
+        number_cell(readable(number.low, number.unit, digits), number.low),
+        number_cell(readable(number.high, number.unit, digits), number.high),
         number_cell(percent_of(width), width, number.determined ? Tone::plain : Tone::bad),
         {number.determined ? number.profiled ? "likelihood profile" : "linear model" : "not determined",
          number.determined ? Tone::faint : Tone::bad}};
@@ -328,6 +342,7 @@ std::string interval_html(const Answer& answer) {
   constexpr double width = 320, half = width / 2;
   std::string out = "<div class=\"scroll\" tabindex=\"0\"><table><tbody>";
   for (const FoundNumber& number : answer.numbers) {
+    const int digits = digits_of(number);
     const auto at = [&](double value) {
       const double ratio = (value - number.value) / number.scale;
       return std::isfinite(ratio) ? half + half * std::clamp(ratio, -2., 2.) / 2 : value > 0 ? width : 0;
@@ -338,9 +353,9 @@ std::string interval_html(const Answer& answer) {
         "interval\"><line x1=\"{:.1f}\" x2=\"{:.1f}\" y1=\"9\" y2=\"9\" stroke=\"{}\" stroke-width=\"5\" "
         "stroke-linecap=\"round\"/><circle cx=\"{}\" cy=\"9\" r=\"5\" fill=\"currentColor\"/></svg></td><td>{} … "
         "{}</td></tr>",
-        escaped(number.name), escaped(readable(number.value, number.unit)), width, width, at(number.low),
+        escaped(number.name), escaped(readable(number.value, number.unit, digits)), width, width, at(number.low),
         at(number.high), number.determined ? "var(--good)" : "var(--bad)", half,
-        escaped(readable(number.low, number.unit, 3)), escaped(readable(number.high, number.unit, 3)));
+        escaped(readable(number.low, number.unit, digits)), escaped(readable(number.high, number.unit, digits)));
   }
   return out +
          "</tbody></table></div><p class=\"note\">95 % intervals; a bar as wide as the frame is twice the value to "
@@ -384,15 +399,41 @@ Plot points_plot(const TestAnswer& test) {
   return plot;
 }
 
-/// Where the points lie in the plane in which they spread most, by how far they are missed.
+/// What is missed of one point, over its readings in all directions and states.
+struct MissedPoint {
+  Eigen::Index reading = 0;  ///< the first of it
+  double squares = 0;        ///< sum over the readings [m²]
+  int readings = 0;
+  double rms() const { return std::sqrt(squares / readings); }
+};
+
+std::vector<MissedPoint> missed_points(const TestAnswer& test) {
+  std::map<std::array<double, 3>, MissedPoint> points;
+  for (Eigen::Index i = 0; i < test.fitted.size(); ++i) {
+    std::array<double, 3> place;
+    for (int axis = 0; axis < 3; ++axis) {
+      const double at = test.data.places(axis, i);
+      place[axis] = std::isnan(at) ? 0 : at;  // a file without this coordinate
+    }
+    MissedPoint& point = points[place];
+    if (point.readings++ == 0) point.reading = i;
+    point.squares += std::pow(test.fitted[i] - test.data.y[i], 2);
+  }
+  std::vector<MissedPoint> list;
+  for (const auto& [place, point] : points) list.push_back(point);
+  return list;
+}
+
+/// Where the points lie in the plane in which they spread most, by how far each is missed: the root mean square of its
+/// readings, so that one reading does not stand for all.
 Plot missed_plot(const TestAnswer& test) {
   const Positions& places = test.data.places;
   const Vector3 spread = places.rowwise().maxCoeff() - places.rowwise().minCoeff();
   int least = 0;
   spread.minCoeff(&least);
   const int right = least == 0 ? 1 : 0, up = least == 2 ? 1 : 2;
-  const VectorX missed = (test.fitted - test.data.y).cwiseAbs();
-  const double rms = std::sqrt(missed.squaredNorm() / static_cast<double>(missed.size()));
+  const double rms = std::sqrt((test.fitted - test.data.y).squaredNorm() / static_cast<double>(test.fitted.size()));
+  const std::vector<MissedPoint> points = missed_points(test);
   Plot plot;
   plot.title = test.name + ": where points are missed, rms " + readable(rms, dimension::length);
   plot.x = {std::string(1, "xyz"[right]), "mm", false}, plot.y = {std::string(1, "xyz"[up]), "mm", false};
@@ -400,11 +441,11 @@ Plot missed_plot(const TestAnswer& test) {
                                        {"up to twice", 1., 2.},
                                        {"more", 2., std::numeric_limits<double>::infinity()}}) {
     PlotSeries marks{name, static_cast<int>(plot.series.size()), PlotSeries::Kind::marks, {}};
-    for (Eigen::Index i = 0; i < missed.size(); ++i)
-      if (missed[i] >= from * rms && missed[i] < to * rms)
-        marks.points.push_back(
-            {1e3 * places(right, i), 1e3 * places(up, i),
-             fmt::format("u{} {:+.4g} mm", "xyz"[test.data.axes[i]], 1e3 * (test.fitted[i] - test.data.y[i]))});
+    for (const MissedPoint& point : points)
+      if (point.rms() >= from * rms && point.rms() < to * rms)
+        marks.points.push_back({1e3 * places(right, point.reading), 1e3 * places(up, point.reading),
+                                fmt::format("rms {} of {}", readable(point.rms(), dimension::length),
+                                            counted(point.readings, "reading"))});
     if (!marks.points.empty()) plot.series.push_back(std::move(marks));
   }
   return plot;

@@ -207,3 +207,38 @@ TEST_CASE("points that are missed alike where they are neighbours are a warning"
     return warning.find("agree between neighbouring points") != std::string::npos;
   }));
 }
+
+TEST_CASE("an interval is written with the digits that tell its ends from its value", "[identify]") {
+  Answer answer;
+  answer.numbers = {{"c_1", dimension::pressure, 119912, 0.8, 119910.4, 119913.6, 119912}};
+  for (const std::string& text : {answer_text(answer, false), identify_page({answer}, "")}) {
+    INFO(text);
+    for (const char* number : {"119.912 kPa", "119.910 kPa", "119.914 kPa"})
+      CHECK(text.find(number) != std::string::npos);
+    CHECK(text.find("120 kPa") == std::string::npos);
+  }
+}
+
+TEST_CASE("a point is missed by the root mean square of its readings, and is one mark", "[identify][points]") {
+  // Two points of two directions each: one is missed by 1 and 1 mm, the other by 2 and 0 mm; all by 1.22 mm.
+  TestAnswer test;
+  test.name = "camera";
+  test.data.places.resize(3, 4);
+  test.data.places << 0, 5e-3, 0, 5e-3, 0, 0, 0, 0, 1e-2, 2e-2, 1e-2, 2e-2;
+  test.data.axes = {0, 0, 2, 2};
+  test.data.y = VectorX::Zero(4);
+  test.fitted = VectorX::Zero(4);
+  test.fitted << 1e-3, -2e-3, -1e-3, 0;
+  Answer answer;
+  answer.tests = {test};
+  const Plot plot = residual_plot(answer);
+  REQUIRE(plot.series.size() == 2);
+  for (const auto& [name, at, text] : {std::tuple{"below the rms", 10., "rms 1.0000 mm of 2 readings"},
+                                       {"up to twice", 20., "rms 1.4142 mm of 2 readings"}}) {
+    const PlotSeries& series = plot.series[at > 15];
+    CHECK(series.name == name);
+    REQUIRE(series.points.size() == 1);
+    CHECK(series.points[0].y == Approx(at));
+    CHECK(series.points[0].text == text);
+  }
+}
