@@ -36,6 +36,8 @@ struct ListCommand {
       add(names_of(call.catalog.strategies()));
       add(call.catalog.steppers.names()), add(call.catalog.linear_solvers.names()), add(call.catalog.loads.names());
       add(names_of(experiments.experiments()));
+      for (const lab::KeySection& section : lab::key_sections(call.catalog, experiments))
+        for (const lab::SceneKey& key : section.keys) names.push_back(key.name);
       const std::string near = nearest_name(word, names);
       throw InputError("list: no strategy, stepper, solver, load, experiment, key or measure has '" + word +
                        "' in it; " + (near.empty() ? "" : "did you mean '" + near + "'? ") + "elastin list prints all");

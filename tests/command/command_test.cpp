@@ -312,6 +312,20 @@ TEST_CASE("list names every strategy, parameter and measure", "[command]") {
   CHECK_THAT(said.out, Contains("tangent_modulus            Pa  ") && Contains("torque                     N m  "));
 }
 
+TEST_CASE("list finds the keys of all maps of a scene", "[command]") {
+  for (const auto& [word, key] : std::vector<std::pair<std::string, std::string>>{{"adhesion", "contact.adhesion"},
+                                                                                  {"swelling", "rest.swelling"},
+                                                                                  {"friction", "contact.friction"},
+                                                                                  {"ramp", "relaxation.ramp"},
+                                                                                  {"title", "title"}}) {
+    const Said said = say("list " + word);
+    INFO(word << ": " << said.out << said.err);
+    CHECK(said.code == 0);
+    CHECK_THAT(said.out, Contains("\n  " + key + " "));
+  }
+  CHECK_THAT(say("list").out, !Contains("Keys of a scene"));
+}
+
 TEST_CASE("check names zero-energy modes and how many", "[command]") {
   const Said said = say("check '" + kTension + "table1-b.yaml'");
   CHECK(said.code == 0);  // a mechanism is no fault of the body

@@ -274,7 +274,7 @@ std::string plain(std::string text) {
 
 /// Type, unit, range, default and meaning of a key below its owner's name.
 void add_key(const std::string& owner, const SceneKey& key, Table& keys) {
-  keys.add({{owner + "." + key.name},
+  keys.add({{owner.empty() ? key.name : owner + "." + key.name},
             {plain(key.type)},
             {key.unit},
             {key.range},
@@ -367,6 +367,15 @@ std::string catalog_text(const Catalog& catalog, const ExperimentCatalog& experi
   for (const auto& [info, of] : described_measures(experiments))
     measures.add({{info.name}, {info.unit_text()}, {info.text, Tone::faint}, {of, Tone::faint}});
   add("Measures", std::move(measures));
+  if (word.empty()) return out;
+  // All keys of all maps would be longer than the rest: `elastin list --keys` has them.
+  Table of_scenes = parameter_table();
+  for (const KeySection& section : key_sections(catalog, experiments)) {
+    const bool shown_above = section.path.starts_with("experiment.") || section.path == "loads";
+    for (const SceneKey& key : section.keys)
+      if (!shown_above) add_key(section.path, key, of_scenes);
+  }
+  add("Keys of a scene", std::move(of_scenes));
   return out;
 }
 
