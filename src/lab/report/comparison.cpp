@@ -36,7 +36,7 @@ std::vector<MeasureColumns> columns_of(const std::vector<Record>& records) {
     if (!failed && !any([&](const Record& r) { return std::isfinite(r.run.measures.get(info.name)); })) continue;
     const bool error = std::isfinite(prescribed) && info.unit != dimension::none;
     const bool reference = any([&](const Record& r) { return std::isfinite(r.error(to_reference)); });
-    const bool apparent = info.role == MeasureRole::youngs_modulus && any([](const Record& r) { return r.apparent; });
+    const bool apparent = any([&](const Record& r) { return r.is_apparent(info); });
     const bool target = any([&](const Record& r) { return r.law_target(name) != nullptr; });
     columns.push_back({info, columns.empty() || !error || reference, target, error, reference, apparent});
   }

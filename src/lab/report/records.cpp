@@ -145,6 +145,10 @@ std::string Record::target_text() const {
   return text + at;
 }
 
+bool Record::is_apparent(const MeasureInfo& info) const {
+  return apparent && (info.role == MeasureRole::youngs_modulus || info.name == "curve_error");
+}
+
 double Record::error(std::string_view name) const {
   for (const auto& [known, value] : errors)
     if (known == name) return value;

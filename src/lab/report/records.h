@@ -77,6 +77,8 @@ struct Record {
   std::vector<std::pair<std::string, double>> errors;
   /// NaN if there is no such error.
   double error(std::string_view name) const;
+  /// Whether a measure depends on the body's shape, and not on the material alone.
+  bool is_apparent(const MeasureInfo& info) const;
   /// Where the scene has uncertain numbers, of each measure its "deviation", and the share of each in its square.
   Gradients spreads;
   std::vector<Verdict> verdicts;

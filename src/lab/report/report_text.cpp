@@ -232,8 +232,7 @@ std::string run_text(const Record& record, bool colours, bool whole_curve) {
       const double to_reference = record.error(name + "_to_reference");
       row.push_back({percent(to_reference), tone_of_error(to_reference), true});
     }
-    const bool apparent = record.apparent && info.role == MeasureRole::youngs_modulus;
-    std::string text = (apparent ? "apparent: " : "") + info.text;
+    std::string text = (record.is_apparent(info) ? "apparent: " : "") + info.text;
     if (const MainMeasure* target = record.law_target(name))
       text += "; target " + value_text(target->prescribed, info) + " at a strain of " + strain_text(target->strain);
     row.push_back({std::move(text), Tone::faint});
