@@ -49,7 +49,10 @@ void add_results(py::module_& module) {
       .def_readonly("solver", &StaticResult::solver)
       .def_readonly("newton_iterations", &StaticResult::newton_iterations)
       .def_readonly("linear_iterations", &StaticResult::linear_iterations)
-      .def_readonly("residual", &StaticResult::residual, "Unbalanced force over the size of loads and reactions.")
+      .def_readonly(
+          "residual", &StaticResult::residual,
+          "Unbalanced force over the size of loads and reactions; where these are nothing, of the forces within the "
+          "body.")
       .def_readonly("left_saddle", &StaticResult::left_saddle,
                     "Whether it went down from an equilibrium that was no minimum, as a column that buckles does.")
       .def_readonly(

@@ -15,6 +15,7 @@
 #include "core/simulation/simulation_impl.h"
 #include "core/simulation/tensions.h"
 #include "core/solve/steppers.h"
+#include "core/solve/trial.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/base/text.h"
 #include "elastin/core/simulation/parts.h"
@@ -403,7 +404,10 @@ StepResult Simulation::step(double dt) noexcept {
 
 Sensitivity Simulation::sensitivity() {
   Positions free = forces();
-  const double all = free.norm() + tensions().norm();
+  const double root = std::sqrt(static_cast<double>(body().size()));
+  VectorX force_densities;
+  const double within = internal_force(model(), positions(), force_densities, impl_->workspace) / root;
+  const double all = free.norm() + std::max(tensions().norm(), within);
   keep_free(model().supports, free);
   if (free.norm() > 1e-6 * all)
     throw InputError("derivatives are those of an equilibrium, and this state is not one: call settle() first");

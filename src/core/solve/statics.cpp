@@ -12,6 +12,7 @@
 #include "core/solve/responses.h"
 #include "core/solve/stable_step.h"
 #include "core/solve/steppers.h"
+#include "core/solve/trial.h"
 #include "elastin/core/solve/engine.h"
 #include "elastin/core/solve/stepper.h"
 
@@ -90,7 +91,11 @@ bool note_balance(Model& model, const State& state, double tolerance, StaticResu
   const Positions loads = model.load_forces(state);
   forces += loads;
   result.reactions = -fixed_components(model.supports, forces);
-  const double scale = ordered_norm(loads) + result.reactions.norm() + model.rest_force();
+  VectorX force_densities;
+  Workspace workspace;
+  const double root = std::sqrt(static_cast<double>(model.body().size()));
+  const double scale = scale_of(ordered_norm(loads) + result.reactions.norm() + model.rest_force(),
+                                internal_force(model, state.positions, force_densities, workspace) / root);
   keep_free(model.supports, forces);
   const double left = ordered_norm(forces);
   result.residual = scale > 0 ? left / scale : 0;

@@ -45,26 +45,39 @@ void set_balance(const Problem& problem, const State& state, Balance& result, Tr
   result.norm = problem.norm(result.unbalanced);
 }
 
-/// What rounding of the positions does to the energy [J].
-double noise_of(const Problem& problem, const Trial& trial, TrialWorkspace& workspace) {
-  const Model& model = problem.model;
+/// Sets what rounding of the positions does to the energy [J]; and, of an equilibrium without loads and reactions, the
+/// scale of its forces by those within the body.
+void set_noise(const Problem& problem, Trial& trial, TrialWorkspace& workspace) {
   const Positions& positions = trial.state.positions;
-  const int connections = model.body().connections.size();
-  workspace.force_densities.setZero(connections);
-  for (const auto* law : model.edge_laws())
-    law->add_force_densities(positions, workspace.force_densities, workspace.force_pass);
-  const auto& ends = model.body().connections.ends;
-  const double pull = ordered_sum(connections, [&](int c) {
-    return std::abs(workspace.force_densities[c]) * (positions.col(ends[c][1]) - positions.col(ends[c][0])).norm();
-  });
-  double within = pull;
-  for (const auto* law : model.nodal_laws()) within += law->internal_force(positions);
-  const auto molecules = static_cast<double>(molecules_of_whole(problem.whole()));
-  const double all = problem.sum(within) + std::sqrt(molecules) * trial.forces.scale;
-  return 4 * std::numeric_limits<double>::epsilon() * problem.largest(positions.cwiseAbs().maxCoeff()) * all;
+  const double root = std::sqrt(static_cast<double>(molecules_of_whole(problem.whole())));
+  const double within =
+      problem.sum(internal_force(problem.model, positions, workspace.force_densities, workspace.force_pass));
+  const double all = within + root * trial.forces.scale;
+  trial.noise = 4 * std::numeric_limits<double>::epsilon() * problem.largest(positions.cwiseAbs().maxCoeff()) * all;
+  if (!problem.kinematics) trial.forces.scale = scale_of(trial.forces.scale, within / root);
 }
 
 }  // namespace
+
+double internal_force(const Model& model, const Positions& positions, VectorX& force_densities, Workspace& workspace) {
+  const auto& ends = model.body().connections.ends;
+  const int connections = model.body().connections.size();
+  double within = 0;
+  for (const auto* law : model.edge_laws()) {
+    force_densities.setZero(connections);
+    law->add_force_densities(positions, force_densities, workspace);
+    within += ordered_sum(connections, [&](int c) {
+      return std::abs(force_densities[c]) * (positions.col(ends[c][1]) - positions.col(ends[c][0])).norm();
+    });
+  }
+  for (const auto* law : model.nodal_laws()) within += law->internal_force(positions);
+  return within;
+}
+
+double scale_of(double outer, double within) {
+  constexpr double nothing = 1e-10;
+  return outer < nothing * within ? within : outer;
+}
 
 void set_state(const State& from, double factor, const Positions& motion, State& state) {
   state.positions = from.positions + factor * motion;
@@ -127,7 +140,7 @@ void evaluate(const Problem& problem, bool with_energy, Trial& trial, TrialWorks
   trial.energy = problem.sum(trial.energy);
   if (!std::isfinite(trial.energy)) return;
   set_balance(problem, trial.state, trial.forces, workspace);
-  if (with_energy) trial.noise = noise_of(problem, trial, workspace);
+  if (with_energy) set_noise(problem, trial, workspace);
 }
 
 bool line_search(const Problem& problem, const Positions& motion, bool with_energy, Trial& now, bool& inverted,

@@ -69,7 +69,7 @@ struct Problem {
 struct Balance {
   Positions unbalanced;  ///< all forces less inertia, in the free directions [N]
   double norm = 0;       ///< its size
-  double scale = 0;      ///< size of loads, inertia and reactions
+  double scale = 0;      ///< size of loads, inertia and reactions; see scale_of
 };
 
 /// Where a line search stands: total energy (where there is one) and unbalanced force.
@@ -107,6 +107,14 @@ bool line_search(const Problem& problem, const Positions& motion, bool with_ener
 
 /// Goes along a direction, or against it, as far as the energy falls by more than its rounding. Returns whether it did.
 bool leave_saddle(const Problem& problem, const Positions& direction, Trial& now, TrialWorkspace& workspace);
+
+/// Sum of the sizes of the forces within the body [N], of each law by itself: where a muscle shortens and nothing
+/// resists, those of its fibres and of the tissue around them cancel.
+double internal_force(const Model& model, const Positions& positions, VectorX& force_densities, Workspace& workspace);
+
+/// What the unbalanced force of an equilibrium is compared with [N]: the size of loads and reactions; or, where these
+/// are nothing but rounding, that of the forces within the body. Both are Euclidean norms over the molecules.
+double scale_of(double outer, double within);
 
 /// The largest norm of a column, of all processes.
 double furthest(const Problem& problem, const Positions& motion);

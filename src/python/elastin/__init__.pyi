@@ -250,7 +250,8 @@ class StaticResult:
     def linear_iterations(self) -> int: ...
     @property
     def residual(self) -> float:
-        """Unbalanced force over the size of loads and reactions."""
+        """Unbalanced force over the size of loads and reactions; where these are nothing, of the forces within the
+        body."""
     @property
     def left_saddle(self) -> bool:
         """Whether it went down from an equilibrium that was no minimum, as a column that buckles does."""

@@ -11,6 +11,7 @@
 #include "elastin/core/forces/load_table.h"
 #include "elastin/core/forces/loads.h"
 #include "elastin/core/model/parts.h"
+#include "elastin/core/solve/sensitivity.h"
 #include "support/refusal.h"
 
 using namespace elastin;
@@ -717,4 +718,72 @@ TEST_CASE("simulation: a skin of triangles and a solid core run by one law of ce
   };
   const double both = energy(core, "neo_hookean") + energy(skin, "neo_hookean_membrane");
   for (const char* law : {"neo_hookean", "neo_hookean_membrane"}) CHECK(energy(whole, law) == Approx(both));
+}
+
+TEST_CASE("simulation: a muscle that nothing resists settles at any activation, rollers or none", "[muscle]") {
+  const Body body = tissue_block();
+  int above = 0;  // molecule 0, at the other end of a fibre
+  while ((body.rest.col(above) - body.rest.col(0) - Vector3(0, 0, 6e-3)).norm() > 1e-9) ++above;
+  double level = 0;
+  Material material = kTissue;
+  material.active =
+      ActiveFibre{.direction = Vector3::UnitZ(), .stress = 5e3, .activation = [&](double) { return level; }};
+  enum { rollers, one_molecule, nothing };
+  for (const auto held : {rollers, one_molecule, nothing})
+    for (const double ratio : {0.25, 0.45, 0.49})
+      for (int tenths = 1; tenths <= 10; ++tenths) {
+        level = tenths / 10.;
+        material.poissons_ratio = ratio;
+        CAPTURE(held, ratio, level);
+        Simulation tissue(body, built_in_catalog().find("neo_hookean"), material, {});
+        if (held == one_molecule) tissue.fix(0);
+        for (int molecule = 0; molecule < body.size() && held == rollers; ++molecule) {
+          const Vector3 free = (body.rest.col(molecule).array() > 1e-9).cast<double>();
+          if (free.minCoeff() == 0) tissue.fix(molecule, free.asDiagonal());
+        }
+        const StaticResult result = tissue.settle();
+        INFO(result.cause);
+        REQUIRE(result.outcome == Outcome::converged);
+        CHECK(result.newton_iterations < 30);
+        CHECK(result.residual < 1e-10);  // of the forces within the body
+        CHECK((tissue.positions().col(above) - tissue.positions().col(0)).norm() < 6e-3 * (1 - 0.05 * level));
+        CHECK_NOTHROW(tissue.sensitivity());
+        if (held != rollers || ratio != 0.25 || tenths != 5) continue;
+        const Positions found = tissue.positions();
+        for (const StaticMethod by : {StaticMethod::explicit_steps, StaticMethod::implicit_steps}) {
+          tissue.set_positions(body.rest);
+          const StaticResult stepped = tissue.settle({.static_method = by});
+          INFO(stepped.cause);
+          CHECK(stepped.outcome == Outcome::converged);
+          CHECK(stepped.residual < 1e-8);
+          CHECK(difference(tissue.positions(), found) < 1e-9);
+        }
+      }
+}
+
+TEST_CASE("simulation: an equilibrium with a grip that was moving is that of its spring alone") {
+  for (const StepperMethod& method : kSteppers) {
+    CAPTURE(method->name);
+    for (const double pull : {0., 1e-3}) {
+      Simulation still = simulation_of(tissue_cube(3), method), moving = simulation_of(tissue_cube(3), method);
+      for (Simulation* tissue : {&still, &moving}) {
+        for (int molecule = 0; molecule < 9; ++molecule) tissue->fix(molecule);
+        const CouplingId grip = tissue->couple(22, tissue->positions().col(22), 20, 0.05);
+        const Vector3 position = tissue->positions().col(22) + Vector3(0, 0, pull);
+        tissue->move_coupling(grip, position, {0, 0, tissue == &moving ? 0.1 : 0});
+        const StaticResult result = tissue->settle();
+        INFO(result.cause);
+        REQUIRE(result.outcome == Outcome::converged);
+        CHECK((tissue->coupling_force(grip) - 20 * (position - tissue->positions().col(22))).norm() < 1e-15);
+      }
+      CHECK(moving.positions() == still.positions());
+      CHECK_NOTHROW(moving.sensitivity());
+    }
+  }
+  Simulation lost = simulation_of(tissue_cube(3));  // what fails changes nothing, the grip's velocity neither
+  const CouplingId grip = lost.couple(22, lost.positions().col(22), 20, 0.05);
+  lost.move_coupling(grip, lost.positions().col(22), {0, 0, 0.1});
+  lost.host_forces()(0, 7) = kNaN;
+  CHECK(lost.settle().outcome != Outcome::converged);
+  CHECK(lost.coupling_force(grip).z() == Approx(0.05 * 0.1));
 }

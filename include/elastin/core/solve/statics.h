@@ -48,8 +48,9 @@ struct StaticResult {
   bool linear = false;  ///< small displacements were assumed
   int newton_iterations = 0;
   int linear_iterations = 0;
-  int cut_steps = 0;         ///< steps that were shortened because they would have inverted a cell
-  double residual = 0;       ///< unbalanced force over the size of loads and reactions
+  int cut_steps = 0;  ///< steps that were shortened because they would have inverted a cell
+  /// Unbalanced force over the size of loads and reactions; where these are nothing, of the forces within the body.
+  double residual = 0;
   double scale = 0;          ///< that size [N], a Euclidean norm
   bool left_saddle = false;  ///< went down from an equilibrium that was no minimum
   bool unstable = false;     ///< the equilibrium found has a direction of negative stiffness: it is not a minimum
