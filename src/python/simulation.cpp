@@ -545,8 +545,9 @@ void add_simulation(py::module_& module) {
             return checked(self.in_turn([](Simulation& s) { return s.settle(); }), check);
           },
           py::kw_only(), py::arg("check") = true,
-          "Goes to the equilibrium of all that acts now, at rest: a start. One that is no minimum is left; the "
-          "result's "
+          "Goes to the equilibrium of all that acts now, at rest: a start. Couplings rest, too: their dampers have no "
+          "part in it, and their velocities are 0 until move_coupling gives others. One that is no minimum is left; "
+          "the result's "
           "`unstable` says where that did not succeed. Raises StepError where none is found, unless check=False.")
       .def_property_readonly(
           "effort", [](const Moving& self) { return self.simulation.effort(); },

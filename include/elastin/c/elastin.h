@@ -263,8 +263,9 @@ ELASTIN_API elastin_status elastin_set_effort(elastin_simulation*, int effort);
  * molecule from where backward Euler's balance to the end has it, and the largest distance that it goes there [m]. NaN
  * where one of the two fails. */
 ELASTIN_API elastin_status elastin_iteration_error(elastin_simulation*, double dt, double* off, double* motion);
-/* Goes to the equilibrium of all that acts now, at rest: a start. One that is no minimum is left; `unstable` says where
- * that did not succeed. */
+/* Goes to the equilibrium of all that acts now, at rest: a start. Couplings rest, too: their dampers have no part in
+ * it, and their velocities are 0 until elastin_move_coupling gives others. One that is no minimum is left; `unstable`
+ * says where that did not succeed. */
 ELASTIN_API elastin_status elastin_settle(elastin_simulation* simulation, elastin_step_result* result);
 ELASTIN_API elastin_status elastin_time(const elastin_simulation* simulation, double* time); /* [s] */
 

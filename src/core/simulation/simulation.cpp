@@ -420,13 +420,16 @@ StaticResult Simulation::settle(const StaticOptions& options) {
   if (const std::string why = in.odd_size(); !why.empty()) throw InputError(why);
   const Within used(in.in_use);
   const ThreadScope scope(in.options.runner, in.options.threads);
+  const std::vector<Coupling> moving = in.couplings;
   const auto go_back = [&] {
     in.work = in.shown;
     in.model.begin_step(in.work, in.work.time);
     in.host_supports.go_back();
+    in.couplings = moving;
   };
   in.begin_step(in.shown.time, in.shown.time);
   in.host_supports.jump();
+  for (Coupling& coupling : in.couplings) coupling.velocity.setZero();
   in.work.velocities.setZero();
   in.work.accelerations.setZero();
   try {

@@ -333,8 +333,10 @@ class Simulation:
         """Brings the body forward by dt [s], `count` times, and gives the last step's result. A step that fails leaves
         the state as it was and raises StepError; with check=False its result says so, and no step follows."""
     def settle(self, *, check: bool = True) -> StaticResult:
-        """Goes to the equilibrium of all that acts now, at rest: a start. One that is no minimum is left; the result's
-        `unstable` says where that did not succeed. Raises StepError where none is found, unless check=False."""
+        """Goes to the equilibrium of all that acts now, at rest: a start. Couplings rest, too: their dampers have no
+        part in it, and their velocities are 0 until move_coupling gives others. One that is no minimum is left; the
+        result's `unstable` says where that did not succeed. Raises StepError where none is found, unless
+        check=False."""
     @property
     def warnings(self) -> list[str]:
         """What makes its results doubtful, a sentence each: pieces, cells given twice, negative spring constants,

@@ -154,8 +154,9 @@ class Simulation {
   /// Brings the body forward by dt > 0 [s]; numerical trouble is an outcome, and the state then stays as it was.
   StepResult step(double dt) noexcept;
   double time() const noexcept;  ///< [s]
-  /// Solves for the equilibrium of all that acts at this time, and leaves the body there, at rest: a start. By default
-  /// one that is no minimum is left, and StaticResult::unstable says where that did not succeed. Allocates.
+  /// Solves for the equilibrium of all that acts at this time, and leaves the body there, at rest: a start. Couplings
+  /// rest, too: their dampers have no part in it, and their velocities are 0 until move_coupling gives others. By
+  /// default one that is no minimum is left, and StaticResult::unstable says where that did not succeed. Allocates.
   /// std::bad_alloc leaves the state as it was.
   StaticResult settle(const StaticOptions& options = {.probe = true});
   /// Derivatives about the equilibrium that settle() has found. Throws InputError where what is left unbalanced is more
