@@ -581,7 +581,10 @@ void add_simulation(py::module_& module) {
             if (auto before = self.in_turn([&](Simulation& s) { return s.restore(saved); }))
               self.begin_generation(std::move(before));
           },
-          py::arg("saved"), "Goes back, or on, to a saved state; across cuts, too.")
+          py::arg("saved"),
+          "Goes back, or on, to a saved state; across cuts, too. Raises InputError where other positions at rest, or "
+          "another sum of spring constants before a cut, show that it is another body's; other materials, "
+          "connections and cells are not noticed.")
       .def("__reduce__", &reduced_simulation)
       .def("__repr__", [](const Moving& self) {
         return "<elastin.Simulation: " + std::to_string(self.simulation.body().size()) + " molecules at " +

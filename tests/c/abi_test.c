@@ -554,8 +554,8 @@ static void saving(void) {
   bytes[needed] = 0;
   REFUSED(elastin_restore(simulation, bytes, needed + 1), "followed by 1 bytes");
   bytes[0] = 1;
-  REFUSED(elastin_restore(simulation, bytes, needed), "version 1; version 5 is read");
-  bytes[0] = 5, bytes[5] = 'X';
+  REFUSED(elastin_restore(simulation, bytes, needed), "version 1; version 6 is read");
+  bytes[0] = 6, bytes[5] = 'X';
   REFUSED(elastin_restore(simulation, bytes, needed), "no saved state, or that of another kind of machine");
   bytes[5] = 'a';
   for (at = 0; at < needed; ++at) { /* a single bit that has changed */

@@ -403,6 +403,8 @@ ELASTIN_API elastin_status elastin_observe(elastin_simulation*, int every, elast
 /* The state, to go on from, bitwise identically: *needed bytes. Without room for them (buffer may be null) only *needed
  * is set, and the status is ELASTIN_WRONG_INPUT unless capacity is 0. Read back on the same kind of machine alone. */
 ELASTIN_API elastin_status elastin_save(const elastin_simulation*, void* buffer, size_t capacity, size_t* needed);
+/* Refuses what another body's molecules at rest, or the sum of its spring constants before a cut, show to be its; other
+ * materials, connections and cells are not noticed. */
 ELASTIN_API elastin_status elastin_restore(elastin_simulation*, const void* buffer, size_t bytes);
 
 /* ---- scenes ---- */

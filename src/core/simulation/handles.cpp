@@ -145,7 +145,8 @@ SimulationState Simulation::save() const {
                         impl_->shared_topology(),
                         impl_->effort,
                         impl_->watch ? impl_->watch->seen() : SeenFrequency(),
-                        impl_->bound()};
+                        impl_->bound(),
+                        impl_->rest_moments()};
   if (saved.seen.turn != 1) saved.seen.positions.resize(3, 0), saved.seen.elastic_forces.resize(3, 0);
   impl_->host_supports.save(saved);
   return saved;

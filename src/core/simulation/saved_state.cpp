@@ -13,7 +13,7 @@ namespace elastin {
 namespace {
 
 /// Grows with every change of what follows. Read as a number it also states the byte order.
-constexpr std::uint64_t kMark = 0x656c617374310005;  // "elast1", version 5
+constexpr std::uint64_t kMark = 0x656c617374310006;  // "elast1", version 6
 
 /// Stands before the state.
 struct Head {
@@ -32,7 +32,9 @@ inline auto members(StepBound& bound) {
 }
 inline auto members(Pose& pose) { return std::tie(pose.turn, pose.position); }
 inline auto members(Tool& tool) { return std::tie(tool.pose, tool.next); }
-inline auto members(Topology& topology) { return std::tie(topology.body, topology.constants, topology.origin); }
+inline auto members(Topology& topology) {
+  return std::tie(topology.body, topology.constants, topology.origin, topology.stiffness);
+}
 
 template <class Archive>
 void visit(Archive& archive, SimulationState& saved) {
@@ -40,7 +42,7 @@ void visit(Archive& archive, SimulationState& saved) {
   if (saved.topology) topology = *saved.topology;
   visit_each(archive, saved.state, saved.supports, saved.host_forces, saved.couplings, saved.host_supports,
              saved.others_supports, saved.tools, saved.effort, saved.seen.frequency, saved.seen.turn,
-             saved.seen.positions, saved.seen.elastic_forces, saved.bound, topology);
+             saved.seen.positions, saved.seen.elastic_forces, saved.bound, saved.rest_moments, topology);
   if constexpr (Archive::reads)
     if (topology) saved.topology = std::make_shared<const Topology>(std::move(*topology));
 }

@@ -75,10 +75,15 @@ struct Simulation::Impl {
   /// Throws InputError where what acts here cannot follow a change of topology.
   void check_follows() const;
   std::shared_ptr<const Topology> shared_topology() const;
+  Matrix3 rest_moments() const;    ///< see SimulationState
+  double first_stiffness() const;  ///< of the body that the simulation was made of; see Topology
+  /// Throws InputError where the state is another body's.
+  void check_own(const SimulationState& saved) const;
 
   Body body;
   Recipe recipe;
   VectorX constants;                                 // carried over; empty as long as the topology is the first
+  double carried_stiffness = 0;                      // the same, first_stiffness()
   std::vector<int> origin;                           // of each molecule
   std::size_t known = 0;                             // terms that the recipe has made, or host forces and couplings are
   std::shared_ptr<const Topology> original;          // null as long as the topology is the first

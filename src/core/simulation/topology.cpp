@@ -1,12 +1,14 @@
 #include "elastin/core/model/topology.h"
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 #include <utility>
 
 #include "core/base/rows.h"
 #include "core/simulation/simulation_impl.h"
 #include "elastin/core/base/error.h"
+#include "elastin/core/base/text.h"
 
 namespace elastin {
 namespace {
@@ -77,7 +79,59 @@ void check_read(const Topology& topology, bool carries) {
   if (!fits) throw InputError("the saved state has a body that cannot be this simulation's");
 }
 
+/// Three sums over the molecules that no two bodies have alike, unless they lie alike: of positions [m], of positions
+/// by the molecules' numbers [m], and of squares [m²].
+Matrix3 moments_of(const Positions& positions) {
+  const auto molecules = static_cast<double>(positions.cols());
+  const VectorX part = VectorX::LinSpaced(positions.cols(), 1 / molecules, 1);
+  Matrix3 moments;
+  moments.col(0) = positions.rowwise().mean();
+  moments.col(1) = positions * part / molecules;
+  moments.col(2) = positions.cwiseAbs2().rowwise().mean();
+  return moments;
+}
+
+/// Whether what a cut has left of a body has it where another body lies at rest.
+bool lies_as(const Topology& topology, const Positions& rest, double rounding) {
+  for (int molecule = 0; molecule < topology.body.size(); ++molecule) {
+    const int from = topology.origin[molecule];
+    if (from < 0 || from >= rest.cols()) return false;
+    if (!((topology.body.rest.col(molecule) - rest.col(from)).cwiseAbs().maxCoeff() <= rounding)) return false;
+  }
+  return true;
+}
+
 }  // namespace
+
+Matrix3 Simulation::Impl::rest_moments() const { return moments_of(body.rest); }
+
+double Simulation::Impl::first_stiffness() const {
+  if (original) return carried_stiffness;
+  if (constants.size() > 0) return constants.sum();
+  return recipe.constants ? recipe.constants(*this).sum() : 0;
+}
+
+void Simulation::Impl::check_own(const SimulationState& saved) const {
+  constexpr double rounding = 1e-9;
+  const auto refuse = [](const std::string& why) { throw InputError("the saved state is another body's: " + why); };
+  const std::string elsewhere = "its molecules lie elsewhere at rest";
+  const Body& first = original ? original->body : body;
+  if (!saved.topology || saved.topology == shared_topology()) {
+    const Positions& rest = saved.topology ? body.rest : first.rest;
+    if (saved.state.positions.cols() != rest.cols()) return;  // which is found with the rest of the state
+    const Matrix3 own = moments_of(rest);
+    const double reach = std::sqrt(own.col(2).sum());
+    const Vector3 sizes(reach, reach, reach * reach);
+    for (int column = 0; column < 3 && !saved.rest_moments.isZero(0); ++column)
+      if (!((saved.rest_moments - own).col(column).norm() <= rounding * sizes[column])) refuse(elsewhere);
+    return;
+  }
+  if (!lies_as(*saved.topology, first.rest, rounding * first.rest.cwiseAbs().maxCoeff())) refuse(elsewhere);
+  const double stiffness = saved.topology->stiffness, own = first_stiffness();
+  if (!(std::abs(stiffness - own) <= rounding * std::abs(own)))
+    refuse("its springs had constants with a sum of " + number(stiffness) +
+           " N/m before it was cut; those of this body had " + number(own) + " N/m");
+}
 
 void Simulation::Impl::check_follows() const {
   const auto refuse = [](const std::string& why) { throw InputError("the topology cannot change: " + why); };
@@ -89,7 +143,8 @@ void Simulation::Impl::check_follows() const {
 }
 
 std::shared_ptr<const Topology> Simulation::Impl::shared_topology() const {
-  if (!topology && original) topology = std::make_shared<const Topology>(Topology{body, constants, origin});
+  if (!topology && original)
+    topology = std::make_shared<const Topology>(Topology{body, constants, origin, carried_stiffness});
   return topology;
 }
 
@@ -100,6 +155,7 @@ std::unique_ptr<Simulation::Impl> Simulation::Impl::on(Topology other,
   made->material = material;
   made->recipe = recipe;
   made->constants = std::move(other.constants);
+  made->carried_stiffness = other.stiffness;
   made->origin = std::move(other.origin);
   made->tools = tools;
   made->effort_is_given = effort_is_given;
@@ -140,7 +196,7 @@ TopologyReport Simulation::change(ChangedBody changed) {
   }
   in.check_follows();
   if (in.recipe.constants && in.constants.size() == 0) in.constants = in.recipe.constants(in);
-  Topology next{std::move(changed.body), {}, std::vector<int>(report.molecule_from.size())};
+  Topology next{std::move(changed.body), {}, std::vector<int>(report.molecule_from.size()), in.first_stiffness()};
   for (std::size_t molecule = 0; molecule < next.origin.size(); ++molecule)
     next.origin[molecule] = origin()[report.molecule_from[molecule]];
   if (in.constants.size()) {
@@ -188,12 +244,14 @@ const std::vector<int>& Simulation::origin() const noexcept { return impl_->orig
 std::shared_ptr<const void> Simulation::restore(const SimulationState& saved) {
   Impl& in = *impl_;
   if (saved.topology == in.shared_topology()) {
+    in.check_own(saved);
     in.restore(saved);
     return nullptr;
   }
   in.check_idle("restore");
   in.check_follows();
   if (saved.topology) check_read(*saved.topology, static_cast<bool>(in.recipe.constants));
+  in.check_own(saved);
   const Topology& target = saved.topology ? *saved.topology : *in.original;
   int count = 0;  // of the molecules at first, as far as they are known here
   const auto see = [&](const std::vector<int>& numbers) {

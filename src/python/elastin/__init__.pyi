@@ -358,7 +358,9 @@ class Simulation:
         largest distance of a molecule from where backward Euler's balance to the end has it, and the largest
         distance that it goes there [m]. NaN where one of the two fails."""
     def restore(self, saved: SimulationState) -> None:
-        """Goes back, or on, to a saved state; across cuts, too."""
+        """Goes back, or on, to a saved state; across cuts, too. Raises InputError where other positions at rest, or
+        another sum of spring constants before a cut, show that it is another body's; other materials, connections
+        and cells are not noticed."""
     def cut_plane(self, point: ArrayLike, normal: ArrayLike) -> TopologyReport:
         """Parts the body by a plane in its present positions [m], between its cells, or between molecules where it has
         none. Volume and mass stay. Molecules keep their numbers; those that were split off come last. Views show

@@ -360,6 +360,9 @@ TEST_CASE("simulation: wrong use is refused before anything changes") {
   CHECK_THAT(refusal([&] { tissue.couple(1, Vector3(0, kNaN, 0), 1); }), Contains("(0, nan, 0) m is not finite"));
   CHECK_THAT(refusal([&] { tissue.observe(0, [](const Simulation&) {}); }), Contains("every 0 steps"));
   CHECK_THAT(refusal([&] { tissue.restore(simulation_of(tissue_cube(4)).save()); }), Contains("another body's: 64"));
+  Body larger = tissue_cube(3);
+  stretch(larger, Vector3::Constant(2));
+  CHECK_THAT(refusal([&] { tissue.restore(simulation_of(larger).save()); }), Contains("lie elsewhere at rest"));
   SimulationState odd = tissue.save();
   odd.state.velocities(0, 0) = kNaN;
   CHECK_THAT(refusal([&] { tissue.restore(odd); }), Contains("velocities are not all finite"));

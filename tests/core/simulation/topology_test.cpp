@@ -8,6 +8,7 @@
 #include "elastin/core/base/error.h"
 #include "elastin/core/shapes/arrays.h"
 #include "elastin/core/simulation/saved_state.h"
+#include "support/refusal.h"
 
 using namespace elastin;
 using namespace elastin::testing;
@@ -264,4 +265,33 @@ TEST_CASE("loads are added between steps", "[topology]") {
   step(tissue, 4);
   CHECK(tissue.velocities()(2, 5) == Approx(-10 * 4 * kStep).epsilon(1e-12));
   CHECK_THROWS_WITH(tissue.add([](Model&) { throw InputError("not today"); }), Contains("not today"));
+}
+
+TEST_CASE("a state after a cut is refused by a body of another shape or other springs", "[topology]") {
+  const auto lattice = [](double size, double modulus) {
+    Body body = tissue_cube(4);
+    stretch(body, Vector3::Constant(size));
+    Material material = kTissue;
+    material.youngs_modulus = modulus;
+    return Simulation(std::move(body), built_in_catalog().find("lattice"), material, {});
+  };
+  Simulation tissue = lattice(1, 5e3);
+  const SimulationState whole = tissue.save();
+  REQUIRE(tissue.cut(kMiddle).changed);
+  const std::vector<char> bytes = bytes_of(tissue.save());
+  const SimulationState saved = simulation_state_of(bytes.data(), bytes.size());
+  for (const bool is_cut : {false, true}) {
+    Simulation stiffer = lattice(1, 1e4), larger = lattice(1.5, 5e3), own = lattice(1, 5e3);
+    for (Simulation* other : {&stiffer, &larger, &own})
+      if (is_cut) other->cut(CutSurface::plane({3.1e-3, 3e-3, 3e-3}, {1, 0.1, 0.2}));
+    const int before = larger.body().size();
+    CHECK_THAT(refusal([&] { stiffer.restore(saved); }), Contains("springs had constants with a sum of"));
+    CHECK_THAT(refusal([&] { larger.restore(saved); }), Contains("lie elsewhere at rest"));
+    CHECK_THAT(refusal([&] { larger.restore(whole); }), Contains("lie elsewhere at rest"));
+    CHECK(larger.body().size() == before);
+    own.restore(saved);
+    CHECK(own.body().size() == tissue.body().size());
+    own.restore(whole);
+    CHECK(own.body().size() == 64);
+  }
 }

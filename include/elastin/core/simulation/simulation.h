@@ -68,6 +68,7 @@ struct Topology {
   Body body;
   VectorX constants;        ///< [N/m] of a spring rule, as they were before and shared out; empty of other strategies
   std::vector<int> origin;  ///< of each molecule: its number in the body that the simulation was made of
+  double stiffness = 0;     ///< sum of the constants [N/m] of that body; 0 of other strategies
 };
 
 /// What a change of topology did.
@@ -106,6 +107,7 @@ struct SimulationState {
   int effort = 0;                            ///< of the last step; see Simulation::effort
   SeenFrequency seen = {};                   ///< in explicit steps; see SimulationOptions::safety
   StepBound bound = {};                      ///< of explicit steps
+  Matrix3 rest_moments = Matrix3::Zero();    ///< of its body's positions at rest; 0: not known
 };
 
 /// A body that moves: what a simulator embeds. Any number may run in as many threads, each in one at a time.
@@ -256,8 +258,10 @@ class Simulation {
 
   /// The state to go on from; with the same model the steps after it are bitwise identical.
   SimulationState save() const;
-  /// Throws InputError where it is another body's, or as cut where the topology has changed since. Gives back what
-  /// keeps alive what views showed before, as TopologyReport::before, if it had to change the topology; else null.
+  /// Throws InputError where it is another body's, or as cut where the topology has changed since. Another body's is
+  /// one of another number of molecules or of other positions at rest, and after a cut one whose spring constants had
+  /// another sum; other materials, connections and cells are not noticed. Gives back what keeps alive what views showed
+  /// before, as TopologyReport::before, if it had to change the topology; else null.
   std::shared_ptr<const void> restore(const SimulationState& saved);
 
  private:
