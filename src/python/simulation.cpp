@@ -295,7 +295,10 @@ void add_hands(Class& simulation) {
           [](Moving& self, CouplingId coupling) {
             return self.in_turn([&](Simulation& s) { return s.coupling_force(coupling); });
           },
-          py::arg("coupling"), "Force of the coupling on its molecule [N] in the state reached.")
+          py::arg("coupling"),
+          "Force of the coupling on its molecule [N] in the state reached. Under newmark and energy_momentum that of a "
+          "stiff coupling swings about its mean from one step to the next, where the step is long for the coupling's "
+          "own vibration: take backward_euler or generalized_alpha there.")
       .def(
           "decouple",
           [](Moving& self, CouplingId coupling) { self.in_turn([&](Simulation& s) { s.decouple(coupling); }); },

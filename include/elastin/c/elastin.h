@@ -318,8 +318,10 @@ ELASTIN_API elastin_status elastin_couple(elastin_simulation*, int molecule, con
                                           double damping, int* coupling);
 ELASTIN_API elastin_status elastin_move_coupling(elastin_simulation*, int coupling, const double position[3],
                                                  const double velocity[3]); /* velocity [m/s] may be null */
-ELASTIN_API elastin_status elastin_coupling_force(const elastin_simulation*, int coupling,
-                                                  double force[3]); /* on the molecule */
+/* On the molecule [N]. Under newmark and energy_momentum that of a stiff coupling swings about its mean from one step
+ * to the next, where the step is long for the coupling's own vibration: take backward_euler or generalized_alpha there.
+ */
+ELASTIN_API elastin_status elastin_coupling_force(const elastin_simulation*, int coupling, double force[3]);
 ELASTIN_API elastin_status elastin_decouple(elastin_simulation*, int coupling);
 
 /* A rigid thing that the host moves, an instrument, by a number from 1. turn: rotation, row by row; null: none. */

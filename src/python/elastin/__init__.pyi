@@ -430,7 +430,9 @@ class Simulation:
     def move_coupling(self, coupling: int, position: ArrayLike, velocity: ArrayLike = ...) -> None:
         """[m], [m/s]"""
     def coupling_force(self, coupling: int) -> Floats:
-        """Force of the coupling on its molecule [N] in the state reached."""
+        """Force of the coupling on its molecule [N] in the state reached. Under newmark and energy_momentum that of a
+        stiff coupling swings about its mean from one step to the next, where the step is long for the coupling's own
+        vibration: take backward_euler or generalized_alpha there."""
     def decouple(self, coupling: int) -> None: ...
     def add_load(self, load: str | Load, **kwargs: float | ArrayLike) -> int:
         """Adds a load or damping, one of loads() or one's own (see elastin.load), at any time between steps:

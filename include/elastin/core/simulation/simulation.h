@@ -201,7 +201,9 @@ class Simulation {
   CouplingId couple(int molecule, const Vector3& position, double stiffness, double damping = 0);
   /// From the next step on. Throws InputError where there is no such coupling (any more), as the two below.
   void move_coupling(CouplingId coupling, const Vector3& position, const Vector3& velocity = Vector3::Zero());
-  /// Force of the coupling on its molecule [N] in the state reached; a haptic device gets its opposite.
+  /// Force of the coupling on its molecule [N] in the state reached; a haptic device gets its opposite. Under `newmark`
+  /// and `energy_momentum` that of a stiff coupling swings about its mean from one step to the next, where the step is
+  /// long for the coupling's own vibration: take backward_euler or generalized_alpha there.
   Vector3 coupling_force(CouplingId coupling) const;
   void decouple(CouplingId coupling);
 
