@@ -172,10 +172,12 @@ SimulationState changed(SimulationState state, Positions State::*array, const Po
 }  // namespace
 
 void Simulation::set_positions(const Positions& positions) {
+  impl_->check_host_forces();
   restore(changed(save(), &State::positions, positions, "positions"));
 }
 
 void Simulation::set_velocities(const Positions& velocities) {
+  impl_->check_host_forces();
   restore(changed(save(), &State::velocities, velocities, "velocities"));
 }
 

@@ -291,6 +291,10 @@ std::string Simulation::Impl::odd_size() const {
          std::to_string(body.size()) + ": write to its columns, and leave their number as it is";
 }
 
+void Simulation::Impl::check_host_forces() const {
+  if (const std::string why = odd_size(); !why.empty()) throw InputError(why);
+}
+
 /// What the host has given that no step to this time [s] can go well with, or "".
 std::string Simulation::Impl::odd_input(double end) const {
   for (Eigen::Index i = 0; i < host_forces.cols(); ++i)
@@ -417,7 +421,7 @@ Sensitivity Simulation::sensitivity() {
 StaticResult Simulation::settle(const StaticOptions& options) {
   Impl& in = *impl_;
   in.check_idle("settle");
-  if (const std::string why = in.odd_size(); !why.empty()) throw InputError(why);
+  in.check_host_forces();
   const Within used(in.in_use);
   const ThreadScope scope(in.options.runner, in.options.threads);
   const std::vector<Coupling> moving = in.couplings;

@@ -30,6 +30,7 @@ struct Simulation::Impl {
   void go_back();
   void set_effort(int number);
   std::string odd_size() const;
+  void check_host_forces() const;  ///< throws InputError where the host has made them another size
   std::string odd_input(double end) const;
   /// Throws InputError where a load or law that a step calls wants to change what the step works on.
   void check_idle(const char* call) const;

@@ -182,6 +182,7 @@ std::unique_ptr<Simulation::Impl> Simulation::Impl::on(Topology other,
 TopologyReport Simulation::change(ChangedBody changed) {
   Impl& in = *impl_;
   in.check_idle("cut, tear, remove");
+  in.check_host_forces();
   TopologyReport report{changed.changed,
                         changed.split_molecules,
                         changed.removed_connections,

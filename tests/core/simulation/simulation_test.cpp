@@ -561,6 +561,8 @@ TEST_CASE("simulation: forces of the host for another number of molecules are sa
       const std::string said = "forces on " + std::to_string(columns) + " molecules and the body has 27";
       CHECK_THAT(tissue.step(kStep).cause, Contains(said));
       CHECK_THAT(refusal([&] { tissue.settle(); }), Contains(said));
+      CHECK_THAT(refusal([&] { tissue.tear(0.5); }), Contains(said));
+      CHECK_THAT(refusal([&] { tissue.set_positions(before); }), Contains(said));
       CHECK(tissue.forces().allFinite());
       CHECK(tissue.positions() == before);
     }
