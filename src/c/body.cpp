@@ -50,16 +50,23 @@ Body body_of(const elastin_arrays& from) {
   arrays.connections = groups_of<2>(from.connections, from.connection_count, "connections");
   arrays.triangles = groups_of<3>(from.triangles, from.triangle_count, "triangles");
   arrays.tetrahedra = groups_of<4>(from.tetrahedra, from.tetrahedron_count, "tetrahedra");
-  if (from.rest_lengths) arrays.rest_lengths = numbers_of(from.rest_lengths, from.connection_count);
   arrays.masses = numbers_of(from.masses, molecules);
   arrays.radii = numbers_of(from.radii, molecules);
   rows_of(from.growth, from.growth_count, "growth");
+  if (from.growth && from.growth_count == 0)
+    throw InputError("growth is given and growth_count is 0; it must be the number of cells");
   for (std::size_t cell = 0; cell < from.growth_count; ++cell)
     arrays.growth.emplace_back(Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(from.growth + 9 * cell));
   if (!from.masses) require_positive(from.density, "density");
   if (!from.masses && !arrays.triangles.empty()) require_positive(from.thickness, "thickness");
   arrays.density = from.masses ? 1 : from.density;  // the masses replace those that follow from it
   arrays.thickness = from.masses ? 1 : from.thickness;
+  if (from.rest_lengths) {  // without connections one for each edge of the cells, whose number the body knows
+    const std::size_t connections = arrays.connections.empty()
+                                        ? static_cast<std::size_t>(make_body(arrays).connections.proper())
+                                        : from.connection_count;
+    arrays.rest_lengths = numbers_of(from.rest_lengths, connections);
+  }
   return make_body(arrays);
 }
 

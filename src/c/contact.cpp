@@ -21,8 +21,10 @@ contact::Obstacle obstacle_of(const elastin_simulation& handle, const elastin_ob
   const elastin_obstacle from = checked_element(obstacles, number, "elastin_obstacle");
   std::map<std::string, double> sizes;
   if (from.size_count > 0) given(from.sizes, "elastin_obstacle.sizes");
-  for (std::size_t i = 0; i < from.size_count; ++i)
-    sizes[&given(from.sizes[i].name, "a size's name")] = from.sizes[i].value;
+  for (std::size_t i = 0; i < from.size_count; ++i) {
+    const std::string key = &given(from.sizes[i].name, "a size's name");
+    if (!sizes.emplace(key, from.sizes[i].value).second) refuse_twice("sizes", key);
+  }
   contact::Obstacle obstacle{"obstacle" + std::to_string(number),
                              contact::make_shape(&given(from.shape, "elastin_obstacle.shape"), sizes)};
   bool turned = false;

@@ -64,6 +64,11 @@ elastin_status guarded(const Work& work) noexcept {
   }
 }
 
+/// Throws InputError where one list of values has a name twice.
+[[noreturn]] inline void refuse_twice(const std::string& list, const std::string& name) {
+  throw InputError(list + ": '" + name + "' is given twice");
+}
+
 /// Throws InputError naming the argument that is null.
 template <class T>
 T& given(T* pointer, const char* name) {

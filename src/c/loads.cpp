@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
 
 #include "c/handles.h"
 #include "elastin/core/forces/load_table.h"
@@ -18,6 +19,7 @@ LoadValues load_values(const LoadKind& load, const elastin_value* values, std::s
   LoadValues found;
   if (count > 0) given(values, "values");
   std::vector<std::string> names;
+  std::set<std::string> single;       // names that came and count once
   std::map<std::string, int> listed;  // how many numbers of a vector have come by its name alone
   for (const ParameterInfo& info : load.parameters)
     for (const char* ending : {"", "_x", "_y", "_z"})
@@ -37,8 +39,10 @@ LoadValues load_values(const LoadKind& load, const elastin_value* values, std::s
         if (const int axis = listed[key]++; axis < 3)
           found.vectors.try_emplace(key, Vector3::Zero()).first->second[axis] = value;
       } else if (key == info.name) {
+        if (!single.insert(key).second) refuse_twice(load.name, key);
         found.numbers[key] = value;
       } else if (is_vector(info) && key.size() == info.name.size() + 2 && key.starts_with(info.name)) {
+        if (!single.insert(key).second) refuse_twice(load.name, key);
         found.vectors.try_emplace(info.name, Vector3::Zero()).first->second[key.back() - 'x'] = value;
       }
     }

@@ -24,7 +24,10 @@ constexpr double kLeast = 1e-300;
 ParameterValues values_of(const elastin_value* values, std::size_t count, const char* name) {
   ParameterValues found;
   if (count > 0) c::given(values, name);
-  for (std::size_t i = 0; i < count; ++i) found[&c::given(values[i].name, "a parameter's name")] = values[i].value;
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::string key = &c::given(values[i].name, "a parameter's name");
+    if (!found.emplace(key, values[i].value).second) refuse_twice(name, key);
+  }
   return found;
 }
 

@@ -238,6 +238,8 @@ static void rests(void) {
   arrays.positions = corners, arrays.molecule_count = 4, arrays.tetrahedra = cell, arrays.tetrahedron_count = 1;
   arrays.density = 1000, arrays.growth = growth, arrays.growth_count = 2;
   REFUSED(elastin_body_from_arrays(&arrays, &body), "growth: has 2 matrices; allowed: 1");
+  arrays.growth_count = 0;
+  REFUSED(elastin_body_from_arrays(&arrays, &body), "growth_count is 0");
   arrays.growth_count = 1;
   OK(elastin_body_from_arrays(&arrays, &body));
   OK(elastin_simulate(body, "neo_hookean", &kSoft, NULL, &simulation));
@@ -254,6 +256,34 @@ static void rests(void) {
   CHECK(fabs(now[3] - 1.1e-2) < 1e-8 && fabs(now[7] - 1.2e-2) < 1e-8 && fabs(now[11] - 1e-2) < 1e-8);
   elastin_simulation_free(simulation);
   elastin_body_free(body);
+}
+
+/* Without connections there is a rest length for each edge of the cells: longer, they push. */
+static void unstressed_lengths(void) {
+  const double corners[12] = {0, 0, 0, 1e-2, 0, 0, 0, 1e-2, 0, 0, 0, 1e-2};
+  const int cell[4] = {0, 1, 2, 3};
+  double lengths[6];
+  const double *tensions = NULL, *now = NULL;
+  size_t count = 0, i;
+  elastin_arrays arrays = {.size = sizeof arrays};
+  elastin_body* body = NULL;
+  elastin_simulation* simulation = NULL;
+  arrays.positions = corners, arrays.molecule_count = 4, arrays.tetrahedra = cell, arrays.tetrahedron_count = 1;
+  arrays.density = 1000, arrays.rest_lengths = lengths;
+  for (i = 0; i < 6; ++i) lengths[i] = 1.1e-2 * (i < 3 ? 1 : sqrt(2));
+  OK(elastin_body_from_arrays(&arrays, &body));
+  OK(elastin_simulate(body, "standard", &kSoft, NULL, &simulation));
+  OK(elastin_tensions(simulation, &tensions, &count));
+  CHECK(count == 6);
+  for (i = 0; i < 6; ++i) CHECK(tensions[i] < 0);
+  OK(elastin_settle(simulation, NULL));
+  OK(elastin_positions(simulation, &now, NULL));
+  CHECK(fabs(hypot(hypot(now[3] - now[0], now[4] - now[1]), now[5] - now[2]) - 1.1e-2) < 1e-8);
+  elastin_simulation_free(simulation);
+  elastin_body_free(body);
+  body = NULL;
+  lengths[5] = -1;
+  REFUSED(elastin_body_from_arrays(&arrays, &body), "rest_lengths[5]: is -1");
 }
 
 /* What one function makes of all inputs is what each input makes of it. */
@@ -354,7 +384,9 @@ static void unstable(void) {
 static void refusals(void) {
   char words[1024];
   const double position[3] = {0, 0, 0}, odd[3] = {0, NAN, 0};
-  const elastin_value unknown[] = {{"vicosity", 1}}, negative[] = {{"viscosity", -1}}, nameless[] = {{NULL, 1}};
+  const elastin_value unknown[] = {{"vicosity", 1}}, negative[] = {{"viscosity", -1}}, nameless[] = {{NULL, 1}},
+                      twice[] = {{"viscosity", 1}, {"viscosity", 7}}, parts[] = {{"divisor", 1}, {"divisor", 7}},
+                      along[] = {{"acceleration_z", 1}, {"acceleration_z", 7}};
   elastin_material wrong = kSoft;
   elastin_body* body = lattice();
   elastin_simulation *simulation = NULL, *kept = tissue(NULL);
@@ -375,6 +407,8 @@ static void refusals(void) {
   REFUSED(elastin_simulate(body, "lattice", &kSoft, &options, &simulation), "did you mean 'newmark'");
   options.stepper = NULL, options.parameters = unknown, options.parameter_count = 1;
   REFUSED(elastin_simulate(body, "lattice", &kSoft, &options, &simulation), "vicosity");
+  options.parameters = parts, options.parameter_count = 2;
+  REFUSED(elastin_simulate(body, "divided", &kSoft, &options, &simulation), "parameters: 'divisor' is given twice");
   REFUSED(elastin_simulate(body, "wrinkling", &kSoft, NULL, &simulation), "goes with a membrane law");
   REFUSED(elastin_simulate(body, NULL, &kSoft, NULL, &simulation), "strategy is null");
   REFUSED(elastin_simulate(NULL, "lattice", &kSoft, NULL, &simulation), "body is null");
@@ -396,6 +430,8 @@ static void refusals(void) {
   REFUSED(elastin_add(kept, "stokes_drag", unknown, 1), "did you mean 'viscosity'");
   REFUSED(elastin_add(kept, "stokes_drag", negative, 1), "must be at least 0");
   REFUSED(elastin_add(kept, "stokes_drag", nameless, 1), "name is null");
+  REFUSED(elastin_add(kept, "stokes_drag", twice, 2), "stokes_drag: 'viscosity' is given twice");
+  REFUSED(elastin_add(kept, "gravity", along, 2), "gravity: 'acceleration_z' is given twice");
   REFUSED(elastin_add(kept, "floor", NULL, 0), "floor.point is missing");
   REFUSED(elastin_add(NULL, "floor", NULL, 0), "simulation is null");
   REFUSED(elastin_fix(kept, 36, 0), "36");
@@ -690,6 +726,7 @@ int main(void) {
   bodies();
   drawing();
   rests();
+  unstressed_lengths();
   derivatives();
   stepping();
   refusals();

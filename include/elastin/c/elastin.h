@@ -71,7 +71,7 @@ typedef struct elastin_arrays {
   const double* masses;       /* [kg] > 0, one a molecule; null: from `density` and the cells or the convex hull */
   const double* radii;        /* [m] > 0, one a molecule; null: half the shortest connection */
   const int* connections;     /* pairs of molecules; null: the edges of the cells */
-  const double* rest_lengths; /* [m] > 0, one a connection; null: the distances */
+  const double* rest_lengths; /* [m] > 0, one a connection, as elastin_body_connections has them; null: the distances */
   const int* triangles;       /* three molecules each */
   const int* tetrahedra;      /* four molecules each; inverted where their volume is negative */
   size_t molecule_count, connection_count, triangle_count, tetrahedron_count;
@@ -134,7 +134,7 @@ ELASTIN_API elastin_status elastin_surface_make(const elastin_body* body, const 
 ELASTIN_API void elastin_surface_free(elastin_surface* surface);
 
 /* ---- materials and strategies ---- */
-/* A value by name. */
+/* A value by name, once in a list; of loads, vectors and molecules take a name as often as they have numbers. */
 typedef struct elastin_value {
   const char* name;
   double value;
