@@ -38,8 +38,14 @@ const std::vector<ShapeRow>& rows() {
 
 }  // namespace
 
-ObstacleShape make_shape(const std::string& name, const std::map<std::string, double>& sizes) {
-  const ShapeRow* row = &named(rows(), name, "obstacle: there is no shape '" + name + "'");
+ObstacleShape make_shape(const std::string& name, const std::map<std::string, double>& sizes,
+                         const std::vector<std::string>& others) {
+  const ShapeRow* row = find_named(rows(), name);
+  if (!row) {
+    std::vector<std::string> allowed = names_of(rows());
+    allowed.insert(allowed.end(), others.begin(), others.end());
+    throw InputError("obstacle: there is no shape '" + name + "'" + suggestion(name, allowed));
+  }
   for (const auto& [key, value] : sizes)
     if (std::find(row->sizes.begin(), row->sizes.end(), key) == row->sizes.end())
       throw InputError("obstacle: a " + name + " has no '" + key + "'" + suggestion(key, row->sizes));

@@ -49,6 +49,9 @@ contact::Obstacle obstacle_from(const Simulation& simulation, const py::dict& gi
                                      "a number, for it counts as a size of the shape: other keys are shape, name, "
                                      "position, turn, tool, friction, points and triangles");
   }
+  if (given.contains("tool") && (given.contains("position") || given.contains("turn")))
+    throw InputError("obstacles: number " + std::to_string(number) +
+                     " has a tool, which says where it is; leave out `position` and `turn`");
   if (shape.empty()) throw InputError("obstacles: number " + std::to_string(number) + " has no 'shape'");
   if ((obstacle.pose.turn.transpose() * obstacle.pose.turn - Matrix3::Identity()).norm() > 1e-9)
     throw InputError("obstacles: the turn of number " + std::to_string(number) + " is no rotation");
@@ -57,7 +60,7 @@ contact::Obstacle obstacle_from(const Simulation& simulation, const py::dict& gi
     throw InputError("obstacles: the name '" + obstacle.name + "' is taken by an obstacle before; give another `name`");
   const bool is_mesh = shape == contact::shape::Mesh::name, is_hull = shape == contact::shape::Convex::name;
   if (!is_mesh && !is_hull && points.cols() == 0) {
-    obstacle.shape = contact::make_shape(shape, sizes);
+    obstacle.shape = contact::make_shape(shape, sizes, {contact::shape::Convex::name, contact::shape::Mesh::name});
     return obstacle;
   }
   const std::string key = "obstacles: '" + obstacle.name + "'";

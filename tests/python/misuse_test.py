@@ -74,8 +74,13 @@ class Defaults(unittest.TestCase):
 class Values(unittest.TestCase):
     def test_a_value_of_a_wrong_type_is_named(self):
         tissue = elastin.Simulation(LATTICE, "lattice", SOFT)
+        tool = tissue.add_tool((0, 0, 1))
         for act, said in (
                 (lambda: tissue.add_contact(1e8, [{"shape": "sphere", "radius": "wide"}]), "radius: is 'wide'; allowed: a number"),
+                (lambda: tissue.add_contact(1e8, [{"shape": "spher"}]), "no shape 'spher'"),
+                (lambda: tissue.add_contact(1e8, [{"shape": "torus"}]), "convex.*mesh"),
+                (lambda: tissue.add_contact(1e8, [{"shape": "sphere", "radius": 1e-3, "tool": tool, "position": (0, 0, 1)}]),
+                 "has a tool, which says where it is"),
                 (lambda: tissue.add_contact(1e8, [{"shape": 3}]), "shape: is 3; allowed: a text"),
                 (lambda: tissue.add_contact(1e8, [{"shape": "plane", "position": "up"}]), "position: is 'up'; allowed: three"),
                 (lambda: tissue.add_load("gravity", acceleration="down"), "acceleration: is 'down'; allowed: three"),

@@ -48,7 +48,9 @@ using ObstacleShape =
 /// A shape by name, for faces to other languages: plane; box (x, y, z); sphere (radius); cylinder and capsule (radius,
 /// length); sizes [m], above 0. Throws InputError with the nearest name, and on sizes that are missing, too many or out
 /// of range.
-ObstacleShape make_shape(const std::string& name, const std::map<std::string, double>& sizes);
+/// @param others names of shapes that the caller makes itself, which the message lists as well
+ObstacleShape make_shape(const std::string& name, const std::map<std::string, double>& sizes,
+                         const std::vector<std::string>& others = {});
 
 /// A rigid thing that molecules cannot pass, fixed or moved as prescribed.
 struct Obstacle {
