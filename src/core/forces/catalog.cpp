@@ -197,7 +197,8 @@ LoadKind floor_plane() {
   load.parameters = {
       vector("point", dimension::length, "a point of the plane"), direction("normal", "normal towards the free side"),
       optional("stiffness", dimension::stiffness,
-               "stiffness for each molecule pressed in; without it E times the mean molecule's diameter"),
+               "stiffness k for each molecule pressed in: beyond a depth d of a tenth of its radius r the force is "
+               "k (d − r/20), and less before; without it E times the mean molecule's diameter"),
       amount("damping", dimension::damping, "damping for each molecule pressed in", 0)};
   load.add = [](Model& model, const LoadValues& values, const Material* material) {
     if (!values.has("stiffness") && !material)

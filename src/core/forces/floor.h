@@ -10,7 +10,7 @@ namespace elastin {
 struct Floor {
   Vector3 point = Vector3::Zero();    ///< on the plane [m]
   Vector3 normal = Vector3::UnitZ();  ///< towards the free side
-  double stiffness = 0;               ///< of each molecule that is pressed in [N/m]
+  double stiffness = 0;               ///< k of each molecule that is pressed in [N/m]
   double damping = 0;                 ///< of each molecule that is pressed in [N s/m]
 };
 
@@ -18,8 +18,8 @@ struct Floor {
 /// diameter, as a cube of that size has [N/m].
 double default_floor_stiffness(const Body& body, const Material& material);
 
-/// The force grows with the square of the depth over the first tenth of a radius, then with the stiffness: a smooth
-/// force with an energy.
+/// The force grows with the square of the depth d over the first tenth of a radius r, then with the stiffness, as
+/// k (d − r/20): a smooth force with an energy.
 std::unique_ptr<Load> make_floor(const Body& body, const Floor& floor);
 
 /// The floor that make_floor made this load of, with a unit normal; null: of none.
