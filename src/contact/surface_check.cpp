@@ -1,6 +1,7 @@
 #include "contact/surface_check.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <limits>
 #include <vector>
@@ -57,6 +58,59 @@ struct OddSides {
   }
 };
 
+using Corners = std::array<Vector3, 3>;
+
+/// Of a triangle's size: triangles that meet by less than that touch, but for rounding, and do not cross.
+constexpr double kTouching = 1e-9;
+
+/// The triangle, smaller by kTouching about its middle.
+Corners without_rim(const Corners& corners) {
+  const Vector3 middle = (corners[0] + corners[1] + corners[2]) / 3;
+  Corners inner;
+  for (int k = 0; k < 3; ++k) inner[k] = corners[k] + kTouching * (middle - corners[k]);
+  return inner;
+}
+
+Vector3 normal_of(const Corners& corners) {
+  return (corners[1] - corners[0]).cross(corners[2] - corners[0]).normalized();
+}
+
+/// The least and the largest of what the corners have along a direction.
+std::array<double, 2> range_along(const Vector3& direction, const Corners& corners, const Vector3& from) {
+  const double a = direction.dot(corners[0] - from), b = direction.dot(corners[1] - from),
+               c = direction.dot(corners[2] - from);
+  return {std::min({a, b, c}), std::max({a, b, c})};
+}
+
+/// Whether triangles in one plane share a part of it.
+bool overlap_in_plane(const Corners& one, const Corners& other) {
+  const Vector3 normal = normal_of(one);
+  for (const Corners* corners : {&one, &other})
+    for (int k = 0; k < 3; ++k) {
+      const Vector3 across = normal.cross((*corners)[(k + 1) % 3] - (*corners)[k]);
+      const auto own = range_along(across, one, one[0]), others = range_along(across, other, one[0]);
+      if (own[1] <= others[0] || others[1] <= own[0]) return false;
+    }
+  return true;
+}
+
+/// Whether triangles without a shared corner cross each other, and do not only touch but for rounding.
+bool cross_apart(const Corners& one, const Corners& other) {
+  const auto flat = [](const Corners& corners) {
+    return kTouching * std::max((corners[1] - corners[0]).norm(), (corners[2] - corners[0]).norm());
+  };
+  const auto sides = [](const Corners& corners, const Corners& plane) {
+    return range_along(normal_of(plane), corners, plane[0]);
+  };
+  const auto [one_least, one_most] = sides(one, other);
+  const auto [other_least, other_most] = sides(other, one);
+  const double one_flat = flat(one), other_flat = flat(other);
+  if (std::max(-one_least, one_most) <= one_flat) return overlap_in_plane(without_rim(one), without_rim(other));
+  const bool through =
+      one_least < -one_flat && one_most > one_flat && other_least < -other_flat && other_most > other_flat;
+  return through && triangles_cross(without_rim(one), without_rim(other));
+}
+
 /// Goes through the pairs of triangles whose boxes meet.
 class CrossingSearch {
  public:
@@ -103,8 +157,8 @@ class CrossingSearch {
       if (std::find(other.begin(), other.end(), corner) != other.end()) shared.push_back(corner);
     bool crossed = false;
     if (shared.empty())
-      crossed = triangles_cross({point(one[0]), point(one[1]), point(one[2])},
-                                {point(other[0]), point(other[1]), point(other[2])});
+      crossed = cross_apart({point(one[0]), point(one[1]), point(one[2])},
+                            {point(other[0]), point(other[1]), point(other[2])});
     else if (shared.size() == 1)
       crossed = far_side_cuts(one, other, shared[0]) || far_side_cuts(other, one, shared[0]);
     if (!crossed) return;
@@ -116,14 +170,19 @@ class CrossingSearch {
   double volume(int a, int b, int c, int d) const {
     return (point(b) - point(a)).cross(point(c) - point(a)).dot(point(d) - point(a));
   }
-  /// Whether the side of `one` across from the shared corner goes through the inside of `other`.
+  /// Whether the side of `one` across from the shared corner goes through the inside of `other`, and not only through
+  /// its rim or along its plane but for rounding.
   bool far_side_cuts(const Triangle& one, const Triangle& other, int shared) const {
     const int k = one[0] == shared ? 0 : one[1] == shared ? 1 : 2;
     const int from = one[(k + 1) % 3], to = one[(k + 2) % 3];
     const auto& [a, b, c] = other;
-    if (!(volume(a, b, c, from) * volume(a, b, c, to) < 0)) return false;
-    const double ab = volume(from, to, a, b), bc = volume(from, to, b, c), ca = volume(from, to, c, a);
-    return (ab > 0 && bc > 0 && ca > 0) || (ab < 0 && bc < 0 && ca < 0);
+    const Vector3 twice_area = (point(b) - point(a)).cross(point(c) - point(a));
+    const double before = volume(a, b, c, from), behind = volume(a, b, c, to),
+                 flat = kTouching * twice_area.norm() * (point(to) - point(from)).norm();
+    if (!(before * behind < 0 && std::min(std::abs(before), std::abs(behind)) > flat)) return false;
+    const double ab = volume(from, to, a, b), bc = volume(from, to, b, c), ca = volume(from, to, c, a),
+                 rim = kTouching * std::abs(ab + bc + ca);
+    return (ab > rim && bc > rim && ca > rim) || (ab < -rim && bc < -rim && ca < -rim);
   }
 
   const Positions& points_;

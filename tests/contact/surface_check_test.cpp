@@ -119,6 +119,40 @@ TEST_CASE("numbers that name no point are said first", "[contact]") {
   CHECK(check_surface(Positions(3, 0), {}) == "it has no triangles");
 }
 
+TEST_CASE("triangles in one plane that touch do not cross, however they are turned", "[contact]") {
+  constexpr int side = 4;
+  Surface sheet{Positions(3, side * side), {}};
+  for (int molecule = 0; molecule < side * side; ++molecule)
+    sheet.points.col(molecule) = Vector3(molecule % side, molecule / side, 0);
+  for (int y = 0; y + 1 < side; ++y)
+    for (int x = 0; x + 1 < side; ++x) {
+      const int corner = x + side * y;
+      sheet.triangles.push_back({corner, corner + 1, corner + side});
+      sheet.triangles.push_back({corner + 1, corner + side + 1, corner + side});
+    }
+  Surface apart;  // the same with corners of its own for each triangle
+  apart.points.resize(3, static_cast<Eigen::Index>(3 * sheet.triangles.size()));
+  for (int turn = 1; turn <= 30; ++turn) {
+    const Positions turned = Eigen::AngleAxisd(turn, Vector3(1, 2, 3).normalized()) * sheet.points;
+    CHECK(find_crossings(turned, sheet.triangles).count == 0);
+    apart.triangles.clear();
+    int corners = 0;
+    for (const auto& triangle : sheet.triangles) {
+      for (const int corner : triangle) apart.points.col(corners++) = turned.col(corner);
+      apart.triangles.push_back({corners - 3, corners - 2, corners - 1});
+    }
+    CHECK(find_crossings(apart.points, apart.triangles).count == 0);
+  }
+  // A side that goes through by 1e-6 of its length does cross, from a shared corner or not.
+  Surface two{Positions(3, 6), {{0, 1, 2}, {3, 4, 5}}};
+  two.points << 0, 1, 0, 0, 0.3, 0.3,  //
+      0, 0, 1, 0, 0.3, 0.3,            //
+      0, 0, 0, 0, 1, -1e-6;
+  CHECK(find_crossings(two.points, two.triangles).count == 1);
+  two.triangles[1][0] = 0;
+  CHECK(find_crossings(two.points, two.triangles).count == 1);
+}
+
 TEST_CASE("pairs of triangles that cut each other are found, of those that count", "[contact]") {
   Surface two = ball();
   two.add(ball(), {0.15, 0, 0});
