@@ -385,8 +385,9 @@ SearchEnd searched(const UnknownMaterial& unknown, Residuals& residuals, const F
   end.starts = static_cast<int>(ends.size());
   end.seconds = watch.seconds();
   if (!best.usable) return end;
+  const double rounding = kExact * kExact * static_cast<double>(residuals.count);
   for (const double squares : ends)
-    if (squares <= best.squares * (1 + kSameLeast) + 1e-30) ++end.agreeing;
+    if (squares <= std::max(best.squares * (1 + kSameLeast), rounding)) ++end.agreeing;
   end.values = residuals.scaling.values(best.unknowns);
   order_terms(unknown.unknowns, end.values);
   end.converged = best.converged, end.message = best.message;

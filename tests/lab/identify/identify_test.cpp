@@ -9,9 +9,11 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <iomanip>
 #include <iterator>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "core/laws/homogeneous.h"
 #include "lab/run/config_names.h"
@@ -430,6 +432,25 @@ TEST_CASE("exact rows with a zero point that is found have finite intervals arou
   CHECK(number.low <= number.value);
   CHECK(number.high >= number.value);
   CHECK(number.value == Approx(10e3).epsilon(0.05));
+}
+
+TEST_CASE("searches that fit exact data but for rounding end alike", "[identify]") {
+  // 2 (λ − λ⁻²) (c1 + c2 / λ) of Mooney and Rivlin's law.
+  const TemporaryFolder folder;
+  std::ostringstream data;
+  data << std::setprecision(17) << "stretch,nominal_stress [Pa]\n";
+  for (const double stretch : {0.8, 0.9, 1.1, 1.3, 1.5, 1.8, 2.2})
+    data << stretch << "," << 2 * (stretch - std::pow(stretch, -2)) * (3100 + 900 / stretch) << "\n";
+  folder.write("data.csv", data.str());
+  const Answer answer =
+      identify(folder.write("scene.yaml",
+                            "material: {law: mooney_rivlin, c1: 1 kPa, c2: 1 kPa}\nidentify:\n  tests: [{kind: "
+                            "uniaxial, file: data.csv}]\n"),
+               kCatalog, {})
+          .front();
+  CHECK(answer.numbers[0].value == Approx(3100).epsilon(1e-9));
+  CHECK(answer.starts > 1);
+  CHECK(answer.agreeing == answer.starts);
 }
 
 TEST_CASE("numbers that the data cannot tell apart are a flat valley, and named", "[identify]") {
