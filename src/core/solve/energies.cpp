@@ -32,7 +32,8 @@ double work_of(const Body& body, const Positions& a, const Positions& b, const P
 
 }  // namespace
 
-Ledger::Ledger(const Model& model, const State& start) : positions_(start.positions), time_(start.time) {
+Ledger::Ledger(const Model& model, const State& start)
+    : positions_(start.positions), rest_part_(model.rest_part()), time_(start.time) {
   open_ = model.drive || !model.viscosity().empty() || any_load(model, resists) || any_load(model, drives);
   if (open_) last_ = border(model, start);
   follows_ = model.dissipates() || !model.has_energy();
@@ -89,25 +90,45 @@ double resisted_work(const Body& body, const Positions& before, const Positions&
 /// as it stands at the end, f₀ the force at the beginning. Where f has an energy its work is known, of others to the
 /// order of Simpson's rule. A stepper whose own sum differs from that makes energy.
 void Ledger::record_laws(const Model& model, const State& state, const Positions& displacement) {
-  const Positions before = model.elastic_forces(positions_);
   Positions after = model.elastic_forces(state.positions);
+  const bool has_energy = model.has_energy();
+  const double energy_after = has_energy ? model.elastic_energy(state.positions) : 0;
+  const double part = model.rest_part();
+  if (has_energy && part != rest_part_) model.set_rest(rest_part_);
+  const Positions before = model.elastic_forces(positions_);
+  const double energy_before = has_energy ? model.elastic_energy(positions_) : 0;
+  if (model.rest_part() != part) model.set_rest(part);
   const int owned = owned_molecules(model.body());
   const auto along = [&](const Positions& forces) {
     return ordered_sum(owned, [&](int i) { return forces.col(i).dot(displacement.col(i)); });
   };
-  if (model.has_energy())
-    taken += model.elastic_energy(state.positions) - model.elastic_energy(positions_);
+  if (has_energy)
+    taken += energy_after - energy_before;
   else
     taken -= (along(before) + 4 * along(model.elastic_forces(positions_ + displacement / 2)) + along(after)) / 6;
   if (model.dissipates()) taken -= (along(law_forces_) - along(before)) / 2;
   law_forces_ = std::move(after);
 }
 
+/// By the trapezoidal rule, too: what another rest adds to the energy where the step begins, and where it ends.
+double Ledger::work_of_rest(const Model& model, const State& state) const {
+  const double part = model.rest_part();
+  if (part == rest_part_ || !model.has_energy()) return 0;
+  const auto energies = [&] { return model.elastic_energy(positions_) + model.elastic_energy(state.positions); };
+  const double after = energies();
+  model.set_rest(rest_part_);
+  const double before = energies();
+  model.set_rest(part);
+  return (after - before) / 2;
+}
+
 void Ledger::record(const Model& model, const State& state) {
-  if (!open_ && !follows_) return;
+  if (!open_ && !follows_ && !model.rest_in_time) return;
   const Positions displacement = state.positions - positions_;
   if (follows_) record_laws(model, state, displacement);
+  work += work_of_rest(model, state);
   positions_ = state.positions;
+  rest_part_ = model.rest_part();
   if (!open_) return;
   Border now = border(model, state);
   const Body& body = model.body();

@@ -10,7 +10,7 @@ struct Energies {
   double in_laws = 0;     ///< work done on those: stored or dissipated, which cannot be distinguished
   double potential = 0;   ///< of the loads that have one and stay as they are: weight, dead forces
   double dissipated = 0;  ///< by damping, drag and laws that dissipate
-  double work = 0;        ///< put in by loads that change in time or have no energy, and by supports that move
+  double work = 0;  ///< put in by loads that change in time or have no energy, moved supports and a rest that changes
   Vector3 momentum = Vector3::Zero();          ///< [kg m/s]
   Vector3 angular_momentum = Vector3::Zero();  ///< about the origin [kg m²/s]
 
@@ -43,9 +43,11 @@ class Ledger {
   };
   Border border(const Model& model, const State& state) const;
   void record_laws(const Model& model, const State& state, const Positions& displacement);
+  double work_of_rest(const Model& model, const State& state) const;
   bool open_;     // whether anything passes
   bool follows_;  // whether laws keep no account of their own
   Positions positions_;
+  double rest_part_;
   double time_;
   Border last_;
   Positions law_forces_;  // of laws that it follows [N]

@@ -58,7 +58,9 @@ const MeasureList& measures_in_time() {
        {"potential_energy", dimension::energy, "energy of the loads that stay as they are, 0 at rest", Role::history},
        {"dissipated_energy", dimension::energy, "energy dissipated by damping and drag since the start", Role::history},
        {"work", dimension::energy,
-        "work of moved supports and of loads that change in time or have no energy, since the start", Role::history},
+        "work of moved supports, of a rest that changes in time and of loads that do or have no energy, since the "
+        "start",
+        Role::history},
        {"energy_balance", dimension::energy,
         "kinetic + elastic + potential + dissipated - work, less its start: an error"},
        {"energy_drift", none,
@@ -72,7 +74,8 @@ const MeasureList& measures_in_time() {
 const MeasureList& measures_of_contact() {
   using namespace dimension;
   static const MeasureList list{
-      {"contact_force", force, "largest force on one obstacle; without obstacles that of two pieces on each other; none of a piece on itself"},
+      {"contact_force", force,
+       "largest force on one obstacle; without obstacles that of two pieces on each other; none of a piece on itself"},
       {"contact_area", area, "area of the samples in contact"},
       {"largest_pressure", pressure, "contact pressure, the largest of a molecule's part of the surface"},
       {"largest_penetration", length, "largest penetration of a contact"},

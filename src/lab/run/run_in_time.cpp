@@ -451,6 +451,10 @@ void run_in_time(Model& model, const TimedExperiment& experiment, TimedRig& rig,
   run.time->reason = reason;
   run.time->resumed = !options.restart.empty();
   State state = state_at_rest(model.body());
+  if (const auto& rest = model.body().unstressed; rest && rest->part) {
+    model.rest_in_time = rest->part;
+    model.set_rest(rest->part(0));
+  }
   if (options.progress) options.progress("finding the state it starts from");
   const StaticResult started = rig.start(state, options.statics);
   run.newton_iterations += started.newton_iterations;
@@ -462,7 +466,6 @@ void run_in_time(Model& model, const TimedExperiment& experiment, TimedRig& rig,
     return;
   }
   if (specimen.start) specimen.start(state);
-  if (const auto& rest = model.body().unstressed; rest && rest->part) model.rest_in_time = rest->part;
   if (model.drive) model.drive(0, model.supports);
   model.declare_history(state);
   model.commit_step(state);
