@@ -346,15 +346,18 @@ StaticResult balance_once(Model& model, State& state, const StaticOptions& optio
     const double goal = goal_of(options, now, floor);
     if (now.forces.norm <= goal) {
       const bool probe = options.probe && !kinematics && problem.with_energy && saddles < kSaddles;
+      // The last step met negative stiffness where it began: here there may be none.
+      const bool judge_again = result.unstable && !kinematics && problem.with_energy;
       // An answer has met the stiffness already; a start that needs none has not.
-      if (!probe || !(result.newton_iterations == 0 || may_buckle(problem, now.state.positions))) break;
+      const bool looks = probe && (result.newton_iterations == 0 || may_buckle(problem, now.state.positions));
+      if (!judge_again && !looks) break;
       const Positions down = linearised ? linearised->way_down(result.linear_iterations)
                                         : way_down(tangent, model.supports, options, result.linear_iterations,
                                                    workspace.motion, workspace.solver);
       result.unstable = down.size() > 0;
       linearised.reset();
       forget_tangent(kinematics, workspace);
-      if (!result.unstable || !stable_start) break;
+      if (!probe || !result.unstable || !stable_start) break;
       if (saddles == 0 && lies_flat(problem, now.state)) flat = now.state;
       if (!leave_saddle(problem, down, now, workspace.trials)) break;
       ++saddles;

@@ -7,7 +7,9 @@
 #include <string>
 #include <utility>
 
+#include "core/base/dense.h"
 #include "core/parallel/parallel.h"
+#include "core/solve/modes.h"
 #include "core/solve/newton.h"
 #include "core/solve/responses.h"
 #include "core/solve/stable_step.h"
@@ -301,6 +303,15 @@ Model& at_rest(Model& model, const State& state) {
   return model;
 }
 
+/// Rotations as a whole that supports leave to the body at rest.
+int free_turns(const Model& model) {
+  Matrix3 fixed = Matrix3::Zero();
+  for (const Support& support : model.supports) fixed += Matrix3::Identity() - support.free;
+  const Vector3 held = symmetric_eigenvalues3(fixed);
+  const auto translations = (held.array() <= 1e-12 * held.cwiseAbs().maxCoeff()).count();
+  return free_rigid_motions(model.body().rest, model.supports) - static_cast<int>(translations);
+}
+
 }  // namespace
 
 Responses::Responses(Model& model, const State& state, const StaticOptions& options, LastSolve* last)
@@ -350,7 +361,11 @@ StaticResponse Responses::to(const Positions& load_change, const Positions& disp
   result.linear_iterations = linear.iterations;
   result.scale = size + supported;
   result.residual = size > 0 ? linear.residual * size / (size + supported) : 0;
-  result.unstable = linear.negative_modes > 0 || linear.status == LinearStatus::negative_mode;
+  // About a shape that is not the body's rest, a turn that supports leave free has the stiffness of stresses which are
+  // not yet in balance: of the equilibrium that says nothing.
+  const int turns = linear.negative_modes > 0 && model_.body().unstressed ? free_turns(model_) : 0;
+  result.unstable =
+      linear.negative_modes > turns || (linear.negative_modes <= 0 && linear.status == LinearStatus::negative_mode);
   // An indefinite stiffness still has its one answer, which a factorisation finds and iterations do not; and of stiff
   // parts that move with soft ones rounding leaves a residual, which the result says.
   const double floor = linear.status == LinearStatus::limit_reached ? 2 * rounding_floor(tangent_, motion) : 0;
