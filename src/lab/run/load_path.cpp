@@ -14,6 +14,7 @@
 #include "core/solve/modes.h"
 #include "elastin/core/base/stop.h"
 #include "elastin/core/base/text.h"
+#include "elastin/core/linear/linear_solver.h"
 #include "elastin/core/model/rest.h"
 #include "elastin/core/model/share.h"
 #include "elastin/core/solve/vibrations.h"
@@ -73,7 +74,8 @@ bool stays_in_plane(const Specimen& specimen, const Experiment& experiment, doub
 
 void set_load(Model& model, StaticRig& rig, double factor) {
   if (contact::Contact* contact = contact_of(model)) contact->set_moment(factor);
-  if (const auto& rest = model.body().unstressed) model.set_rest(rest->part ? rest->part(factor) : factor);
+  if (const auto& rest = model.body().unstressed; rest && !model.rest_in_time)
+    model.set_rest(rest->part ? rest->part(factor) : factor);
   rig.set_load(factor);
 }
 
@@ -682,12 +684,29 @@ std::string unheld_text(Model& model, const StaticExperiment& experiment, Static
   return free.empty() ? "" : "; " + free + ": hold more of " + (model.body().parts.empty() ? "it" : "them");
 }
 
+/// Takes back that the body is a mechanism where the stress that its rest gives it before the load resists every motion
+/// that the laws do not, as the tension of a drum's skin does: there a load in all directions has a response.
+void count_stress_against_modes(Model& model, const State& start, const RunOptions& options, Run& run) {
+  if (run.zero_energy_modes == 0 || !model.body().unstressed || model.rest_part() == 0 || model.body().share) return;
+  StaticOptions response = options.statics;
+  response.method = "pcg";
+  response.tolerance = 1e-5;
+  const Positions load = scattered_directions(model.body().size());
+  const StaticResult found =
+      static_response(model, start.positions, load, Positions::Zero(3, load.cols()), response).result;
+  model.begin_step(start, start.time);
+  if (found.outcome != Outcome::converged || found.unstable) return;
+  run.zero_energy_modes = 0;
+  std::erase_if(run.warnings, [](const std::string& warning) { return warning.starts_with("mechanism: "); });
+}
+
 void follow_load_curve(Model& model, const StaticExperiment& experiment, StaticRig& rig, const Material& material,
                        const RunOptions& options, Run& run, const std::function<void(State&)>& begin) {
   State at_start = state_at_rest(model.body());
   if (begin) begin(at_start);
   Start start;
   if (!find_start(model, rig, options, !begin, at_start, start, run)) return;
+  count_stress_against_modes(model, at_start, options, run);
   if (options.derivatives) options.derivatives->start(model, rig, start, options);
   const auto last = options.derivatives ? make_last_solve() : nullptr;
   const Positions before = model.load_forces(at_start);

@@ -101,6 +101,92 @@ TEST_CASE("in time the rest follows its factor, with steppers of all kinds", "[s
   }
 }
 
+TEST_CASE("in time the rest begins with its factor at the start", "[scene][rest]") {
+  const auto held = [](const std::string& rest, const std::string& stepper, const std::string& more = "",
+                       const std::string& stiffness = "neo_hookean") {
+    return run_of("title: A bar\nbody: {" + kTetrahedra + "}\nmaterial: {youngs_modulus: 10 kPa, poissons_ratio: 0.25" +
+                  more + "}\nstiffness: \"" + stiffness + "\"\nrest: {" + rest +
+                  "}\nexperiment: {kind: motion, fixture: {kind: tension, axis: z, displacement: 0 mm}}\n"
+                  "time: {duration: 1 s, frames: 20, stepper: " +
+                  stepper + "}\n");
+  };
+  for (const char* stepper : {"velocity_verlet", "newmark"}) {
+    INFO(stepper);
+    const Run still = held("swelling: 1.001, factor: {table: [[0 s, 0], [1 s, 0]]}", stepper);
+    REQUIRE(still.outcome == Outcome::converged);
+    for (const CurvePoint& row : still.curve) CHECK(std::abs(row.measures.get("force")) < 1e-12);
+    const Run grows = held("swelling: 1.001, factor: {ramp: {duration: 1 s}}", stepper);
+    REQUIRE(grows.outcome == Outcome::converged);
+    CHECK(grows.curve.front().measures.get("force") == Approx(0).margin(1e-12));
+    CHECK(grows.measures.get("force") == Approx(-1e-3).epsilon(0.05));
+    CHECK(grows.measures.get("work") == Approx(grows.measures.get("energy")).epsilon(0.05));
+    CHECK(grows.measures.get("energy_drift") < 1e-3);
+  }
+  // What has relaxed at 0.5 s has done so from there on: E A e (1/4 + 3/4 exp(-(t - 0.5 s)/0.5 s)).
+  const Run steps =
+      held("prestretch: 1.001, along: z, factor: {step: {at: 0.475 s}}", "backward_euler, step: {per_frame: 8}",
+           ", density: 0.001 kg/m3, relaxation: {terms: [[0.75, 0.5 s]], moduli: instantaneous}", "prony:neo_hookean");
+  INFO(steps.cause);
+  REQUIRE(steps.outcome == Outcome::converged);
+  for (const CurvePoint& row : steps.curve) {
+    const double since = row.time - 0.475;
+    INFO(row.time);
+    CHECK(row.measures.get("force") ==
+          Approx(since < 0 ? 0 : 1e-3 * (0.25 + 0.75 * std::exp(-since / 0.5))).epsilon(0.02).margin(1e-12));
+  }
+  CHECK(steps.measures.get("energy_drift") < 1e-3);
+}
+
+TEST_CASE("small displacements about a shape that is not the body's rest are not unstable for turning",
+          "[scene][rest]") {
+  const Run free = run_of(bar("swelling: 1.00001", "displacement: 0.1 mm") + "solver: {displacements: small}\n");
+  CHECK(free.outcome == Outcome::converged);
+  CHECK_FALSE(free.unstable);
+  // A strip that has grown by 0.8 and by 5 times Euler's strain, under a force across it.
+  for (const auto& [growth, unstable] : {std::pair("1.0016", false), std::pair("1.01", true)}) {
+    const Run strip =
+        run_of(std::string(
+                   "body: {lattice: {kind: cubic, molecules: [41, 3, 2], spacing: 1 mm, order: 2}}\n"
+                   "material: {youngs_modulus: 100 kPa, poissons_ratio: 0}\nstiffness: neo_hookean\nrest: {growth: [") +
+               growth +
+               ", 1, 1]}\nsupports: [{molecules: {side: x}}, {molecules: {side: -x}}]\nexperiment: {kind: loads}\n"
+               "loads: [{traction: {traction: [0, 0, 0.01 Pa], on: {side: z}}}]\n"
+               "solver: {displacements: small, linear_solver: direct}\n");
+    INFO(growth << strip.cause);
+    CHECK(strip.outcome == Outcome::converged);
+    CHECK(strip.unstable == unstable);
+  }
+}
+
+TEST_CASE("a chain that has grown into its rest is not unstable, though it was compressed in the first iteration",
+          "[scene][rest]") {
+  const Run chain = run_of(
+      "title: A chain\nbody: {molecules: [[0, 0, 0 mm], [0, 0, 1 mm], [0, 0, 2 mm], [0, 0, 3 mm]], connections: "
+      "[[0, 1], [1, 2], [2, 3]], radius: 0.2 mm}\nmaterial: {youngs_modulus: 13 kPa, density: 1000 kg/m3}\n"
+      "stiffness: {strategy: uniform, constant: 20 N/m}\nrest: {growth: 1.1, factor: 1}\n"
+      "experiment: {kind: tension, axis: z, force: 1 mN, cross_section: 1 mm2}\n");
+  REQUIRE(chain.outcome == Outcome::converged);
+  CHECK_FALSE(chain.unstable);
+  CHECK(chain.zero_energy_modes == 4);  // before the load nothing resists them
+  CHECK(chain.measures.get("total_elongation") == Approx(0.3e-3 + 3 * 1e-3 / 20).epsilon(1e-6));
+}
+
+TEST_CASE("what a prestretched membrane resists by its tension is no zero-energy mode", "[scene][rest][vibration]") {
+  for (const char* load : {"removed", "applied"}) {
+    const Run drum = run_of(
+        "title: A drum\nbody: {disc: {radius: 20 mm, rings: 4}}\nmaterial: {youngs_modulus: 80 kPa, poissons_ratio: "
+        "0.3, density: 1100 kg/m3, thickness: 0.2 mm}\nstiffness: st_venant_kirchhoff_membrane\n"
+        "supports: [{molecules: {rim: true}, fix: all}]\nrest: {prestretch: 1.02, factor: 1}\n"
+        "experiment: {kind: vibration, count: 1, fixture: {kind: loads}, load: " +
+        std::string(load) + "}\n");
+    INFO(load);
+    REQUIRE(drum.outcome == Outcome::converged);
+    CHECK(drum.zero_energy_modes == 0);
+    CHECK(drum.warnings.empty());
+    CHECK(drum.measures.get("frequency_1") == Approx(27.6).epsilon(0.1));
+  }
+}
+
 TEST_CASE("the unloaded shape hangs to the given one", "[scene][rest]") {
   for (const auto& [stiffness, nu] : {std::pair("neo_hookean+volume", 0.49), std::pair("neo_hookean+volume", 0.3),
                                       std::pair("st_venant_kirchhoff", 0.3), std::pair("neo_hookean_log", 0.3)}) {
