@@ -133,7 +133,8 @@ TEST_CASE("triangles in one plane that touch do not cross, however they are turn
   Surface apart;  // the same with corners of its own for each triangle
   apart.points.resize(3, static_cast<Eigen::Index>(3 * sheet.triangles.size()));
   for (int turn = 1; turn <= 30; ++turn) {
-    const Positions turned = Eigen::AngleAxisd(turn, Vector3(1, 2, 3).normalized()) * sheet.points;
+    const Matrix3 rotation = Eigen::AngleAxisd(turn, Vector3(1, 2, 3).normalized()).toRotationMatrix();
+    const Positions turned = rotation * sheet.points;
     CHECK(find_crossings(turned, sheet.triangles).count == 0);
     apart.triangles.clear();
     int corners = 0;
