@@ -42,20 +42,25 @@ void check_axes(const Study& study) {
     }
 }
 
-/// Reads the scene with each value of the study once, so that an error in the last is found before the first run.
+/// Throws InputError where the scene cannot be read with some value of the study, whatever the others are: an error in
+/// the last is found before the first run. Values that do not go together are rows that fail.
 void read_each_value(const ScenePlan& plan, const Request& request, const Catalog& catalog) {
   std::set<std::pair<std::string, std::string>> read;
+  std::map<std::pair<std::string, std::string>, std::string> faults;
   for (const auto& combination : plan.combinations) {
-    const std::size_t before = read.size();
-    read.insert(combination.begin(), combination.end());
-    if (read.size() == before) continue;
+    const auto is_read = [&](const auto& value) { return read.contains(value); };
+    if (std::ranges::all_of(combination, is_read)) continue;
     try {
       load_scene(plan.source, catalog, overrides_of(request.overrides, combination));
+      read.insert(combination.begin(), combination.end());
     } catch (const InputError& error) {
-      const std::string what = error.what(), set = "--set: ";
-      if (!what.starts_with(set)) throw;
-      throw InputError((request.vary.empty() ? "study: " : "--vary: ") + what.substr(set.size()));
+      for (const auto& value : combination) faults.try_emplace(value, error.what());
     }
+  }
+  for (const auto& [value, what] : faults) {
+    if (read.contains(value)) continue;
+    const std::string set = "--set: ", by = request.vary.empty() ? "study: " : "--vary: ";
+    throw InputError(what.starts_with(set) ? by + what.substr(set.size()) : what);
   }
 }
 

@@ -135,13 +135,17 @@ TEST_CASE("a full disk is named, and the rows before it stay", "[journal][comman
 TEST_CASE("a row of a study that fails says why and does not end it", "[journal][command]") {
   const TemporaryFolder folder;
   folder.write("cube.yaml", kCube);
-  CHECK(shell(folder,
-              "$elastin compare cube.yaml --vary \"{body.lattice.molecules: [[3, 3, 3], [0, 3, 3], [4, 4, 4]]}\"") ==
-        1);
+  const std::string study = "$elastin compare cube.yaml --vary \"{body.lattice.molecules: ", loads = "{loads: ",
+                    point = "[{point: {molecules: [", on = "], force: [0, 0, 1 nN]}}]";
+  // Each value can be read with some of the others: what does not go together is a row.
+  CHECK(shell(folder, study + "[[3, 3, 3], [4, 4, 4]]}\" --vary \"" + loads + "[" + point + "26" + on + ", " + point +
+                          "63" + on + "]}\"") == 1);
   const std::string out = text_of_file(folder.path("out"));
-  CHECK_THAT(out, Contains("body.lattice.molecules[0]: ") && Contains("is not a whole number of at least"));
-  CHECK_THAT(out, Contains("[4, 4, 4]"));
-  // That the first one cannot even be read is a slip, said at once.
+  CHECK_THAT(out, Contains("no molecule 63") && Contains("[4, 4, 4]"));
+  // One that cannot be read with any is a slip, said at once.
+  CHECK(shell(folder, study + "[[3, 3, 3], [0, 3, 3], [4, 4, 4]]}\"") == 2);
+  CHECK_THAT(text_of_file(folder.path("err")),
+             Contains("--vary: body.lattice.molecules[0]: ") && Contains("is not a whole number of at least"));
   CHECK(shell(folder, "$elastin compare cube.yaml --vary body.lattice.molecule=[[3,3,3]]") == 2);
   CHECK_THAT(text_of_file(folder.path("err")), Contains("unknown key") && Contains("did you mean"));
 }
