@@ -211,6 +211,7 @@ TEST_CASE("points that are missed alike where they are neighbours are a warning"
 TEST_CASE("an interval is written with the digits that tell its ends from its value", "[identify]") {
   Answer answer;
   answer.numbers = {{"c_1", dimension::pressure, 119912, 0.8, 119910.4, 119913.6, 119912}};
+  answer.correlation = MatrixX::Ones(1, 1);
   for (const std::string& text : {answer_text(answer, false), identify_page({answer}, "")}) {
     INFO(text);
     for (const char* number : {"119.912 kPa", "119.910 kPa", "119.914 kPa"})
