@@ -256,7 +256,8 @@ TEST_CASE("a relaxation or creep that ends too early says how much is to come, a
   CHECK(measured(slow, "remaining_change") == Approx(std::exp(-0.2 / 0.2) / 2).epsilon(0.02));
   CHECK(measured(slow, "settling_time") == Approx(0.2 * std::log(1 / (2 * 0.02))).epsilon(0.02));
   CHECK_THAT(slow.remark, Contains("the displacement still changes when the run ends, by 18 % to come"));
-  CHECK(run(creeps, 0.7).remark.empty());
+  // A force that is there at once makes the body swing, which the steps damp.
+  CHECK_THAT(run(creeps, 0.7).remark, !Contains("still changes") && Contains("lost in the steps"));
 }
 
 TEST_CASE("drag that is read as the material's is said", "[time]") {
