@@ -190,19 +190,18 @@ Gradients spreads_of(const Scene& scene, const Gradients& gradients) {
 
 /// That a material whose directions are askew to the load has one modulus where sections may tilt, as uniaxial stress
 /// asks, and another where the ends keep them level; or "".
-std::string sheared_by_load(const Record& record, const Run& run, const Material& material) {
+std::string sheared_by_load(const Scene& scene, const Record& record, const Run& run) {
   constexpr double same = 0.01;
-  if (no_isotropic_moduli(material).empty()) return "";
-  for (const MainMeasure& measure : record.main_measures) {
-    const double free = measure.prescribed, level = run.law.get(measure.name);
-    if (record.measure(measure.name).role != MeasureRole::youngs_modulus || !(std::abs(level / free - 1) > same))
-      continue;
-    return "the material's directions are askew to the load and shear the body: its modulus is " + number(free, 4) +
-           " Pa where its sections may tilt, as in a long bar, and " + number(level, 4) +
-           " Pa where the ends keep them level; compare with its own law on cells, refined "
-           "(--reference computed)";
-  }
-  return "";
+  const Material& material = scene.specimen.material;
+  const auto axis = scene.experiment->axis();
+  if (!axis || run.law_strain == 0 || no_isotropic_moduli(material).empty()) return "";
+  const auto stress = uniaxial_stress(material, *axis, run.law_strain);
+  const double free = stress ? *stress / run.law_strain : std::nan(""),
+               level = run.law.get(record.measure(MeasureRole::youngs_modulus));
+  if (!(std::abs(level / free - 1) > same)) return "";
+  return "the material's directions are askew to the load and shear the body: its modulus is " + number(free, 4) +
+         " Pa where its sections may tilt, as in a long bar, and " + number(level, 4) +
+         " Pa where the ends keep them level; compare with its own law on cells, refined (--reference computed)";
 }
 
 /// Why the material's moduli are no targets of a body that other loads have strained, or "".
@@ -259,7 +258,7 @@ Record make_record(const Scene& scene, Run run) {
   // any material's where something disturbs what is measured and no reference is next to it.
   record.no_reference = no_reference(scene);
   if (record.no_reference.empty() && !scene.specimen.loads.empty()) record.no_reference = strained_before(record, run);
-  if (record.no_reference.empty()) record.no_reference = sheared_by_load(record, run, scene.specimen.material);
+  if (record.no_reference.empty()) record.no_reference = sheared_by_load(scene, record, run);
   const bool disturbed = !record.no_reference.empty() && references_of(scene).empty();
   if (disturbed ||
       (!no_isotropic_moduli(scene.specimen.material).empty() && !scene.experiment->axis() &&

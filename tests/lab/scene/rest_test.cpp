@@ -405,7 +405,7 @@ TEST_CASE("under a rest that was there before, an experiment's measures are what
     REQUIRE(run.outcome == Outcome::converged);
     return run.measures;
   };
-  const std::string before = "growth: 1.1, factor: 1", with = "growth: 1.1";
+  const std::string before = "growth: 1.2, factor: 1", with = "growth: 1.2";
 
   const Measures turned = measures("kind: torsion, axis: z, angle: 0.01 rad", before);
   const double torque = turned.get("torque");

@@ -141,7 +141,7 @@ TEST_CASE("a row of a study that fails says why and does not end it", "[journal]
   CHECK(shell(folder, study + "[[3, 3, 3], [4, 4, 4]]}\" --vary \"" + loads + "[" + point + "26" + on + ", " + point +
                           "63" + on + "]}\"") == 1);
   const std::string out = text_of_file(folder.path("out"));
-  CHECK_THAT(out, Contains("no molecule 63") && Contains("[4, 4, 4]"));
+  CHECK_THAT(out, Contains("'63' is not a whole number") && Contains("[4, 4, 4]"));
   // One that cannot be read with any is a slip, said at once.
   CHECK(shell(folder, study + "[[3, 3, 3], [0, 3, 3], [4, 4, 4]]}\"") == 2);
   CHECK_THAT(text_of_file(folder.path("err")),
