@@ -109,7 +109,7 @@ class BlockCells final : public NodalForces, public LocalElasticity, public Elem
       this->set_stresses(positions, cell, now);
       double sum = 0;
       for (int g = 0; g < rest().points(); ++g) {
-        double stress = (now.F[g] * now.S[g]).norm();
+        double stress = (now.F[g] * now.S[g]).norm() + now.F[g].norm() * this->left_size(cell, g);
         if (volumes()) stress += std::abs(now.p[g]);
         sum += rest().weight(cell, g) * stress * rest().inverse(cell, g).norm();
       }

@@ -36,6 +36,12 @@ CellState simplex_state(const Eigen::Ref<const Positions>& unstressed, const Eig
   return state;
 }
 
+void EdgeDensities::set_sizes(const Positions& positions, VectorX& sizes, Workspace& workspace) const {
+  sizes.setZero();
+  add_force_densities(positions, sizes, workspace);
+  sizes = sizes.cwiseAbs();
+}
+
 void EdgeDensities::show(const Positions& positions, VectorX& others, const StateVisitor&) const {
   Workspace workspace;
   add_force_densities(positions, others, workspace);

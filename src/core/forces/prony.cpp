@@ -71,6 +71,11 @@ class Prony final : public EdgeDensities, public LawHistory, public TransposedHi
     for (const auto& term : elastic_) term->add_force_densities(positions, own, workspace);
     force_densities += relaxing_.factor() * own + relaxing_.fixed();
   }
+  void set_sizes(const Positions& positions, VectorX& sizes, Workspace& workspace) const override {
+    sizes.setZero();
+    for (const auto& term : elastic_) term->add_force_densities(positions, sizes, workspace);
+    sizes = relaxing_.factor() * sizes.cwiseAbs() + relaxing_.fixed().cwiseAbs();
+  }
   /// What the past has left is of connections. A cell has as much of it, γ of its own stress, as fits it best on the
   /// cell's sides; the others' γ is the mean of the cells around them.
   void show(const Positions& positions, VectorX& others, const StateVisitor& visit) const override {

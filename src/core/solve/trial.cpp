@@ -64,10 +64,10 @@ double internal_force(const Model& model, const Positions& positions, VectorX& f
   const int connections = model.body().connections.size();
   double within = 0;
   for (const auto* law : model.edge_laws()) {
-    force_densities.setZero(connections);
-    law->add_force_densities(positions, force_densities, workspace);
+    force_densities.resize(connections);
+    law->set_sizes(positions, force_densities, workspace);
     within += ordered_sum(connections, [&](int c) {
-      return std::abs(force_densities[c]) * (positions.col(ends[c][1]) - positions.col(ends[c][0])).norm();
+      return force_densities[c] * (positions.col(ends[c][1]) - positions.col(ends[c][0])).norm();
     });
   }
   for (const auto* law : model.nodal_laws()) within += law->internal_force(positions);

@@ -104,6 +104,24 @@ TEST_CASE("a load that jumps, and a body at rest, make no energy from nothing", 
     }
 }
 
+// J(t) = (1 - g / (1 + g) e^(-t / (tau (1 + g)))) / E, and after a load for 1 s a strain of sigma (J(t) - J(t - 1 s)).
+TEST_CASE("a body that relaxes recovers when nothing loads it any more, in few iterations", "[time][prony]") {
+  for (const std::string body : {"tetrahedra: {kind: body_centred, cubes: [1, 1, 3], size: [10 mm, 10 mm, 30 mm]}",
+                                 "lattice: {kind: cubic, molecules: [2, 2, 4], spacing: 10 mm, order: 1}"}) {
+    INFO(body);
+    const Run run =
+        run_of("body: {" + body +
+               "}\nmaterial: {youngs_modulus: 20 kPa, poissons_ratio: 0.3, density: 0.001 kg/m3, "
+               "relaxation: {terms: [[1.5, 0.3 s]]}}\nstiffness: prony:neo_hookean\n"
+               "experiment: {kind: motion, in_time: {table: [[0 s, 0], [0.01 s, 1], [1 s, 1], [1.01 s, 0], [3 s, 0]]}, "
+               "fixture: {kind: tension, axis: z, force: 1 mN}}\n"
+               "time: {duration: 1.5 s, stepper: backward_euler, step: {per_frame: 2}, frames: 150}\n");
+    const double strain = 10 / 20e3 * 1.5 / 2.5 * (std::exp(-0.5 / 0.75) - std::exp(-1.5 / 0.75));
+    CHECK(measured(run, "elongation") == Approx(0.03 * strain).epsilon(0.02));
+    CHECK(run.newton_iterations < 5 * 300);
+  }
+}
+
 TEST_CASE("supports may jump: the body comes to the equilibrium about where they are", "[time]") {
   for (const std::string stepper : {"newmark", "backward_euler", "generalized_alpha", "energy_momentum"})
     for (const std::string in_time :

@@ -185,8 +185,12 @@ class EdgeDensities : public Elasticity {
   /// Adds each connection's force density [N/m].
   virtual void add_force_densities(const Positions& positions, VectorX& force_densities,
                                    Workspace& workspace) const = 0;
-  /// The same, separated: laws of triangles add each triangle's own share [N/m] to a column of `of_triangles`, order 01
-  /// 02 12, a column for each triangle of the body that they were made for; all others add to the connections.
+  /// Sets the size of each connection's force density [N/m], of one that is a sum that may cancel the sizes of its
+  /// parts together: what rounding is judged by. `sizes` has a number for each connection.
+  virtual void set_sizes(const Positions& positions, VectorX& sizes, Workspace& workspace) const;
+  /// The force densities, separated: laws of triangles add each triangle's own share [N/m] to a column of
+  /// `of_triangles`, order 01 02 12, a column for each triangle of the body that they were made for; all others add to
+  /// the connections.
   virtual void add_triangle_force_densities(const Positions& positions, Eigen::Ref<Eigen::Matrix3Xd> of_triangles,
                                             VectorX& of_connections, Workspace& workspace) const;
   /// Calls `visit` (see StateVisitor), and adds to `others` [N/m] the force densities that this leaves out: all, of a

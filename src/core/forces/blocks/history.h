@@ -145,6 +145,9 @@ class PointHistory : public LawHistory, public TransposedHistory, public Softens
     if (relaxing_) relaxing_.transpose_fixed(time - from.values[0], of_left, slopes);
   }
 
+  /// The size of what the past has left of the stress at a point, where it relaxes.
+  double left_size(int cell, int g) const { return relaxing_ ? left_stress(cell, g).norm() : 0; }
+
  private:
   static constexpr int kComponents = d * (d + 1) / 2;
 
