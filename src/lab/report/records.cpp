@@ -196,12 +196,14 @@ std::string sheared_by_load(const Scene& scene, const Record& record, const Run&
   const auto axis = scene.experiment->axis();
   if (!axis || run.law_strain == 0 || no_isotropic_moduli(material).empty()) return "";
   const auto stress = uniaxial_stress(material, *axis, run.law_strain);
-  const double free = stress ? *stress / run.law_strain : std::nan(""),
-               level = run.law.get(record.measure(MeasureRole::youngs_modulus));
-  if (!(std::abs(level / free - 1) > same)) return "";
-  return "the material's directions are askew to the load and shear the body: its modulus is " + number(free, 4) +
-         " Pa where its sections may tilt, as in a long bar, and " + number(level, 4) +
-         " Pa where the ends keep them level; compare with its own law on cells, refined (--reference computed)";
+  const double level = run.law.get(record.measure(MeasureRole::youngs_modulus));
+  const double free = stress ? *stress / run.law_strain : material.youngs_modulus;
+  const double along = material.fibre ? std::abs(material.fibre->direction.dot(*axis)) : 0;
+  const bool askew = stress || (std::min(along, std::sqrt(1 - along * along)) > 0.02 && !material.varies());
+  if (!askew || !(std::abs(level / free - 1) > same)) return "";
+  return "the material's directions are askew to the load and shear the body: its modulus is " + number(level, 4) +
+         " Pa where the ends keep its sections level, and " + (stress ? number(free, 4) + " Pa" : "another") +
+         " where they may tilt, as in a long bar; compare with its own law on cells, refined (--reference computed)";
 }
 
 /// Why the material's moduli are no targets of a body that other loads have strained, or "".

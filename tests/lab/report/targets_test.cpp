@@ -198,3 +198,23 @@ TEST_CASE("a body that other loads have strained has no target of one at rest, a
   CHECK_THAT(heavy.no_reference, Contains("the scene's own loads strain the body by up to "));
   CHECK_FALSE(std::isfinite(heavy.error("effective_modulus")));
 }
+
+TEST_CASE("directions askew to the load have no one modulus, and along or across it they have", "[targets][fibres]") {
+  const auto of_fibres = [](const std::string& direction) {
+    return record_of(*scene_of("{kind: tension, axis: x, strain: 0.2, load_steps: 2}", "neo_hookean",
+                               "{youngs_modulus: 120 kPa, poissons_ratio: 0.3, fibre: {direction: " + direction +
+                                   ", youngs_modulus: 600 kPa}}"));
+  };
+  const Record askew = of_fibres("[1, 0, 1]");
+  CHECK_THAT(askew.no_reference, Contains("askew to the load") && Contains("another where they may tilt"));
+  CHECK_FALSE(std::isfinite(askew.error("effective_modulus")));
+  for (const std::string direction : {"x", "z"}) {
+    INFO(direction);
+    CHECK(std::abs(of_fibres(direction).error("effective_modulus")) < 1e-8);
+  }
+  const Record law =
+      record_of(*scene_of("{kind: tension, axis: x, strain: 0.2, load_steps: 2}", "transversely_isotropic",
+                          "{law: transversely_isotropic, c1: 10 kPa, c3: 2 kPa, c4: 20, c5: 300 kPa, "
+                          "lambda_max: 1.07, direction: [1, 0, 1], bulk_modulus: 30 kPa}"));
+  CHECK_THAT(law.no_reference, Contains("askew to the load") && Contains("Pa where they may tilt"));
+}
