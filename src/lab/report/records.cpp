@@ -195,7 +195,7 @@ std::string sheared_by_load(const Scene& scene, const Record& record, const Run&
   const Material& material = scene.specimen.material;
   const auto axis = scene.experiment->axis();
   if (!axis || run.law_strain == 0 || no_isotropic_moduli(material).empty()) return "";
-  const auto stress = uniaxial_stress(material, *axis, run.law_strain);
+  const auto stress = material.law ? uniaxial_stress(material, *axis, run.law_strain) : std::nullopt;
   const double level = run.law.get(record.measure(MeasureRole::youngs_modulus));
   const double free = stress ? *stress / run.law_strain : material.youngs_modulus;
   const double along = material.fibre ? std::abs(material.fibre->direction.dot(*axis)) : 0;
