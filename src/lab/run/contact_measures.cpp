@@ -60,7 +60,8 @@ double largest_force(const contact::ContactReport& report) {
 }
 
 void note_contact(const contact::ContactReport& report, double copies, Measures& measures) {
-  // Parts of a whole have forces across, too; those of a piece on itself have no sum that is the force of one on another.
+  // Parts of a whole have forces across, too; those of a piece on itself have no sum that is the force of one on
+  // another.
   const double force = largest_force(report);
   if (copies == 1 && (force > 0 || report.pairs == 0)) measures.set("contact_force", force);
   measures.set("contact_area", copies * report.area);

@@ -45,8 +45,8 @@ using LaterQuantity = std::function<double(const Dimension&)>;
 enum class ResidualScale { automatic, relative, absolute };
 /// Which rows of a curve that goes to and fro: `only` refuses such a curve.
 enum class BranchChoice { only, loading, unloading };
-/// Where what is prescribed is zero: as the file has it, where the load begins, by the steepest tangent, or in the first
-/// row.
+/// Where what is prescribed is zero: as the file has it, where the load begins, by the steepest tangent, or in the
+/// first row.
 enum class ZeroChoice { as_given, found, toe, first };
 
 /// What is pressed into a layer, and what this lies on.
