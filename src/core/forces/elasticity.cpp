@@ -36,7 +36,7 @@ CellState simplex_state(const Eigen::Ref<const Positions>& unstressed, const Eig
   return state;
 }
 
-void EdgeDensities::set_sizes(const Positions& positions, VectorX& sizes, Workspace& workspace) const {
+void EdgeDensities::set_part_sizes(const Positions& positions, VectorX& sizes, Workspace& workspace) const {
   sizes.setZero();
   add_force_densities(positions, sizes, workspace);
   sizes = sizes.cwiseAbs();

@@ -71,7 +71,7 @@ class Prony final : public EdgeDensities, public LawHistory, public TransposedHi
     for (const auto& term : elastic_) term->add_force_densities(positions, own, workspace);
     force_densities += relaxing_.factor() * own + relaxing_.fixed();
   }
-  void set_sizes(const Positions& positions, VectorX& sizes, Workspace& workspace) const override {
+  void set_part_sizes(const Positions& positions, VectorX& sizes, Workspace& workspace) const override {
     sizes.setZero();
     for (const auto& term : elastic_) term->add_force_densities(positions, sizes, workspace);
     sizes = relaxing_.factor() * sizes.cwiseAbs() + relaxing_.fixed().cwiseAbs();

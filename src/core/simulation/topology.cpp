@@ -264,11 +264,12 @@ std::shared_ptr<const void> Simulation::restore(const SimulationState& saved) {
   auto made = in.on(target, [&](const Impl::Added& load) {
     LoadValues values = load.given;
     if (load.given_on == target.origin) return values;
-    for (auto& [name, molecules] : values.molecules) {
-      for (int& molecule : molecules) molecule = load.given_on[molecule];
-      std::ranges::sort(molecules);
-      molecules.erase(std::unique(molecules.begin(), molecules.end()), molecules.end());
-      molecules = images_of(molecules, images, load.kind->of_each);
+    for (auto& named : values.molecules) {
+      std::vector<int>& own = named.second;
+      for (int& molecule : own) molecule = load.given_on[molecule];
+      std::sort(own.begin(), own.end());
+      own.erase(std::unique(own.begin(), own.end()), own.end());
+      own = images_of(own, images, load.kind->of_each);
     }
     return values;
   });

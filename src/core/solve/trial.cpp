@@ -65,7 +65,7 @@ double internal_force(const Model& model, const Positions& positions, VectorX& f
   double within = 0;
   for (const auto* law : model.edge_laws()) {
     force_densities.resize(connections);
-    law->set_sizes(positions, force_densities, workspace);
+    law->set_part_sizes(positions, force_densities, workspace);
     within += ordered_sum(connections, [&](int c) {
       return force_densities[c] * (positions.col(ends[c][1]) - positions.col(ends[c][0])).norm();
     });

@@ -187,7 +187,7 @@ class EdgeDensities : public Elasticity {
                                    Workspace& workspace) const = 0;
   /// Sets the size of each connection's force density [N/m], of one that is a sum that may cancel the sizes of its
   /// parts together: what rounding is judged by. `sizes` has a number for each connection.
-  virtual void set_sizes(const Positions& positions, VectorX& sizes, Workspace& workspace) const;
+  virtual void set_part_sizes(const Positions& positions, VectorX& sizes, Workspace& workspace) const;
   /// The force densities, separated: laws of triangles add each triangle's own share [N/m] to a column of
   /// `of_triangles`, order 01 02 12, a column for each triangle of the body that they were made for; all others add to
   /// the connections.
