@@ -197,7 +197,7 @@ std::string sheared_by_load(const Scene& scene, const Record& record, const Run&
   if (!axis || run.law_strain == 0 || no_isotropic_moduli(material).empty()) return "";
   const auto stress = material.law ? uniaxial_stress(material, *axis, run.law_strain) : std::nullopt;
   const double level = run.law.get(record.measure(MeasureRole::youngs_modulus));
-  const double free = stress ? *stress / run.law_strain : material.youngs_modulus;
+  const double free = stress ? *stress / run.law_strain : uniaxial_response(material, *axis).youngs_modulus;
   const double along = material.fibre ? std::abs(material.fibre->direction.dot(*axis)) : 0;
   const bool askew = stress || (std::min(along, std::sqrt(1 - along * along)) > 0.02 && !material.varies());
   if (!askew || !(std::abs(level / free - 1) > same)) return "";

@@ -390,13 +390,11 @@ class TimedRun {
     }
     if (largest > 0) run_.measures.set("energy_drift", drift / largest);
     run_.remark = experiment_.remark(run_.measures);
-    if (open && !from_nothing && !lost)
+    if (open && !from_nothing && contact_damps_)
       run_.remark +=
           (run_.remark.empty() ? "" : "; ") + number(drift, 2) + " J of " + number(largest, 2) +
-          (contact_damps_ ? " J are in no account: contact with a restitution below 1 takes energy within a step or "
-                            "two, which is added up coarsely; shorter steps show how much it is"
-                          : " J are lost in the steps, which damp vibrations on purpose, as a " + experiment_.name() +
-                                " is slow; time.stepper: newmark keeps them");
+          " J are in no account: contact with a restitution below 1 takes energy within a step or two, which "
+          "is added up coarsely; shorter steps show how much it is";
   }
 
   Model& model_;
