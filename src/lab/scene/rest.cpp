@@ -223,12 +223,11 @@ void check_rest(const Reader& rest, bool timed) {
 }
 
 std::vector<KeySection> rest_keys() {
-  return {
-      {"rest", "Rest",
-       "Lengths without stress, over those of the body as it is described; they multiply. Springs get them as rest "
-       "lengths, cells as a growth F_g, of which laws see F F_g⁻¹; masses, spring constants and thicknesses stay. "
-       "x, y and z are where bodies stand after `turn` and `at`; those of a material's `fields` are before these.",
-       keys_of_rest().rows()}};
+  return {{"rest", "Rest",
+           "Lengths without stress, over those of the body as it is described; they multiply. Springs get them as rest "
+           "lengths, cells as a growth F_g, of which laws see F F_g⁻¹; masses, spring constants and thicknesses stay. "
+           "x, y and z are where bodies stand after `turn` and `at`; those of a material's `fields` are before these.",
+           keys_of_rest().rows()}};
 }
 
 }  // namespace elastin::lab
