@@ -161,7 +161,8 @@ TEST_CASE("contact: updates of multipliers end on a contact that is far softer t
   CHECK(-report.on_obstacles[0].z() == Approx(1 - 4000 * report.largest_penetration).epsilon(1e-7));
 }
 
-TEST_CASE("contact: each implicit stepper bounds the depth by multipliers, explicit ones are refused", "[contact][slow]") {
+TEST_CASE("contact: each implicit stepper bounds the depth by multipliers, explicit ones are refused",
+          "[contact][slow]") {
   ContactOptions options = options_of(1e6, 0, {floor_at(0)});
   options.penetration = 1e-6;
   for (const auto& method : built_in_steppers()) {

@@ -176,7 +176,8 @@ std::pair<double, double> both(const Case& one, const Steps& by, double dt) {
 
 }  // namespace
 
-TEST_CASE("derivatives of a run in time by one sweep backward are differences of whole runs", "[adjoint][trajectory][slow]") {
+TEST_CASE("derivatives of a run in time by one sweep backward are differences of whole runs",
+          "[adjoint][trajectory][slow]") {
   const auto nothing = [](Model&) {};
   const auto damped = [](Model& model) {
     model.add(make_gravity(model.body(), {0, -1, -9.81}));

@@ -46,7 +46,8 @@ TEST_CASE("what new writes runs", "[new][slow]") {
   }
 }
 
-TEST_CASE("the sphere of new's indentation presses on enough molecules of its block, cube, layer or bar", "[new][slow]") {
+TEST_CASE("the sphere of new's indentation presses on enough molecules of its block, cube, layer or bar",
+          "[new][slow]") {
   const TemporaryFolder folder;
   const Catalog catalog = built_in_catalog();
   for (const char* size :
