@@ -43,9 +43,10 @@ class Driven : public StaticExperiment {
 
   /// Holds molecules in all directions; a molecule must not be held twice.
   void fix_fully(const std::vector<int>& molecules);
-  /// What the supports' forces [N] have grown by since the start.
-  static Positions pull_of(const Start& start, const StaticResult& solved) {
-    return solved.reactions - start.reactions;
+  /// What the forces [N] on the fixed molecules have grown by since the start; the scene's own supports come after
+  /// them.
+  Positions pull_of(const Start& start, const StaticResult& solved) const {
+    return (solved.reactions - start.reactions).leftCols(static_cast<Eigen::Index>(fixed_.size()));
   }
   /// Σ f xᵀ [N m] of the held molecules, at `positions`: the volume times the mean stress of a body in balance.
   Matrix3 virial(const Positions& pull, const Positions& positions) const;

@@ -2,6 +2,7 @@
 
 #include "core/shapes/surfaces.h"
 #include "elastin/core/base/error.h"
+#include "support/bodies.h"
 #include "support/experiments.h"
 
 using namespace elastin;
@@ -133,4 +134,24 @@ TEST_CASE("a body that bends as it shears has the material's G for no target", "
   CHECK(std::isnan(target(cube, Sides::free)));
   CHECK(target(cube, Sides::affine) == Approx(4000));
   CHECK(target(plate, Sides::free) == Approx(4000));
+}
+
+TEST_CASE("half a block behind a plane of symmetry takes half the force of the whole", "[shear]") {
+  Specimen whole, half;
+  whole.material = half.material = {.youngs_modulus = 25e3, .poissons_ratio = 0.25};
+  whole.body = cell_box(cell_kind("hexahedron8"), {4, 2, 3}, {0.02, 0.01, 0.015}, 0);
+  half.body = cell_box(cell_kind("hexahedron8"), {2, 2, 3}, {0.01, 0.01, 0.015}, 0);
+  ShearSetup setup;
+  setup.direction = Vector3::UnitY();
+  setup.strain = 0.1;
+  const Run of_whole = shear(whole, setup, "neo_hookean", kExact);
+  const auto experiment = make_shear(half.body, setup, Matrix3::Identity());
+  std::vector<Support> plane;
+  for (int molecule = 0; molecule < half.body.size(); ++molecule)
+    if (half.body.rest(0, molecule) == 0) plane.push_back({molecule, Matrix3(Vector3(0, 1, 1).asDiagonal())});
+  experiment->set_further_supports(plane);
+  const Run of_half = solve(half, *experiment, "neo_hookean", kExact);
+  for (const char* measure : {"force", "axial_force"})
+    CHECK(2 * of_half.measures.get(measure) == Approx(of_whole.measures.get(measure)).epsilon(1e-8));
+  CHECK(of_half.measures.get("shear_modulus") == Approx(of_whole.measures.get("shear_modulus")).epsilon(1e-8));
 }
