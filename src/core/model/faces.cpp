@@ -12,6 +12,7 @@
 #include "core/geometry/boundary.h"
 #include "core/model/block_geometry.h"
 #include "core/model/ends.h"
+#include "core/model/solid_cells.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/base/text.h"
 #include "elastin/core/model/share.h"
@@ -269,9 +270,7 @@ Surface find_surface(const Body& body, const Matrix3& axes, double depth) {
     if (depth > 0) throw InputError("grip_depth: the body's cells say what its surface is");
     for (const auto& triangle : boundary_of(body.tetrahedra))
       for (const int corner : triangle) outside[corner] = 1;
-    for (const auto& cell : body.tetrahedra)
-      if (lowest_in_whole(body, cell) < owned_molecules(body)) surface.volume += signed_volume(body.rest, cell);
-    surface.volume = sum_over(body, surface.volume);
+    surface.volume = volume_of_cells(body, body.rest);
     mark_ghosts_as_owners(body, outside);
   } else {
     if (any_over(body, !body.triangles.empty())) throw InputError("a membrane of triangles is no solid");

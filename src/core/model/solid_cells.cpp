@@ -6,6 +6,8 @@
 #include <map>
 #include <optional>
 
+#include "elastin/core/model/share.h"
+
 namespace elastin {
 
 std::vector<SolidCell> solid_cells_of(const Body& body) {
@@ -21,14 +23,21 @@ std::vector<SolidCell> solid_cells_of(const Body& body) {
   return cells;
 }
 
-double volume_of(const SolidCell& cell, const Positions& rest) {
-  const Positions nodes = rest(Eigen::all, cell.nodes);
+double volume_of(const SolidCell& cell, const Positions& positions) {
+  const Positions nodes = positions(Eigen::all, cell.nodes);
   double volume = 0;
   for (Eigen::Index point = 0; point < cell.kind->weights.size(); ++point) {
     const Matrix3 slope = nodes * cell.kind->slopes[point].transpose();
     volume += cell.kind->weights[point] * slope.determinant();
   }
   return volume;
+}
+
+double volume_of_cells(const Body& body, const Positions& positions) {
+  double volume = 0;
+  for (const SolidCell& cell : solid_cells_of(body))
+    if (lowest_in_whole(body, cell.nodes) < owned_molecules(body)) volume += volume_of(cell, positions);
+  return sum_over(body, volume);
 }
 
 std::vector<CellBorder> borders_of(const std::vector<SolidCell>& cells, const Positions& rest) {

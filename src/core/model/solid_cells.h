@@ -18,8 +18,10 @@ struct SolidCell {
 /// Those of the body's blocks; without any its tetrahedra, and without these the cubes of a lattice.
 std::vector<SolidCell> solid_cells_of(const Body& body);
 
-/// Volume at rest [m³].
-double volume_of(const SolidCell& cell, const Positions& rest);
+/// Volume [m³] at these places, curved sides and all.
+double volume_of(const SolidCell& cell, const Positions& positions);
+/// That of all solid cells of the whole body.
+double volume_of_cells(const Body& body, const Positions& positions);
 
 /// Two cells that share a face.
 struct CellBorder {

@@ -4,6 +4,7 @@
 #include <set>
 #include <string>
 
+#include "core/model/solid_cells.h"
 #include "elastin/core/model/share.h"
 
 namespace elastin::lab {
@@ -101,14 +102,8 @@ void add_state(const Model& model, const State& state, const StaticResult& solve
   const Body& body = model.body();
   if (model.has_energy() && !solved.linear)
     measures.set("energy", copies * sum_over(body, model.stored_energy(state.positions)));
-  if (body.unstressed && !body.tetrahedra.empty()) {
-    const auto volume = [&](const Positions& positions) {
-      double sum = 0;
-      for (const auto& cell : body.tetrahedra) sum += signed_volume(positions, cell);
-      return sum;
-    };
-    measures.set("volume_ratio", volume(state.positions) / volume(body.rest));
-  }
+  if (body.unstressed && any_over(body, !body.tetrahedra.empty()))
+    measures.set("volume_ratio", volume_of_cells(body, state.positions) / volume_of_cells(body, body.rest));
   const Vector3 left =
       vector_sum_over(body, Vector3(model.load_forces(state).leftCols(owned_molecules(body)).rowwise().sum() +
                                     solved.reactions.rowwise().sum()));

@@ -133,11 +133,11 @@ void add_cells(const Body& body, const VectorX& heights, const Counts& counts, S
       slabs.volumes()[slab] += volume;
       return;
     }
-    double flat = 0;
+    double flat = 0;  // simplices behind a side that bulges inwards are inverted
     Cells<4> cells;
     for (const auto& simplex : simplices_of(kind, nodes)) {
       cells.push_back({nodes[simplex[0]], nodes[simplex[1]], nodes[simplex[2]], nodes[simplex[3]]});
-      flat += signed_volume(body.rest, cells.back());
+      flat += std::abs(signed_volume(body.rest, cells.back()));
     }
     for (const auto& cell : cells) add_cell(cell, body.rest, heights, slabs, volume / flat);
   });

@@ -3,6 +3,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "core/model/solid_cells.h"
 #include "elastin/core/shapes/arrays.h"
 #include "lab/experiment/bending/bending.h"
 #include "lab/experiment/shear/shear.h"
@@ -131,6 +132,31 @@ TEST_CASE("a round bar of few curved cells has the section of its own sides", "[
     // The error of parabolas through eight arcs of 45° halves: far below the 2.6 % of 16 chords.
     CHECK(section.area == Approx(M_PI * 1e-4).epsilon(2e-3));
     CHECK(section.prism());
+  }
+}
+
+TEST_CASE("cells that curve so far that simplices within are inverted have their own section", "[section]") {
+  Body body = cell_box(cell_kind("tetrahedron10"), {1, 1, 2}, {1, 1, 1}, 0);
+  for (int molecule = 0; molecule < body.size(); ++molecule) {  // a quarter of a ring of radii 2 and 6 mm
+    const double radius = 2e-3 + 4e-3 * body.rest(0, molecule), angle = M_PI / 2 * body.rest(1, molecule);
+    body.rest.col(molecule) << radius * std::cos(angle), radius * std::sin(angle), 0.01 * body.rest(2, molecule);
+  }
+  set_simplices(body);
+  CHECK(along_z(body).area == Approx(volume_of_cells(body, body.rest) / 0.01).epsilon(1e-12));
+  CHECK(along_z(body).area == Approx(M_PI / 4 * 32e-6).epsilon(0.02));
+}
+
+TEST_CASE("the volume of curved cells is that of their map", "[section]") {
+  // x + y²/2, y + z²/4 keeps the volume.
+  for (const char* kind : {"hexahedron27", "hexahedron20", "tetrahedron10"}) {
+    Body body = cell_box(cell_kind(kind), {1, 1, 1}, {1, 1, 1}, 0);
+    const Positions cube = body.rest;
+    body.rest.row(0) += 0.5 * cube.row(1).cwiseAbs2();
+    body.rest.row(1) += 0.25 * cube.row(2).cwiseAbs2();
+    INFO(kind);
+    CHECK(volume_of_cells(body, body.rest) == Approx(1).epsilon(1e-12));
+    body.rest.row(2) += 0.5 * cube.row(2).cwiseAbs2();  // the determinant is 1 + z
+    CHECK(volume_of_cells(body, body.rest) == Approx(1.5).epsilon(1e-12));
   }
 }
 
