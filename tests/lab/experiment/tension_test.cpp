@@ -552,3 +552,36 @@ TEST_CASE("a wedge is no prism, whichever way it is pressed, and a bar with ends
   CHECK(!apparent(0.2, 0.05, Vector3::UnitZ()));
   CHECK(!apparent(0.008, 0, Vector3::UnitZ()));
 }
+
+TEST_CASE("Poisson's ratio is that at mid height, however wide the cells are", "[tension]") {
+  // Clamped, so that it is smaller towards the ends; the layer of nodes at mid height shows it.
+  for (const int across : {2, 3}) {
+    Specimen specimen;
+    specimen.material = {.youngs_modulus = 1e4, .poissons_ratio = 0.3};
+    specimen.body = cell_box(cell_kind("hexahedron8"), {across, across, 8}, {0.014, 0.014, 0.007}, 0);
+    TensionSetup setup;
+    setup.displacement = -1e-5;
+    setup.fixed_grip = setup.loaded_grip = Grip::clamped;
+    const auto experiment = make_tension(specimen.body, setup);
+    const Run run = run_strategy(specimen, *experiment, choose_strategy(kCatalog, "st_venant_kirchhoff"),
+                                 {.statics = {.linear = true}, .keep_snapshots = true});
+    REQUIRE(run.outcome == Outcome::converged);
+    const Positions motion = run.snapshots.back().positions - specimen.body.rest;
+    double moments = 0, spread = 0;
+    for (int molecule = 0; molecule < specimen.body.size(); ++molecule) {
+      if (std::abs(specimen.body.rest(2, molecule) - 0.0035) > 1e-9) continue;
+      // Nodes of an edge belong to half as many cells, those of a corner to a quarter.
+      double weight = 1;
+      for (const int axis : {0, 1}) {
+        const double x = specimen.body.rest(axis, molecule);
+        weight *= x < 1e-9 || x > 0.014 - 1e-9 ? 0.5 : 1;
+      }
+      for (const int axis : {0, 1}) {
+        const double arm = specimen.body.rest(axis, molecule) - 0.007;
+        moments += weight * arm * motion(axis, molecule), spread += weight * arm * arm;
+      }
+    }
+    INFO(across);
+    CHECK(run.measures.get("poissons_ratio") == Approx(-moments / spread / (-1e-5 / 0.007)).epsilon(1e-6));
+  }
+}

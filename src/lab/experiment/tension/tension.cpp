@@ -233,22 +233,57 @@ class Tension final : public StaticExperiment {
                                                                 : "the solid itself (neo_hookean, refined)";
   }
 
-  /// Molecules within one mean connection of mid height (between the gauge planes, if any): theirs is the lateral
-  /// strain.
+  /// Chooses the molecules about mid height (between the gauge planes, if any) whose motion shows the lateral strain
+  /// there. They count by their masses, and the less the further they lie from it: not at all at the mean rise of the
+  /// connections that cross it, or further where these are too few to span the section.
   void choose_middle(double middle) {
     if (setup_.gauge) middle = low_ + ((*setup_.gauge)[0] + (*setup_.gauge)[1]) / 2;
-    double shortest = std::numeric_limits<double>::infinity(), mean = 0, count = 0;
-    for (int c = 0; c < body_.connections.proper(); ++c) count += computes(body_, c);
-    count = sum_over(body_, count);
+    std::array<double, 2> rises{};  // their sum, and how many
+    const double level = 1e-6 * (high_ - low_);
     for (int c = 0; c < body_.connections.proper(); ++c) {
-      const double length = body_.connections.rest_length[c];
-      shortest = std::min(shortest, length);
-      if (computes(body_, c)) mean += length / count;
+      const auto [below, above] =
+          std::minmax(height_[body_.connections.ends[c][0]], height_[body_.connections.ends[c][1]]);
+      if (computes(body_, c) && above - below > level && below <= middle + level && above >= middle - level)
+        rises[0] += above - below, ++rises[1];
     }
-    mean = sum_over(body_, mean), shortest = least_over(body_, shortest);
-    const double reach = (any_over(body_, !body_.cubes.empty()) ? shortest : mean) * (1 + 1e-6);
-    for (int molecule = 0; molecule < owned_molecules(body_); ++molecule)
-      if (std::abs(height_[molecule] - middle) <= reach) middle_.push_back(molecule);
+    sum_over(body_, rises);
+    const bool heavy = body_.mass.size() == body_.size() && sum_over(body_, body_.mass.sum()) > 0;
+    const VectorX masses = heavy ? body_.mass : VectorX::Ones(body_.size());
+    middle_.resize(static_cast<std::size_t>(owned_molecules(body_)));
+    std::iota(middle_.begin(), middle_.end(), 0);
+    middle_weight_ = masses.head(owned_molecules(body_));
+    const double spanned = roundness();
+    const std::vector<int> all = std::move(middle_);
+    for (double reach = rises[1] > 0 ? rises[0] / rises[1] : high_ - low_;; reach *= 2) {
+      middle_.clear();
+      for (const int molecule : all)
+        if (std::abs(height_[molecule] - middle) < reach - level) middle_.push_back(molecule);
+      middle_weight_.resize(static_cast<Eigen::Index>(middle_.size()));
+      for (std::size_t i = 0; i < middle_.size(); ++i)
+        middle_weight_[static_cast<Eigen::Index>(i)] =
+            masses[middle_[i]] * (1 - std::abs(height_[middle_[i]] - middle) / reach);
+      if (roundness() >= 0.1 * spanned - 1e-9 || reach > high_ - low_) break;
+    }
+  }
+
+  /// Of the molecules at mid height, seen along the axis: determinant over squared trace of their spread, 0 where they
+  /// lie in a line, and −1 where they are one place.
+  double roundness() const {
+    const auto [positions, spread] = spread_of_middle();
+    return spread.trace() > 0 ? spread.determinant() / std::pow(spread.trace(), 2) : -1;
+  }
+
+  /// Their places in the plane less their mean [m], and Σ w y yᵀ [m²].
+  std::pair<Eigen::MatrixX2d, Eigen::Matrix2d> spread_of_middle() const {
+    Eigen::MatrixX2d places(static_cast<Eigen::Index>(middle_.size()), 2);
+    for (std::size_t i = 0; i < middle_.size(); ++i)
+      places.row(static_cast<Eigen::Index>(i)) = body_.rest.col(middle_[i]).transpose() * plane_;
+    Eigen::RowVector2d mean = middle_weight_.transpose() * places;
+    sum_over(body_, {mean.data(), 2});
+    places.rowwise() -= mean / sum_over(body_, middle_weight_.sum());
+    Eigen::Matrix2d spread = places.transpose() * middle_weight_.asDiagonal() * places;
+    sum_over(body_, {spread.data(), 4});
+    return {std::move(places), spread};
   }
 
   double mean_height(const std::vector<int>& molecules, const VectorX& weights) const {
@@ -290,23 +325,11 @@ class Tension final : public StaticExperiment {
   /// which sliding grips leave free, change it: with F = I + gradient, the stretches add up to √((F_xx + F_yy)² + (F_xy
   /// − F_yx)²).
   double lateral_strain(const Positions& motion, bool small) const {
-    const auto count = static_cast<Eigen::Index>(middle_.size());
-    Eigen::MatrixX3d positions(count, 3);
-    Eigen::MatrixX2d moves(count, 2);
-    for (Eigen::Index i = 0; i < count; ++i) {
-      const int molecule = middle_[i];
-      positions.row(i) << (plane_.transpose() * body_.rest.col(molecule)).transpose(), 1;
-      moves.row(i) = (plane_.transpose() * motion.col(molecule)).transpose();
-    }
-    const double all = sum_over(body_, static_cast<double>(count));
-    if (all < 2) return std::numeric_limits<double>::quiet_NaN();
-    Eigen::RowVector2d middle = positions.leftCols<2>().colwise().sum();
-    sum_over(body_, {middle.data(), 2});
-    middle /= all;
-    positions.leftCols<2>().rowwise() -= middle;
-    Eigen::Matrix2d spread = positions.leftCols<2>().transpose() * positions.leftCols<2>(),
-                    moments = positions.leftCols<2>().transpose() * moves;
-    sum_over(body_, {spread.data(), 4});
+    const auto [places, spread] = spread_of_middle();
+    Eigen::MatrixX2d moves(places.rows(), 2);
+    for (std::size_t i = 0; i < middle_.size(); ++i)
+      moves.row(static_cast<Eigen::Index>(i)) = motion.col(middle_[i]).transpose() * plane_;
+    Eigen::Matrix2d moments = places.transpose() * middle_weight_.asDiagonal() * moves;
     sum_over(body_, {moments.data(), 4});
     if (!(spread.determinant() > 1e-12 * std::pow(spread.trace(), 2))) {  // a sheet: they lie in a line
       if (!(spread.trace() > 0)) return std::numeric_limits<double>::quiet_NaN();
@@ -358,6 +381,7 @@ class Tension final : public StaticExperiment {
   double low_ = 0, high_ = 0;                  // of the body along it
   double fixed_depth_ = 0, loaded_depth_ = 0;  // [m] of grips of several layers
   std::vector<int> fixed_, loaded_, middle_;
+  VectorX middle_weight_;        // of the molecules at mid height
   VectorX share_, fixed_share_;  // of an end, sum 1
   std::optional<double> force_;  // that a section carries in the mean [N]
   std::vector<int> pulled_;      // the molecules on which it acts
