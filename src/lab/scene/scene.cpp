@@ -112,6 +112,19 @@ void warn_of_pieces(const Body& body, const std::string& name, bool has_rest, st
     warnings.push_back(std::move(seams));
 }
 
+/// Experiments that have planes of symmetry of their own show what the whole body shows; a support that holds a half in
+/// such a plane knows no whole.
+void refuse_halves(const Reader& supports, Reader experiment, const ExperimentCatalog& experiments) {
+  if (const auto fixture = experiment.find("fixture")) experiment = *fixture;
+  const std::vector<SceneKey> keys = keys_of(experiments.find(experiment.at("kind").text()));
+  if (std::none_of(keys.begin(), keys.end(), [](const SceneKey& key) { return key.name == "symmetry"; })) return;
+  for (Reader item : supports.items())
+    if (const auto plane = item.find("symmetry"))
+      plane->fail(
+          "this experiment has planes of symmetry of its own, with which its force and modulus are those of the "
+          "whole body: give them as `symmetry` of the experiment");
+}
+
 using BodyChange = std::function<void(Body&, const Material&)>;
 
 /// A key of the scene itself.
@@ -441,6 +454,7 @@ std::unique_ptr<Scene> read_scene(const SceneSource& source, const Catalog& cata
     if (!at_rest)
       supports->fail("goes with experiments at rest and with a `fixture`; a " + made->name() +
                      " has none. `kind: motion` with `fixture: {kind: loads}` runs through time with these supports");
+    refuse_halves(*supports, experiment, experiments);
     at_rest->set_further_supports(read_supports(*supports, scene->specimen.body, rotation));
   }
   scene->experiment = std::move(made);

@@ -110,6 +110,9 @@ TEST_CASE("an indenter that meets few molecules says so, and one beside a plane 
                            "indenter: {sphere: {radius: 15 mm}}, depth: 2 mm, symmetry: [x, y], at: [3 mm, "
                            "0, 0]"),
                     Catch::Contains("at: the indenter's axis is 3 mm away from a plane of symmetry"));
+  CHECK_THROWS_WITH(run_of(kQuarter, "indenter: {sphere: {radius: 15 mm}}, depth: 2 mm, at: [0, 0, 0]", "friction: 0",
+                           "supports: [{symmetry: x}]\n"),
+                    Catch::Contains("give them as `symmetry` of the experiment"));
 }
 
 TEST_CASE("an obstacle of the scene serves as indenter, and all of it turns with the scene", "[indentation][slow]") {

@@ -130,9 +130,12 @@ class Indentation final : public StaticExperiment {
     if (adhesive_)
       notes.push_back("indentation_modulus is apparent: its formula knows no adhesion, which pulls the indenter in");
     if (contact_share_ > kHalfSpace)
-      notes.push_back(
-          "indentation_modulus is apparent: the radius of contact is " + number(100 * contact_share_, 2) +
-          " % of the body's thickness or of the distance to its side, where the formula takes a half-space");
+      notes.push_back("indentation_modulus is apparent: " +
+                      (std::isfinite(contact_share_)
+                           ? "the radius of contact is " + number(100 * contact_share_, 2) +
+                                 " % of the body's thickness or of the distance to its side"
+                           : std::string("the indenter's axis lies in a side of the body, or beyond it")) +
+                      ", where the formula takes a half-space");
     return notes;
   }
 
@@ -197,7 +200,7 @@ class Indentation final : public StaticExperiment {
       extent =
           std::min(extent, mirrored ? high[axis] - low[axis] : std::min(high[axis] - at[axis], at[axis] - low[axis]));
     }
-    contact_share_ = radius / extent;
+    contact_share_ = extent > 0 ? radius / extent : std::numeric_limits<double>::infinity();
   }
 
   /// The foot of the indenter's axis, in the plane through the origin across it.
