@@ -189,7 +189,6 @@ TEST_CASE("exit code 2: wrong use or input, reported on standard error alone", "
            {"run " + cube + " --out " + cube,
             "elastin: " + cube + "/runs.jsonl: cannot make its folder: Not a directory"},
            {"run " + cube + " --json " + folder.path(""), "elastin: " + folder.path("") + ": cannot "},
-           {"compare " + cube + " " + folder.path(".") + "/cube.yaml --out o", "elastin: --out: " + cube + " and "},
        }) {
     INFO(row.arguments);
     const Said said = say(row.arguments);
@@ -513,6 +512,18 @@ TEST_CASE("labels that differ have files that differ", "[command]") {
   const Said said = say("compare " + folder.path("a.yaml") + " " + folder.path("a-b.yaml") + " --out " + out);
   CHECK(said.code == 2);
   CHECK_THAT(said.err, Contains("would have the same name, a-b-c"));
+}
+
+TEST_CASE("scenes of one name in two folders are told apart, and one given twice runs once", "[command]") {
+  const TemporaryFolder folder;
+  for (const char* of : {"first", "second"}) std::filesystem::create_directory(folder.path(of));
+  const std::string first = folder.write("first/cube.yaml", kCube), second = folder.write("second/cube.yaml", kCube);
+  const Said said =
+      say("compare " + first + " " + second + " " + first + " --strategies lattice --out " + folder.path("out"));
+  CHECK(said.code == 0);
+  CHECK_THAT(said.out, Contains("first/cube") && Contains("second/cube") && Contains("2 bodies"));
+  for (const char* of : {"first", "second"})
+    CHECK(std::filesystem::exists(folder.path("out") + "/" + of + "~2fcube-lattice-curve.csv"));
 }
 
 TEST_CASE("a standard error that is closed or full does not end the command", "[command]") {

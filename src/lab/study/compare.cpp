@@ -222,7 +222,10 @@ void Comparison::run_combination(ScenePlan& plan, const std::vector<std::pair<st
   std::string trouble;
   const auto load = [&] {  // only where a row is missing
     try {
-      if (!scene) scene = load_scene(plan.source, catalog_, overrides_of(request_.overrides, combination));
+      if (!scene) {
+        scene = load_scene(plan.source, catalog_, overrides_of(request_.overrides, combination));
+        scene->name = plan.name;
+      }
       choices = chosen_strategies(request_, catalog_, *scene);
       add_references(plan, combination, choices, *scene);
     } catch (const std::exception& error) {

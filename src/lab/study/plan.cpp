@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <map>
@@ -158,16 +159,38 @@ std::vector<StrategyChoice> chosen_strategies(const Request& request, const Cata
   return choices;
 }
 
+std::filesystem::path path_of(const SceneSource& source) {
+  return std::filesystem::absolute(source.path()).lexically_normal();
+}
+
+/// Scenes of one name in several folders are named with as many of these as tell them apart; texts by their numbers.
+void tell_apart(std::vector<ScenePlan>& plans) {
+  std::map<std::string, std::vector<ScenePlan*>> of_name;
+  for (ScenePlan& plan : plans) of_name[plan.name].push_back(&plan);
+  for (auto& [name, alike] : of_name) {
+    std::vector<std::filesystem::path> folders;
+    for (const ScenePlan* plan : alike) folders.push_back(path_of(plan->source).parent_path());
+    std::set<std::string> names{name};
+    while (names.size() < alike.size()) {
+      names.clear();
+      for (std::size_t i = 0; i < alike.size(); ++i) {
+        const std::string folder = folders[i].filename().string();
+        alike[i]->name = (folder.empty() ? std::to_string(i + 1) : folder) + "/" + alike[i]->name;
+        names.insert(alike[i]->name);
+        folders[i] = folders[i].parent_path();
+      }
+    }
+    for (ScenePlan* plan : alike) plan->scene->name = plan->name;
+  }
+}
+
 std::vector<ScenePlan> plan_of(const Request& request, const Catalog& catalog) {
   if (!request.against.empty()) check_calculix();
   std::vector<ScenePlan> plans;
-  for (const SceneSource& source : request.scenes) {
-    plans.push_back(plan_scene(request, catalog, source));
-    for (std::size_t i = 0; i + 1 < plans.size() && !request.out.empty(); ++i)
-      if (plans[i].name == plans.back().name)
-        throw InputError("--out: " + plans[i].source.path() + " and " + source.path() +
-                         " have the same name, and so would their files");
-  }
+  std::set<std::pair<std::filesystem::path, std::string>> known;
+  for (const SceneSource& source : request.scenes)
+    if (known.insert({path_of(source), source.text()}).second) plans.push_back(plan_scene(request, catalog, source));
+  tell_apart(plans);
   if (!request.out.empty()) check_file_names(plans);
   if (std::all_of(plans.begin(), plans.end(), [](const ScenePlan& plan) { return plan.engines.empty(); }))
     for (const std::string& override : request.overrides)
