@@ -188,7 +188,8 @@ struct BodySummary {
   std::string scene;
   int molecules = 0;
   Neighbours neighbours;
-  bool judged = true;  ///< false: the specimen does not show the material's values, and there is no reference
+  bool judged = true;                           ///< false: nothing says which values the specimen should show
+  bool without_cells = false, springs = false;  ///< whether a strategy of the kind was tried
   const Record *best = nullptr, *best_springs = nullptr;
 };
 

@@ -162,9 +162,9 @@ std::string strategies_text(const Summary& summary, bool colours) {
 }
 
 /// Name and errors of the strategy to take: three cells.
-void add_best(const Record* best, bool judged, std::vector<TableCell>& row) {
-  if (!judged) {
-    row.insert(row.end(), {{"no reference", Tone::faint}, {""}, {""}});
+void add_best(const Record* best, bool judged, bool tried, std::vector<TableCell>& row) {
+  if (!judged || !tried) {
+    row.insert(row.end(), {{tried ? "no reference" : "none was run", Tone::faint}, {""}, {""}});
     return;
   }
   const double modulus = best ? error_of(*best, MeasureRole::youngs_modulus) : std::nan("");
@@ -194,10 +194,10 @@ std::string bodies_text(const Summary& summary, bool colours) {
                                {fmt::format("{:.1f}", body.neighbours.mean), tone, true},
                                {std::to_string(body.neighbours.least), tone, true}};
     const TableCell none{""};
-    add_best(body.best, body.judged, row);
-    row.push_back(body.judged ? goal_cell(body.best, enough) : none);
-    add_best(body.best_springs, body.judged, row);
-    row.push_back(body.judged ? goal_cell(body.best_springs, enough) : none);
+    add_best(body.best, body.judged, body.without_cells, row);
+    row.push_back(body.judged && body.without_cells ? goal_cell(body.best, enough) : none);
+    add_best(body.best_springs, body.judged, body.springs, row);
+    row.push_back(body.judged && body.springs ? goal_cell(body.best_springs, enough) : none);
     table.add(std::move(row));
   }
   return table.text(colours) + fmt::format(
@@ -277,10 +277,18 @@ Summary summarise(const std::vector<Record>& records) {
     summary.strategies.push_back(summary_of(runs, records));
   for (const auto& runs : grouped(records, [](const Record& record) { return record.path; })) {
     const Record& first = *runs.front();
-    summary.bodies.push_back({first.scene, first.molecules, first.neighbours,
-                              std::any_of(runs.begin(), runs.end(), [](const Record* run) { return judged(*run); }),
-                              best_of(runs, [](const Run& run) { return !run.uses_cells; }),
-                              best_of(runs, [](const Run& run) { return run.constants.size() > 0; })});
+    const auto any = [&](const auto& counts) {
+      return std::any_of(runs.begin(), runs.end(), [&](const Record* record) { return counts(*record); });
+    };
+    const auto without_cells = [](const Run& run) { return !run.uses_cells; };
+    const auto of_springs = [](const Run& run) { return run.constants.size() > 0; };
+    summary.bodies.push_back(
+        {first.scene, first.molecules, first.neighbours, any([](const Record& record) {
+           return judged(record) && (std::isfinite(error_of(record, MeasureRole::youngs_modulus)) || !solved(record));
+         }),
+         any([&](const Record& record) { return without_cells(record.run); }),
+         any([&](const Record& record) { return without_cells(record.run) || of_springs(record.run); }),
+         best_of(runs, without_cells), best_of(runs, of_springs)});
     for (StrategySummary& row : summary.strategies)
       if (const Record* best = summary.bodies.back().best) row.best_on += row.strategy == best->run.strategy;
   }

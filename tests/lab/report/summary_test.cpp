@@ -109,6 +109,14 @@ TEST_CASE("the best strategy without cells is nearest to the goals for E and for
   CHECK((!summary.bodies[0].best && !summary.bodies[0].best_springs && !summary.bodies[0].judged));
   CHECK(row_of(summary, "standard").modulus.worst_scene == "c");
   CHECK_THAT(summary_text(all, false), Contains("no reference") && Contains("of the 2 bodies"));
+  // Neither does one on which nothing was run that could be ranked, or what has no modulus, as a vibration has none.
+  std::vector<Record> others{record("a", "law", 0, 0, 8), record("b", "standard", std::nan(""), std::nan(""), 1),
+                             record("c", "standard", 1, 0, 1)};
+  others[0].run.uses_cells = true;
+  others[2].run.constants = VectorX::Ones(3);
+  summary = summarise(others);
+  CHECK((summary.bodies[0].judged && !summary.bodies[0].without_cells && !summary.bodies[1].judged));
+  CHECK_THAT(summary_text(others, false), Contains("none was run") && !Contains("none that is stable"));
   // Unless what it should show was computed: then that counts, not what the material has elsewhere.
   for (Record& one : all)
     if (one.scene == "a") {
