@@ -237,8 +237,11 @@ std::vector<std::string> measures_of(const Scene& scene, const std::vector<Level
       continue;
     finite.push_back(name);
     const double first = levels.front().measures.get(name);
+    // A ratio of 0 changes by what the solver leaves.
+    const double rounding =
+        scene.measures->at(name).unit == dimension::none ? 10 * kTolerance : 1e-12 * std::abs(first);
     if (std::any_of(levels.begin(), levels.end(),
-                    [&](const Level& l) { return std::abs(l.measures.get(name) - first) > 1e-12 * std::abs(first); }))
+                    [&](const Level& l) { return std::abs(l.measures.get(name) - first) > rounding; }))
       changing.push_back(name);
   }
   return changing.empty() ? finite : changing;

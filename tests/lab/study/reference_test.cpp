@@ -243,6 +243,17 @@ TEST_CASE("what has no solution to refine gets a reason, in a sentence", "[refer
              Contains("no equilibrium to refine"));
 }
 
+TEST_CASE("a body without Poisson's ratio has its reference as soon as its modulus is known", "[reference]") {
+  const std::string tapered =
+      "body: {tetrahedra: {kind: kuhn, cubes: [2, 2, 4], size: [10 mm, 10 mm, 20 mm]}, regions: [{from: [0, 0, 0], "
+      "to: [10 mm, 10 mm, 10 mm], stiffness: 3}]}\nmaterial: {youngs_modulus: 10 kPa, poissons_ratio: 0}\nstiffness: "
+      "neo_hookean\nexperiment: {kind: tension, axis: z, strain: 0.05}\n" +
+      kSmall;
+  const ComputedReferences found = Written(tapered).compute({"reference={computed: {most_cells: 60000}}"});
+  CHECK(of(found, "effective_modulus").value == Approx(15e3).epsilon(1e-6));  // of 10 and 30 kPa in series
+  CHECK_THAT(of(found, "effective_modulus").source, Contains("on 96 to 768 "));
+}
+
 TEST_CASE("what yields without limit as cells are refined has no computed reference", "[reference]") {
   // A force on one molecule: the displacement goes with one over the cells' size.
   const ComputedReferences found =
