@@ -17,6 +17,7 @@ constexpr double kProfiled = 0.5;  // the same, beyond which the linear model is
 constexpr double kFarBeyond =
     2;  // the same, of any number, beyond which no profile of expensive equilibria is followed
 constexpr double kTogether = 0.95;    // correlation that is named
+constexpr double kMeasured = 1e-3;    // rms of relative differences below which no test is fitted badly
 constexpr double kMisfit = 4;         // mean square of a test over that of the others, beyond which it is named
 constexpr double kBeyondNoise = 1.5;  // rms of differences over stated standard deviations, beyond which it is named
 constexpr double kNoFit = 0.3;        // rms of all residuals beyond which nothing is found
@@ -244,7 +245,7 @@ void warn_of_tests(const Answer& answer, const TestScatter* scatter, std::vector
         others += std::pow(other.relative_rms / other.noise, 2) * static_cast<double>(other.data.y.size());
         count += static_cast<double>(other.data.y.size());
       }
-    if (count > 0 && !differs && test.relative_rms > kRounding &&
+    if (count > 0 && !differs && test.relative_rms > kMeasured &&
         std::pow(test.relative_rms / test.noise, 2) > kMisfit * others / count)
       warnings.push_back(fmt::format("{} is fitted badly: {} rms, the other tests {}", test.name,
                                      percent_text(test.relative_rms), percent_text(std::sqrt(others / count))));
