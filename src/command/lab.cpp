@@ -33,7 +33,9 @@ struct LabCommand {
   int run(const Call& call) {
     const auto shown = lab::load_scene(scene.open().front(), call.catalog, scene.overrides);
     const auto web = lab::load_web_module(module.empty() ? usual_module_folder() : module);
-    const std::string page = lab::live_page(*shown, call.catalog, web);
+    const lab::Parcel parcel = lab::make_parcel(*shown, call.catalog);
+    for (const std::string& part : parcel.left_out) fmt::print(stderr, "warning: the page leaves out {}\n", part);
+    const std::string page = lab::live_page(*shown, call.catalog, parcel, web);
     if (out == "-") {
       fmt::print("{}", page);
       return 0;

@@ -37,12 +37,13 @@ Material under(const elastin_lab_settings& settings, const Material& scene, cons
 /// Damping and gravity are the sliders' affair.
 bool by_sliders(const std::string& load) { return load == "gravity" || load == "cell_damping" || load == "rayleigh"; }
 
-void add_loads(Simulation& simulation, const lab::Parcel& parcel, const elastin_lab_settings& settings) {
+/// `tested`: in the scene's own test, whose weight is the scene's.
+void add_loads(Simulation& simulation, const lab::Parcel& parcel, const elastin_lab_settings& settings, bool tested) {
   const auto add = [&](const char* name, const LoadValues& values) {
     simulation.add_load(*c::catalog().loads.find(name), values);
   };
   for (const lab::Parcel::NamedLoad& load : parcel.loads)
-    if (!by_sliders(load.name)) add(load.name.c_str(), load.values);
+    if (!by_sliders(load.name) || (tested && load.name == "gravity")) add(load.name.c_str(), load.values);
   if (settings.bulk_viscosity > 0 || settings.shear_viscosity > 0)
     add("cell_damping", {{{"bulk", settings.bulk_viscosity}, {"shear", settings.shear_viscosity}}});
   if (settings.mass_damping > 0) add("rayleigh", {{{"mass", settings.mass_damping}}});
@@ -95,7 +96,7 @@ Simulation elastin_lab::simulation(const elastin_lab_settings& settings, bool al
   options.parameters = choice.values;
   const Strategy strategy = in_parts(c::strategy_of(choice.name.c_str()), body, materials, &c::catalog());
   Simulation simulation(std::move(body), strategy, material(settings), std::move(options));
-  web::add_loads(simulation, parcel, settings);
+  web::add_loads(simulation, parcel, settings, alone && parcel.own_test);
   if (alone) return simulation;
   SimulationState begin = simulation.save();
   begin.state.positions = parcel.positions;

@@ -1,5 +1,6 @@
 #include <chrono>
 
+#include "elastin/core/simulation/parts.h"
 #include "elastin/core/solve/statics.h"
 #include "lab/run/uniform_block.h"
 #include "web/lab_handle.h"
@@ -20,7 +21,7 @@ struct Drawing {
 
 struct elastin_lab_test {
   Material material;
-  std::shared_ptr<const Strategy> law;  ///< whose value is the target; null: E and ν of the material
+  std::shared_ptr<const Strategy> law;  ///< whose value is the target; null: what the material states
   StaticOptions options;
   std::vector<std::unique_ptr<Drawing>> drawings;  ///< the scene's own, and on to the strain
   std::size_t now = 0;
@@ -33,11 +34,17 @@ std::unique_ptr<Drawing> make_drawing(const elastin_lab& lab, const elastin_lab_
                                       const lab::TensionSetup& setup) {
   auto drawing = std::make_unique<Drawing>(Drawing{lab.simulation(settings, true), nullptr, nullptr, {}, {}, 1});
   const Body& body = drawing->simulation.body();
-  drawing->experiment = lab::make_tension(body, setup);
-  drawing->rig = drawing->experiment->static_rig(drawing->simulation.model());
+  Model& model = drawing->simulation.model();
+  lab::TensionSetup under = setup;
+  under.density *= settings.density / lab.parcel.material.density;
+  drawing->experiment = lab::make_tension(body, under);
+  drawing->experiment->set_further_supports(lab.parcel.further_supports);
+  model.supports.clear();  // bone, which the grips may move
+  drawing->rig = drawing->experiment->static_rig(model);
+  fix_rigid_parts(model);
   drawing->state = state_at_rest(body);
-  drawing->simulation.model().declare_history(drawing->state);
-  drawing->steps = setup.load_steps;
+  model.declare_history(drawing->state);
+  drawing->steps = drawing->experiment->load_steps();
   return drawing;
 }
 
@@ -61,6 +68,7 @@ lab::TensionSetup drawn_on(const lab::TensionSetup& scene, const Body& body, dou
   setup.gravity.reset();
   setup.displacement = strain * (heights.maxCoeff() - heights.minCoeff());
   setup.load_steps = steps;
+  setup.cycle.clear();
   return setup;
 }
 
@@ -80,18 +88,28 @@ std::shared_ptr<const Strategy> law_of(const elastin_lab& lab, const elastin_lab
   return law.kind == StrategyKind::cell_law ? std::make_shared<const Strategy>(std::move(law)) : nullptr;
 }
 
-/// E and ν to compare a reading with.
-std::pair<double, double> target_of(const elastin_lab_test& test, const Drawing& drawing,
-                                    const lab::Measures& measures) {
-  const std::pair at_rest{test.material.youngs_modulus, test.material.poissons_ratio};
-  const auto uniform = test.law ? drawing.experiment->uniform(measures) : std::nullopt;
-  if (!uniform) return at_rest;
-  const auto own = lab::measured_on_block(*uniform, drawing.simulation.body(), *test.law, test.material, {});
-  return own ? std::pair{own->get("effective_modulus"), own->get("poissons_ratio")}
-             : std::pair<double, double>(NAN, NAN);
-}
+/// E and ν to compare a reading with; NaN: none.
+struct Target {
+  double modulus = NAN, ratio = NAN;
+  bool of_law = false;
+};
 
-double ratio_of(const lab::Measures& measures) { return measures.get("poissons_ratio"); }
+/// Below it a secant is the slope at rest.
+constexpr double kNoStrain = 1e-6;
+/// Of the material's modulus: what resists less has no modulus.
+constexpr double kNoResistance = 1e-9;
+
+/// As lab::make_record has it: those of the material with its fibres, or the law's own at the strain.
+Target target_of(const elastin_lab_test& test, const Drawing& drawing, const lab::Measures& measures) {
+  Target target;
+  for (const lab::MainMeasure& measure : drawing.experiment->main_measures(test.material, measures))
+    if (measure.name == "effective_modulus") target.modulus = measure.prescribed;
+    else if (measure.name == "poissons_ratio") target.ratio = measure.prescribed;
+  const auto uniform = test.law && std::isfinite(target.modulus) ? drawing.experiment->uniform(measures) : std::nullopt;
+  if (!uniform || !(std::abs(uniform->strain) > kNoStrain)) return target;
+  const auto own = lab::measured_on_block(*uniform, drawing.simulation.body(), *test.law, test.material, {});
+  return own ? Target{own->get("effective_modulus"), own->get("poissons_ratio"), true} : target;
+}
 
 /// A page that waits for one step answers to nothing else [s].
 constexpr int kLongestStep = 10;
@@ -107,7 +125,7 @@ elastin_status advance(elastin_lab_test& test, elastin_lab_reading* out) {
   StaticResult result;
   if (drawing->done == 0) result = begin(*drawing, test.options);
   if (result.outcome == Outcome::converged) {
-    drawing->rig->set_load(static_cast<double>(++drawing->done) / drawing->steps);
+    drawing->rig->set_load(drawing->experiment->load_factor(++drawing->done));
     result = solve_static(drawing->simulation.model(), drawing->state, test.options);
   }
   if (result.outcome == Outcome::interrupted)
@@ -117,17 +135,22 @@ elastin_status advance(elastin_lab_test& test, elastin_lab_reading* out) {
   drawing->simulation.model().commit_step(drawing->state);
   const lab::Measures measures = drawing->rig->measure(drawing->start, drawing->state, test.options, result);
   const bool last = drawing->done == drawing->steps && test.now + 1 == test.drawings.size();
-  const bool own_end = test.now == 0 && drawing->done == drawing->steps;
-  const auto [modulus, ratio] = own_end ? target_of(test, *drawing, measures) : std::pair<double, double>(NAN, NAN);
+  const bool own = test.now == 0, own_end = own && drawing->done == drawing->steps;
+  const double modulus = measures.get("effective_modulus");
+  if (own_end && std::abs(modulus) < kNoResistance * test.material.youngs_modulus)
+    return c::failed(ELASTIN_STOPPED,
+                     "the body does not resist this pull, as it folds or moves as a mechanism: it shows no modulus");
+  const Target target = own_end ? target_of(test, *drawing, measures) : Target{};
   const elastin_lab_reading reading{0,
-                                    test.now == 0,
+                                    own + own_end,
                                     last,
+                                    target.of_law,
                                     measures.get("strain"),
                                     measures.get("stress"),
-                                    measures.get("effective_modulus"),
-                                    ratio_of(measures),
                                     modulus,
-                                    ratio};
+                                    measures.get("poissons_ratio"),
+                                    target.modulus,
+                                    target.ratio};
   c::put(reading, out, "elastin_lab_reading");
   return ELASTIN_OK;
 }

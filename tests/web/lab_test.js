@@ -1,7 +1,10 @@
 // Opens pages of `elastin lab` from disk in a headless Chromium and works them as a visitor does.
 //   node lab_test.js CHROMIUM WHAT PAGE [arguments]
 //     drag PAGE                     drags a molecule by mouse and by finger, pins one, pushes, pauses, steps, by keys too
-//     strategies PAGE NAME E NAME E …   switches to each strategy, runs the tension test and compares E [Pa] with the command's
+//     settings PAGE                 begins as the scene has it, and says what an address has that the page has not
+//     words PAGE TEXT …             says each of these texts once the body was pulled; after -- those that it must not say
+//     strategies PAGE NAME E ERROR NAME E ERROR …   switches to each strategy, runs the tension test and compares E [Pa] and
+//                                   its error with the command's; "none": no error
 //     rest PAGE                     a body at rest is not drawn again and again
 //     painters PAGE                 by the graphics card and by the processor the body looks the same
 //     wild PAGE SECONDS SEED        clicks, drags and slides at random: no exception, nothing that is not finite, memory flat
@@ -181,10 +184,46 @@ const actions = {
     }
   },
 
+  async settings(browser) {
+    await browser.open(url, 1400, 1000);
+    const shown = () => browser.eval('["alpha", "phi", "psi"].map(name => document.getElementById(name + "-out").textContent).join()');
+    const first = await shown();
+    must(!/—|NaN/.test(first), `the page begins with the damping ${first}`);
+    await browser.eval('document.getElementById("scene-material").click()');
+    await browser.until('!lab.rebuild', 20);
+    must(await shown() === first, `the page begins with the damping ${first}, and the scene has ${await shown()}`);
+    await sleep(400);
+    const address = await browser.eval('location.hash');
+    must(address.includes('stepper=') && !address.includes('NaN'), `the address is ${address}`);
+    const wrong = ['alpha=-1', 'phi=much', 'psi=-2', 'E=1e+30', 's1=nosuch', 'stepper=none', 'colour=pink'];
+    const says_all = async () => {
+      const said = await text(browser, 'problem');
+      for (const one of wrong) must(said.includes(one), `of ${one} in its address the page says: ${said}`);
+      must(await shown() === first, `an address without damping that can be leaves ${await shown()}`);
+    };
+    await browser.open(`${url}#${wrong.join('&')}`, 1400, 1000);
+    await says_all();
+    await browser.open(url, 1400, 1000);
+    await browser.eval(`location.hash = '#${wrong.join('&')}'`);
+    await browser.until('document.getElementById("problem").textContent && !lab.rebuild', 20);
+    await sleep(300);
+    await says_all();
+  },
+
+  async words(browser) {
+    await browser.open(url, 1400, 1000);
+    await browser.eval('document.getElementById("test").click()');
+    await browser.until('document.documentElement.dataset.tested', 120);
+    const said = await browser.eval('document.body.innerText + document.getElementById("said").textContent'), end = more.indexOf('--');
+    more.forEach((one, i) => {
+      if (i !== end) must(said.includes(one) === (end < 0 || i < end), `of "${one}" the page says: ${said.slice(0, 3000)}`);
+    });
+  },
+
   async strategies(browser) {
     await browser.open(url, 1400, 1000);
-    for (let i = 0; i < more.length; i += 2) {
-      const [name, modulus] = [more[i], +more[i + 1]];
+    for (let i = 0; i < more.length; i += 3) {
+      const [name, modulus, error] = [more[i], +more[i + 1], more[i + 2]];
       await browser.eval(`(() => { const s = document.getElementById('strategy-1'); s.value = '${name}'; s.dispatchEvent(new Event('change')); })()`);
       must(await browser.eval('document.getElementById("strategy-1").value') === name, `the page has no strategy ${name}`);
       await browser.until(`lab.settled?.[0] === '${name}'`, 60);
@@ -194,6 +233,8 @@ const actions = {
       const read = +(await browser.eval('document.querySelector("#results tr").dataset.modulus'));
       console.log(`${name}: E = ${read} Pa in the page, ${modulus} Pa by the command, ${read / modulus - 1} apart`);
       must(Math.abs(read / modulus - 1) < 1e-3, `${name}: the page says E = ${read} Pa, the command ${modulus} Pa`);
+      const off = await browser.eval('lab.results()[0].error');
+      must(error === 'none' ? !Number.isFinite(off) : Math.abs(off - error) < 1e-3, `${name}: the page says an error of ${off}, the command ${error}`);
     }
     await browser.eval('(() => { const s = document.getElementById("strategy-2"); s.value = s.options[1].value; s.dispatchEvent(new Event("change")); })()');
     await browser.until('lab.answer?.length === 2 && lab.viewer.positions.length === 6 * lab.shown.molecules', 60);

@@ -2,7 +2,8 @@
 # The lab in a browser: web_test.sh WHAT BUILD ELASTIN [BITS]. Leaves with 77, which ctest takes as skipped, where the
 # core was not built for browsers (tools/setup --web) or there is no node or Chromium.
 #   bits      native steps and those of the module are bitwise identical, every strategy with every stepper
-#   hand      drag, push, pin, pause, step, keys     strategies    E in the page is that of the command
+#   hand      drag, push, pin, pause, step, keys     strategies    E in the page and its error are those of the command
+#   settings  how the page begins, wrong addresses   words         what is said of what it does not have or cannot test
 #   rest      nothing is drawn while nothing moves                painters    card and processor draw the same
 #   wild      a minute at random                     access        labels, contrast, widths     refused    what is said where it cannot run
 #   npm       the package in node: closed forms, its errors, its types           module   the package in a browser
@@ -22,11 +23,12 @@ browser() {
 }
 page() { "$elastin" lab "$1" --module "$build/web/bin" --out "$folder/lab.html"; }
 
-# Pairs of strategy and E [Pa] of a scene's own experiment.
+# Strategy, E [Pa] and its error, or none, of a scene's own experiment.
 moduli() {
   "$elastin" compare "$1" --strategies "$2" --json - 2>/dev/null | node -e '
     const {runs} = JSON.parse(require("node:fs").readFileSync(0, "utf8"));
-    for (const run of runs) console.log(run.strategy, run.measures.effective_modulus.value ?? run.measures.effective_modulus);'
+    for (const {strategy, measures, errors} of runs)
+      console.log(strategy, measures.effective_modulus.value ?? measures.effective_modulus, errors?.effective_modulus ?? "none");'
 }
 
 case $what in
@@ -47,12 +49,42 @@ case $what in
     ;;
   strategies)
     browser
-    for case in tension/cube-27-face.yaml:standard,lattice tension/tet-block.yaml:van_gelder,neo_hookean; do
-      page "$scenes/${case%:*}"
-      mapfile -t pairs < <(moduli "$scenes/${case%:*}" "${case#*:}")
-      ((${#pairs[@]} == 2)) || { echo "the command gave ${pairs[*]}"; exit 1; }
-      node "$here/lab_test.js" "$chromium" strategies "$folder/lab.html" ${pairs[@]}
+    cat >"$folder/held.yaml" <<'SCENE'
+body: {tetrahedra: {kind: kuhn, cubes: [6, 2, 2], size: [30 mm, 10 mm, 10 mm]}}
+material: {youngs_modulus: 10 kPa, poissons_ratio: 0.45, density: 1000 kg/m3}
+stiffness: neo_hookean
+experiment: {kind: tension, axis: x, strain: 0.1}
+supports: [{molecules: {side: -y}, fix: [x, y, z]}]
+loads: [{gravity: [9.81 m/s2, 0, 0]}]
+reference: none
+SCENE
+    for case in "$folder/held.yaml=neo_hookean,standard" "$scenes/tension/cube-27-face.yaml=standard,lattice" \
+      "$scenes/tension/tet-block.yaml=van_gelder,neo_hookean" "$scenes/material/ligament.yaml=standard,lattice" \
+      "$scenes/tissue/rubber-mullins.yaml=mullins:ogden,ogden"; do
+      page "${case%=*}"
+      mapfile -t runs < <(moduli "${case%=*}" "${case#*=}")
+      ((${#runs[@]} == 2)) || { echo "the command gave ${runs[*]}"; exit 1; }
+      node "$here/lab_test.js" "$chromium" strategies "$folder/lab.html" ${runs[@]}
     done
+    ;;
+  words)
+    browser
+    page "$scenes/membrane/sphere-60mpa-1mm.yaml"
+    node "$here/lab_test.js" "$chromium" words "$folder/lab.html" 'does not resist this pull' -- 'nPa' 'per cent off'
+    cat >"$folder/several.yaml" <<'SCENE'
+bodies:
+  - {name: low, tetrahedra: {kind: kuhn, cubes: [2, 2, 2], size: [10 mm, 10 mm, 10 mm]}, material: {youngs_modulus: 30 kPa}}
+  - {name: high, tetrahedra: {kind: kuhn, cubes: [2, 2, 2], size: [10 mm, 10 mm, 10 mm]}, at: [0, 0, 10 mm]}
+ties: [{between: [low, high], within: 0.1 mm}]
+material: {youngs_modulus: 10 kPa, poissons_ratio: 0, density: 1000 kg/m3}
+stiffness: "calibrated:standard"
+calibrate: {experiment: {kind: material}}
+experiment: {kind: tension, axis: z, strain: 0.05}
+SCENE
+    page "$folder/several.yaml" 2>"$folder/warnings"
+    grep -q 'warning: the page leaves out calibration, of calibrated:standard' "$folder/warnings"
+    node "$here/lab_test.js" "$chromium" words "$folder/lab.html" 'low E = 30.0 kPa' 'high E = 10.0 kPa' "× the scene's" \
+      'No error: the bodies are of several materials' 'calibration, of calibrated:standard' -- 'Dashed' 'per cent off'
     ;;
   wrong)
     said=$("$elastin" lab "$scenes/tension/cube-1000.yaml" --module "$build/web/bin" --out "$folder/a.html" \
@@ -63,7 +95,7 @@ case $what in
     said=$("$elastin" lab --out "$folder/a.html" 2>&1) && exit 1
     [[ ! -e $folder/a.html ]]
     ;;
-  hand | rest | painters | wild | access | refused)
+  hand | rest | painters | settings | wild | access | refused)
     browser
     case $what in
       hand | rest | painters) page "$scenes/tension/cube-1000.yaml" ;;  # at rest until it is dragged

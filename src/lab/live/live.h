@@ -22,7 +22,7 @@ struct WebModule {
 /// Reads elastin.js and elastin.wasm of a folder. Throws InputError that says how they are made.
 WebModule load_web_module(const std::string& folder);
 
-/// The lab in a browser: one HTML file that loads nothing else.
-std::string live_page(const Scene& scene, const Catalog& catalog, const WebModule& module);
+/// The lab in a browser, of the scene's parcel: one HTML file that loads nothing else.
+std::string live_page(const Scene& scene, const Catalog& catalog, const Parcel& parcel, const WebModule& module);
 
 }  // namespace elastin::lab

@@ -54,10 +54,29 @@ Json settings_json(const Scene& scene, const Parcel& parcel) {
   return json;
 }
 
+/// The bodies of a scene with several materials, as far as these give them a stiffness; else none.
+Json bodies_json(const Specimen& specimen) {
+  Json bodies = Json::array();
+  if (specimen.materials.size() < 2) return bodies;
+  for (const Part& part : specimen.body.parts) {
+    const Material& own = specimen.materials[static_cast<std::size_t>(part.material)];
+    if (!part.rigid) bodies.push_back({{"name", part.name}, {"E", own.youngs_modulus}, {"nu", own.poissons_ratio}});
+  }
+  return bodies;
+}
+
+/// Why the page's test has no target, or "": what `run` says of the scene's own test, and of another one what holds
+/// wherever the body is pulled.
+std::string no_error(const Scene& scene, const Parcel& parcel) {
+  if (parcel.own_test || is_stressed(scene.specimen)) return no_reference(scene);
+  const std::string differs = no_one_modulus(scene.specimen);
+  return differs.empty() ? make_tension(parcel.body, parcel.tension)->no_reference() : differs;
+}
+
 std::string scene_json(const Scene& scene, const Catalog& catalog, const Parcel& parcel) {
   const Material& material = parcel.material;
   const Body& body = parcel.body;
-  const std::string differs = no_one_modulus(scene.specimen);
+  const StaticExperiment* holding = scene.experiment->calibration();
   Json json{{"name", scene.name},
             {"title", scene.title},
             {"experiment", scene.experiment->name()},
@@ -68,19 +87,17 @@ std::string scene_json(const Scene& scene, const Catalog& catalog, const Parcel&
             {"membrane", !body.triangles.empty()},
             {"own_constants", material.law && !catalog.material_laws.find(material.law->law)->from_moduli},
             {"parts", body.parts.size()},
+            {"bodies", bodies_json(scene.specimen)},
             {"own_load", parcel.own_load.cols() > 0},
             {"own_load_share", parcel.own_load_share},
             {"released", scene.experiment->in_time() != nullptr},
             {"held", parcel.supports.size()},
             {"axis", vector_json(parcel.tension.axis)},
-            {"no_error", differs.empty() ? make_tension(body, parcel.tension)->no_reference() : differs},
-            {"own_test", tension_setup(*scene.experiment) != nullptr},
+            {"no_error", no_error(scene, parcel)},
+            {"own_test", parcel.own_test},
+            {"supports", holding && !holding->further_supports().empty()},
+            {"left_out", parcel.left_out},
             {"settings", settings_json(scene, parcel)}};
-  json["dropped"] = Json::array();
-  if (scene.specimen.contact) json["dropped"].push_back("contact and its obstacles");
-  if (const std::size_t kept = parcel.loads.size(), all = scene.specimen.loads.size(); kept < all)
-    json["dropped"].push_back(counted(static_cast<std::ptrdiff_t>(all - kept), "load") +
-                              " that no row of the core's table is");
   json["strategies"] = Json::array();
   for (const Parcel::Strategy& strategy : parcel.strategies)
     json["strategies"].push_back(row(strategy.label, choose_strategy(catalog, strategy.name).strategy.summary));
@@ -120,8 +137,7 @@ WebModule load_web_module(const std::string& folder) {
   return module;
 }
 
-std::string live_page(const Scene& scene, const Catalog& catalog, const WebModule& module) {
-  const Parcel parcel = make_parcel(scene, catalog);
+std::string live_page(const Scene& scene, const Catalog& catalog, const Parcel& parcel, const WebModule& module) {
   Parcel copy = parcel;
   ByteWriter writer;
   visit(writer, copy);

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "elastin/core/base/error.h"
+#include "elastin/core/base/text.h"
 #include "lab/live/live.h"
 
 namespace elastin::lab {
@@ -19,10 +21,16 @@ void add_strategy(const Scene& scene, const StrategyChoice& choice, Parcel& parc
   if (specimen.body.voronoi && !parcel.body.voronoi) parcel.body.voronoi = specimen.body.voronoi;
 }
 
-/// The scene's own strategy first, then those that it compares, then every other one that suits, none calibrated: the
-/// scene's experiment would do that, and a page has no experiment.
+/// The scene's own strategy first, of a calibrated one the rule alone, then those that it compares, then every other one
+/// that suits, none calibrated: the scene's experiment would do that, and a page has no experiment.
 void add_strategies(const Scene& scene, const Catalog& catalog, Parcel& parcel) {
-  std::vector<StrategyChoice> choices{scene.stiffness};
+  StrategyChoice own = scene.stiffness;
+  if (std::exchange(own.name.calibrated, false)) {
+    const ParameterValues values = std::move(own.values);
+    own = choose_strategy(catalog, own.name);
+    own.values = values;
+  }
+  std::vector<StrategyChoice> choices{std::move(own)};
   choices.insert(choices.end(), scene.strategies.begin(), scene.strategies.end());
   const std::vector<StrategyChoice> all = all_strategies(catalog, scene.specimen);
   choices.insert(choices.end(), all.begin(), all.end());
@@ -57,6 +65,24 @@ void add_supports(const std::vector<Support>& supports, const TensionSetup* tens
     support.velocity.setZero();
     parcel.supports.push_back(support);
   }
+}
+
+/// What the bodies of a page have not.
+void note_left_out(const Scene& scene, Parcel& parcel) {
+  const auto note = [&](std::string text) { parcel.left_out.push_back(std::move(text)); };
+  if (scene.specimen.contact) note("contact and its obstacles");
+  if (const std::size_t kept = parcel.loads.size(), all = scene.specimen.loads.size(); kept < all)
+    note(counted(static_cast<std::ptrdiff_t>(all - kept), "load") + " in time or on a part of the surface");
+  for (const Parcel::NamedLoad& load : parcel.loads)
+    if (load.name == "rayleigh" && load.values.has("stiffness")) note("the damping by stiffness of `rayleigh`");
+  if (scene.specimen.start) note("the initial state");
+  std::string calibrated = scene.stiffness.name.calibrated ? scene.stiffness.label : "";
+  for (const StrategyChoice& choice : scene.strategies)
+    if (choice.name.calibrated && choice.label != scene.stiffness.label)
+      calibrated += (calibrated.empty() ? "" : ", ") + choice.label;
+  if (calibrated.empty()) return;
+  note("calibration, of " + calibrated + (scene.stiffness.name.calibrated
+           ? " (the page begins with " + parcel.strategies.front().label + " as it is)" : ""));
 }
 
 /// What a load that is not yet there adds in full [N], if that is the same wherever the body is; otherwise nothing: a
@@ -102,6 +128,8 @@ void add_experiment(const Scene& scene, const TensionSetup* tension, Parcel& par
     if (started.outcome != Outcome::converged)
       throw InputError(scene.source.path() + ": the body cannot be brought to its start: " + started.cause);
     add_fixture_load(scene, specimen, model, state, parcel);
+    if (!state.velocities.isZero(0)) parcel.left_out.emplace_back("the speed with which the body begins");
+    if (model.drive) parcel.left_out.emplace_back("what moves its supports, or changes its load, in time");
   } else if (StaticRig* rig = held->rig->at_rest()) {
     const bool of_scene = scene.experiment->name() == "loads";  // which are in the parcel already
     if (!tension && !of_scene) parcel.own_load = dead_load(*rig, model, state);
@@ -143,6 +171,9 @@ Parcel make_parcel(const Scene& scene, const Catalog& catalog) {
   add_strategies(scene, catalog, parcel);
   const TensionSetup* tension = tension_setup(*scene.experiment);
   parcel.tension = tension ? *tension : usual_tension(scene);
+  parcel.own_test = tension != nullptr;
+  if (tension) parcel.further_supports = scene.experiment->at_rest()->further_supports();
+  note_left_out(scene, parcel);
   add_experiment(scene, tension, parcel);
   return parcel;
 }

@@ -34,8 +34,13 @@ struct Parcel {
   Positions own_load;             ///< of the experiment [N], 3 × n; empty where it has none
   double own_load_share = 0;      ///< of it that acts as the body begins; the page's own, not among the bytes
   TensionSetup tension;           ///< the test
+  bool own_test = false;          ///< whether that is the scene's experiment
+  /// Of the scene, in addition to those of its test: planes of symmetry, for example. A test of the page's own has none.
+  std::vector<Support> further_supports;
   bool linear = false;            ///< small displacements
   double tolerance = 1e-10;       ///< of equilibria
+  /// What the page leaves out of the scene, in words; the page's own, not among the bytes.
+  std::vector<std::string> left_out;
 };
 
 inline auto members(Parcel::Strategy& strategy) { return std::tie(strategy.label, strategy.name, strategy.values); }
@@ -44,12 +49,13 @@ inline auto members(Parcel::NamedLoad& load) {
 }
 inline auto members(TensionSetup& setup) {
   return std::tie(setup.axis, setup.force, setup.displacement, setup.gravity, setup.fixed_grip, setup.loaded_grip,
-                  setup.sharing, setup.reading, setup.cross_section, setup.thickness, setup.gauge_length,
-                  setup.grip_depth, setup.gauge, setup.fixed, setup.loaded, setup.load_steps);
+                  setup.sharing, setup.reading, setup.cross_section, setup.density, setup.thickness, setup.gauge_length,
+                  setup.grip_depth, setup.gauge, setup.fixed, setup.loaded, setup.load_steps, setup.cycle);
 }
 inline auto members(Parcel& parcel) {
   return std::tie(parcel.body, parcel.rest, parcel.material, parcel.materials, parcel.strategies, parcel.loads,
-                  parcel.supports, parcel.positions, parcel.own_load, parcel.tension, parcel.linear, parcel.tolerance);
+                  parcel.supports, parcel.positions, parcel.own_load, parcel.tension, parcel.own_test,
+                  parcel.further_supports, parcel.linear, parcel.tolerance);
 }
 
 }  // namespace elastin::lab

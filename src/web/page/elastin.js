@@ -226,8 +226,8 @@ class ElastinLab {
     }
   }
 
-  /** The tension test: an object with step(), which gives {own, last, strain, stress, modulus, ratio, target,
-   *  target_ratio}, the targets those of the law at the strain, and free(). */
+  /** The tension test: an object with step(), which gives {own, own_end, last, of_law, strain, stress, modulus, ratio,
+   *  target, target_ratio}, the targets at the last step of the test as it is, and free(). */
   test(settings, strain, steps) {
     const {module} = this, at = module._malloc(64);
     const handle = this.handle_of('elastin_lab_test_begin', memory => [this.handle, this.settings(memory, settings), strain, steps]);
@@ -244,7 +244,8 @@ class ElastinLab {
         module.HEAPU32[at / 4] = 64;  // sizeof(elastin_lab_reading)
         checked(module._elastin_lab_test_step(handle, at));
         const [strain, stress, modulus, ratio, target, target_ratio] = module.HEAPF64.subarray(at / 8 + 2, at / 8 + 8);
-        return {own: module.HEAP32[at / 4 + 1] !== 0, last: module.HEAP32[at / 4 + 2] !== 0, strain, stress, modulus, ratio,
+        const [own, last, of_law] = module.HEAP32.subarray(at / 4 + 1, at / 4 + 4);
+        return {own: own !== 0, own_end: own === 2, last: last !== 0, of_law: of_law !== 0, strain, stress, modulus, ratio,
           target, target_ratio};
       },
       positions: () => view('positions'),

@@ -65,14 +65,18 @@ class Lab {
       alpha: damped || scene.released ? first.alpha : 0.6 * rate, pressure: 0, gravity, tilt: 0, load: 100 * scene.own_load_share,
       stiffness: Math.max(1e-6, +(0.1 * first.E * size * (scene.membrane && !scene.solid ? 0.02 : 1)).toPrecision(2)), probe: 0.12 * size, strain: 20};
     const scales = {phi: first.phi || viscosity, psi: first.psi || viscosity, alpha: rate, pressure: 0.01 * first.E};
+    const several = scene.bodies.length > 0;
+    const own_kinds = {nu: {most: Math.max(slider_kinds.nu.most, first.nu)},
+      ...several && {E: {whole: first.E}, density: {whole: first.density}}};
     for (const [name, kind] of Object.entries(slider_kinds))
-      this.sliders[name] = new Slider(part(name), part(name + '-out'), name === 'nu' ? {...kind, most: Math.max(kind.most, first.nu)} : kind,
-        this.start[name], scales[name]);
+      this.sliders[name] = new Slider(part(name), part(name + '-out'), {...kind, ...own_kinds[name]}, this.start[name],
+        scales[name]);
     const hide = names => names.forEach(name => { for (const one of [part(name), part(name + '-out'), document.querySelector(`label[for=${name}]`)]) one.hidden = true; });
     if (scene.own_constants || scene.parts > 1) hide(['nu']);
     if (!scene.solid) hide(['phi', 'psi']);
     if (!scene.membrane || scene.solid) hide(['pressure']);
     if (!scene.own_load) hide(['load']);
+    part('jello').hidden = several;  // it is of one material
     part('molecule').max = scene.molecules - 1;
     part('connections').checked = true;
     part('molecules').checked = !this.body.membrane;
@@ -81,11 +85,21 @@ class Lab {
     const counted = (count, name) => `${count.toLocaleString('en')} ${name}${count === 1 ? '' : 's'}`;
     part('about').textContent = [counted(scene.molecules, 'molecule'), counted(scene.connections, 'connection'),
       ...(scene.cells ? [counted(scene.cells, 'cell')] : [])].join(', ') +
-      `; its ${scene.parts > 1 ? 'first ' : ''}material has Young's modulus E = ${with_prefix(first.E, 'Pa')} and Poisson's ratio ν = ${+first.nu.toPrecision(4)}.` +
-      (scene.dropped.length ? ` Of the scene this page leaves out ${scene.dropped.join(' and ')}.` : '');
+      (several ? `; its bodies are of several materials: ${this.materials()}.`
+        : `; its material has Young's modulus E = ${with_prefix(first.E, 'Pa')} and Poisson's ratio ν = ` +
+          `${+first.nu.toPrecision(4)}.`) +
+      (scene.left_out.length ? ` Of the scene this page leaves out: ${scene.left_out.join('; ')}.` : '');
     part('test-note').textContent = 'How stiff is the whole body? ' + (scene.own_test ? "It is pulled as in the scene's own test, where its E and ν are read, "
-      : 'It is pulled by a strain of 10⁻⁴ along its longest side, where its E and ν are read, ') + 'and then on to the strain that you set.';
+      : `It is pulled by a strain of 10⁻⁴ along its longest side${scene.supports ? ", without the scene's supports" : ''}, ` +
+        'where its E and ν are read, ') +
+      'and then on to the strain that you set.';
     this.curves.energy.set([], 'Energy over time');
+  }
+
+  /** E and ν of each of several bodies, in words. */
+  materials() {
+    const most = 6, words = ({name, E, nu}) => `${name} E = ${with_prefix(E, 'Pa')}, ν = ${+nu.toPrecision(4)}`;
+    return scene.bodies.slice(0, most).map(words).join('; ') + (scene.bodies.length > most ? `; and ${scene.bodies.length - most} more` : '');
   }
 
   choose_tool(tool) {
@@ -93,30 +107,38 @@ class Lab {
     part('tool-hint').textContent = tool_hints[tool];
   }
 
-  /** The scene's own settings, then what the address says. */
+  /** The scene's own settings, then what the address says. Says what of it the page does not have. */
   read_hash() {
     const hash = values_from_hash(location.hash), names = scene.strategies.map(one => one.name);
+    const unknown = [], beyond = [];
+    const has = (name, options) => {
+      if (hash[name] && !options.includes(hash[name])) unknown.push(`${name}=${hash[name]}`);
+      return options.includes(hash[name]);
+    };
     all('.strategy').forEach((select, i) => {
-      const wanted = hash['s' + (i + 1)];
-      select.value = names.includes(wanted) ? wanted : i ? '' : first.strategy;
+      const name = 's' + (i + 1);
+      select.value = has(name, names) ? hash[name] : i ? '' : first.strategy;
     });
     // What conserves energy in steps of the scene's length may gain it where a hand pulls or springs fold: then the page begins
     // with something that never does.
     const steppers = scene.steppers.map(one => one.name), own = scene.steppers.find(one => one.name === first.stepper);
-    const given = hash.stepper ?? hash.scheme;  // the former name
-    part('stepper').value = steppers.includes(given) ? given : own?.newton ? 'backward_euler' : own?.name ?? (scene.cells ? 'backward_euler' : 'symplectic_euler');
+    hash.stepper ??= hash.scheme;  // the former name
+    const usual = own?.newton ? 'backward_euler' : own?.name ?? (scene.cells ? 'backward_euler' : 'symplectic_euler');
+    part('stepper').value = has('stepper', steppers) ? hash.stepper : usual;
     part('one-iteration').checked = hash.one !== undefined ? hash.one === '1' : (first.iterations ?? 1) === 1;
-    const wrong = [];
     for (const [name, slider] of Object.entries(this.sliders)) {
-      const value = parseFloat(hash[name]), taken = slider.takes(value);
+      const value = number_from_hash(hash[name]), taken = slider.takes(value);
       slider.value = taken ? value : this.start[name];
-      if (hash[name] !== undefined && !taken) wrong.push(`${name}=${hash[name]}`);
+      if (hash[name] !== undefined && !taken) beyond.push(`${name}=${hash[name]}`);
     }
-    if (wrong.length) complain(`The page's address has values that no slider reaches, which are left out: ${wrong.join(', ')}.`);
-    for (const [name, key] of [['colour', 'colour'], ['speed', 'speed']])
-      if (hash[key] && [...part(name).options].some(option => option.value === hash[key])) part(name).value = hash[key];
+    for (const name of ['colour', 'speed'])
+      if (has(name, [...part(name).options].map(option => option.value))) part(name).value = hash[name];
     this.painter = hash.painter;
     this.show_choices();
+    const words = (list, text) => list.length ? [`${text}: ${list.join(', ')}.`] : [];
+    this.unread = [...words(beyond, "The page's address has values that no slider reaches, which are left out"),
+      ...words(unknown, "The page's address names what this page does not have, which is left out")].join(' ');
+    complain(this.unread);
   }
 
   hash() {
@@ -254,6 +276,7 @@ class Lab {
     await this.ask({kind: 'start', wasm, parcel, settings: this.settings(), molecules: scene.molecules, connections: scene.connections},
       [wasm.buffer, parcel.buffer]);
     for (const id of ['wasm', 'parcel', 'worker']) part(id).remove();
+    this.unread = '';
     this.listen();
     this.show_bodies();
     this.loop();
@@ -278,7 +301,8 @@ class Lab {
     this.rebuild = this.still = undefined;
     const settings = this.settings();
     const answer = await this.ask({kind: 'settings', settings, rebuild, keep});
-    complain(answer.kind === 'refused' ? `${answer.message}.` : '');
+    complain(answer.kind === 'refused' ? `${answer.message}.` : this.unread);
+    this.unread = '';
     if (rebuild) {
       this.history = [];
       this.last = undefined;  // the time of the preparation is not simulated
@@ -635,6 +659,7 @@ class Lab {
     part('test').textContent = 'Stop the test';
     said('the tension test runs');
     this.readings = this.strategies.map(() => []);
+    this.problems = [];
     this.test_settings = this.settings();
     this.testing = 'begins';
     this.test_strain = Math.abs(strain) < 1e-6 ? 0.01 : strain;
@@ -672,6 +697,7 @@ class Lab {
       if (!answer.bodies || answer.bodies.length !== this.count_shown || !this.testing) return;
       answer.bodies.forEach((body, i) => {
         if (body.reading) this.readings[i].push(body.reading);
+        this.problems[i] = body.problem;
       });
     } while (this.pace.slow && !answer.over && performance.now() - begin < 100);
     if (interval > 0) this.pace.note(interval, 1e-3 * (performance.now() - begin));
@@ -698,12 +724,12 @@ class Lab {
     this.viewer.set_state(positions, {connections: mapped(strains), molecules: mapped(means_of(this.shown, strains))});
   }
 
-  /** What each strategy measured in the scene's own test. */
+  /** What each strategy measured at the end of the test as it is; undefined of one that has not come there. */
   results() {
     return (this.readings ?? []).map((readings, i) => {
-      const own = readings.filter(reading => reading.own).at(-1), {E, nu} = this.test_settings;
+      const own = readings.find(reading => reading.own_end);
       const error = scene.no_error ? NaN : own?.modulus / own?.target - 1;
-      return own && {strategy: this.test_settings.strategies[i], modulus: own.modulus, target: own.target, error, ratio: own.ratio, E, nu, strain: own.strain};
+      return own && {...own, strategy: this.test_settings.strategies[i], error};
     });
   }
 
@@ -711,7 +737,7 @@ class Lab {
     const results = this.results();
     part('results').replaceChildren(...results.map((result, i) => {
       const problem = bodies[i]?.problem;
-      if (!result) return this.row(i, [problem ? 'no equilibrium' : '…', '', ''], this.test_settings.strategies[i]);
+      if (!result) return this.row(i, [problem ? 'none' : '…', '', ''], this.test_settings.strategies[i]);
       const row = this.row(i, [with_prefix(result.modulus, 'Pa', 4), error_text(result.error),
         Number.isFinite(result.ratio) ? result.ratio.toFixed(4) : '—'], result.strategy);
       row.dataset.modulus = result.modulus;
@@ -719,31 +745,43 @@ class Lab {
       return row;
     }));
     part('tested').hidden = false;
-    const {E, nu} = this.test_settings;
-    const targets = results.filter(result => Number.isFinite(result?.error)).map(result => `${result.strategy} ${with_prefix(result.target, 'Pa', 4)}`);
-    const own = this.own_target();
-    part('target').textContent = (own ? `Dashed: the law's own E = ${with_prefix(own, 'Pa', 4)}; the material's` : `Dashed: ${scene.parts > 1 ? "the first material's" : "the material's"}`) + ` E = ${with_prefix(E, 'Pa', 4)} at rest${scene.own_constants ? '' : `; its ν = ${+nu.toPrecision(4)}`}. ` +
-      (scene.no_error ? `No error: ${scene.no_error}.` : targets.length ? `Errors are to the law's own E at a strain of ${+(100 * results.find(Boolean).strain).toPrecision(3)} %: ${targets.join(', ')}.` : '');
+    part('target').textContent = this.target_words(results.filter(result => Number.isFinite(result?.error)));
     const problem = bodies.find(body => body.problem)?.problem;
     if (problem) complain(`The test of a body stops here: ${problem}.`);
     this.curves.test.set([...this.readings.map((readings, i) => ({name: this.test_settings.strategies[i], colour: series_colours[i],
       points: [[0, 0], ...readings.map(reading => [reading.strain, reading.stress])].sort((a, b) => a[0] - b[0])})), this.target()], 'Stress–strain curve of each strategy; dashed: the target E');
   }
 
-  /** The law's own E at the strain of the test, where it is another than the material's, as with fibres; else undefined. */
+  /** What the dashed line is, and what errors are to. */
+  target_words(results) {
+    const {E, nu} = this.test_settings, own = this.own_target(), ratio = scene.own_constants ? '' : `; its ν = ${+nu.toPrecision(4)}`;
+    const strain = `a strain of ${+(100 * results[0]?.strain).toPrecision(3)} %`;
+    const material = scene.bodies.length ? '' : `the material's E = ${with_prefix(E, 'Pa', 4)} at rest${ratio}. `;
+    const begin = own ? `Dashed: the target of ${results[0].strategy}, E = ${with_prefix(own, 'Pa', 4)}; ` : material && 'Dashed: ';
+    const targets = results.map(result => `${result.strategy} ${with_prefix(result.target, 'Pa', 4)}`).join(', ');
+    return begin + material + (scene.no_error ? `No error: ${scene.no_error}.`
+      : results.some(result => result.of_law) ? `Errors are to the law's own E at ${strain}: ${targets}.`
+        : own ? `Errors are to the material's E at ${strain}, with all that it has along the load: ${targets}.` : '');
+  }
+
+  /** The target at the strain of the test, where it is another than the material's E at rest, as with fibres; else
+   *  undefined. */
   own_target() {
     const own = this.results().find(result => Number.isFinite(result?.error))?.target;
     return Math.abs(own / this.test_settings.E - 1) > 1e-3 ? own : undefined;
   }
 
   target() {
+    if (scene.bodies.length) return {name: 'target', points: []};  // of several materials there is none
     const strains = this.readings.flat().map(reading => reading.strain), end = strains.reduce((far, v) => Math.abs(v) > Math.abs(far) ? v : far, 0);
     return {name: 'target', colour: 'var(--faint)', dashed: true, points: [[0, 0], [end, (this.own_target() ?? this.test_settings.E) * end]]};
   }
 
   say_results() {
     root.dataset.tested = 'yes';
-    said(this.results().filter(Boolean).map(result => `${result.strategy}: E is ${with_prefix(result.modulus, 'Pa', 4)}, ${Number.isFinite(result.error) ? `${(100 * result.error).toFixed(2)} per cent off the target` : 'without a target'}`).join('; '));
+    const off = ({error}) => Number.isFinite(error) ? `${(100 * error).toFixed(2)} per cent off the target` : 'without a target';
+    said(this.results().map((result, i) => `${this.test_settings.strategies[i]}: ` + (!result ? this.problems[i] ?? 'no result'
+      : `E is ${with_prefix(result.modulus, 'Pa', 4)}, ${off(result)}`)).join('; '));
   }
 
   save_curve() {

@@ -37,8 +37,9 @@ class Slider {
     return this.scale * 10 ** at;
   }
 
-  /** Whether a value lies where the slider goes, as one from the page's address may not. */
+  /** Whether a value is a number where the slider goes, as one from the page's address may not be. */
   takes(value) {
+    if (!Number.isFinite(value) || (this.kind.zero && value < 0)) return false;
     const at = this.place(value), end = 1e-6 * (this.input.max - this.input.min);
     return Number.isFinite(at) && at >= +this.input.min - end && at <= +this.input.max + end;
   }
@@ -56,21 +57,25 @@ class Slider {
     this.show();
   }
 
-  /** In words: next to it and for a screen reader. */
+  /** In words: next to it and for a screen reader. Of several materials a slider scales all, `whole` being 1. */
   show() {
-    const {unit, decades} = this.kind, value = this.value;
-    this.text = decades ? with_prefix(value, unit) : `${+value.toFixed(3)}${unit && unit !== '°' && unit !== '%' ? ' ' : ''}${unit}`;
-    if (unit === 'kg/m³') this.text = `${+value.toPrecision(4)} kg/m³`;
+    const {unit, decades, whole} = this.kind, value = this.value;
+    this.text = whole ? `${+(value / whole).toPrecision(3)} × the scene's` : decades ? with_prefix(value, unit) : `${+value.toFixed(3)}${unit && unit !== '°' && unit !== '%' ? ' ' : ''}${unit}`;
+    if (unit === 'kg/m³' && !whole) this.text = `${+value.toPrecision(4)} kg/m³`;
     this.output.textContent = this.text;
     this.input.setAttribute('aria-valuetext', this.text);
   }
 }
 
-/** Names and values as the page's address holds them; numbers with six digits. */
+/** Names and values as the page's address holds them; numbers with six digits, and none that is not finite. */
 function hash_of(values) {
-  const pairs = Object.entries(values).filter(([, value]) => value !== '' && value !== undefined);
+  const said = value => typeof value === 'number' ? Number.isFinite(value) : value !== '' && value !== undefined;
+  const pairs = Object.entries(values).filter(([, value]) => said(value));
   return '#' + pairs.map(([name, value]) => `${name}=${encodeURIComponent(typeof value === 'number' ? +value.toPrecision(6) : value)}`).join('&');
 }
+
+/** A number of the address; NaN of what is none, or is missing. */
+function number_from_hash(text) { return text?.trim() ? Number(text) : NaN; }
 
 function values_from_hash(hash) {
   return Object.fromEntries(hash.replace(/^#/, '').split('&').filter(Boolean).map(pair => {

@@ -4,6 +4,7 @@
 
 #include <catch2/catch.hpp>
 
+#include "core/base/archive.h"
 #include "elastin/core/simulation/catalog.h"
 #include "lab/live/live.h"
 #include "support/temporary_folder.h"
@@ -13,15 +14,27 @@ using namespace elastin::lab;
 
 namespace {
 
-Parcel parcel_of(const std::string& experiment) {
+Parcel parcel_of(const std::string& experiment, const std::string& stiffness = "neo_hookean") {
   const TemporaryFolder folder;
   const std::string scene = R"(title: A block
 body: {tetrahedra: {kind: body_centred, cubes: [2, 2, 2], size: [2 cm, 2 cm, 2 cm]}}
 material: {youngs_modulus: 10 kPa, poissons_ratio: 0.3, density: 1000 kg/m3}
-stiffness: neo_hookean
-experiment: )";
-  return make_parcel(*load_scene(folder.write("scene.yaml", scene + experiment + "\n"), built_in_catalog()),
-                     built_in_catalog());
+stiffness: )";
+  return make_parcel(
+      *load_scene(folder.write("scene.yaml", scene + stiffness + "\nexperiment: " + experiment + "\n"),
+                  built_in_catalog()),
+      built_in_catalog());
+}
+
+/// As the page's module reads it.
+Parcel sent(Parcel parcel) {
+  ByteWriter writer;
+  visit(writer, parcel);
+  const std::vector<char> bytes = writer.take();
+  ByteReader reader(bytes.data(), bytes.size(), "parcel");
+  Parcel read;
+  visit(reader, read);
+  return read;
 }
 
 }  // namespace
@@ -45,6 +58,36 @@ TEST_CASE("a page takes the load of a scene's experiment where it is the same wh
   CHECK(parcel_of("{kind: indentation, indenter: {sphere: {radius: 1 cm}}, depth: 5 mm}\ncontact: {friction: 0}")
             .own_load.cols() == 0);
   CHECK(parcel_of("{kind: tension, axis: z, force: 1 mN}").own_load.cols() == 0);
+}
+
+TEST_CASE("a page pulls a body as the scene does, held by the scene's supports") {
+  const std::string supports = "\nsupports: [{molecules: {side: -y}, fix: [y]}]";
+  const Parcel own = sent(parcel_of("{kind: tension, axis: z, strain: 0.1, cycle: [1, 0.5]}" + supports));
+  CHECK(own.own_test);
+  REQUIRE(own.further_supports.size() == 9);  // corners of 2 x 2 cubes
+  CHECK(own.further_supports.front().free.isApprox(Vector3(1, 0, 1).asDiagonal().toDenseMatrix()));
+  CHECK(own.tension.cycle == std::vector<double>{1, 0.5});
+  CHECK(own.tension.density == 1000);
+  const Parcel other = sent(parcel_of("{kind: bending, axis: x, direction: -z, force: 1 mN}" + supports));
+  CHECK(!other.own_test);
+  CHECK(other.further_supports.empty());
+}
+
+TEST_CASE("a page says what it leaves out of a scene") {
+  using Words = std::vector<std::string>;
+  CHECK(parcel_of("{kind: tension, axis: z, force: 1 mN}").left_out.empty());
+  CHECK(parcel_of("{kind: indentation, indenter: {sphere: {radius: 1 cm}}, depth: 5 mm}\ncontact: {friction: 0}")
+            .left_out == Words{"contact and its obstacles"});
+  const std::string clamped = "{kind: tension, axis: z, strain: 0.01, fixed_grip: clamped}\nreference: none\n";
+  const Parcel calibrated = parcel_of(clamped + "calibrate: {experiment: {kind: material}}", "calibrated:van_gelder");
+  CHECK(calibrated.strategies.front().label == "van_gelder");
+  CHECK(calibrated.left_out ==
+        Words{"calibration, of calibrated:van_gelder (the page begins with van_gelder as it is)"});
+  const std::string motion = "{kind: motion, fixture: {kind: bending, axis: x, direction: -z, force: 1 mN}}\n";
+  const Parcel moving = parcel_of(motion + "time: {duration: 1 s, stepper: newmark, step: 5 ms}\nloads:\n"
+                                           "  - {rayleigh: {mass: 20 1/s, stiffness: 1 ms}}\n"
+                                           "  - {gravity: [0, 0, 1 m/s2], in_time: {ramp: 1 s}}");
+  CHECK(moving.left_out == Words{"1 load in time or on a part of the surface", "the damping by stiffness of `rayleigh`"});
 }
 
 TEST_CASE("a page gets the rest of a body as numbers, and finds none itself") {
@@ -74,7 +117,7 @@ TEST_CASE("a strategy with a label of its own goes into the page by its name") {
   const Parcel parcel = make_parcel(*scene, built_in_catalog());
   CHECK(parcel.strategies.front().label == "mine");
   CHECK(parcel.strategies.front().name == "lattice");
-  CHECK(live_page(*scene, built_in_catalog(), {"script", "module"}).find("\"mine\"") != std::string::npos);
+  CHECK(live_page(*scene, built_in_catalog(), parcel, {"script", "module"}).find("\"mine\"") != std::string::npos);
 }
 
 TEST_CASE("a page takes no material that is a function, and says so", "[refusal]") {
