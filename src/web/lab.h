@@ -53,10 +53,10 @@ typedef struct elastin_lab_test elastin_lab_test;
 ELASTIN_API elastin_status elastin_lab_test_begin(const elastin_lab* lab, const elastin_lab_settings* settings,
                                                   double strain, int steps, elastin_lab_test** test);
 typedef struct elastin_lab_reading {
-  size_t size;                                              /* sizeof(elastin_lab_reading) */
-  int own;                                                  /* 1: a step of the test as it is; 2: its last; 0: drawn on */
-  int last;                                                 /* whether it was the last step */
-  int of_law;                                               /* whether the targets are those of the law on cells */
+  size_t size; /* sizeof(elastin_lab_reading) */
+  int own;     /* 1: a step of the test as it is; 2: its last; 0: drawn on */
+  int last;    /* whether it was the last step */
+  int of_law;  /* whether the targets are those of the law on cells */
   double strain, stress, effective_modulus, poissons_ratio; /* ratio: NaN where it cannot be read */
   double target_modulus, target_ratio; /* of the material at this strain, at the last step of own = 2; else NaN */
 } elastin_lab_reading;

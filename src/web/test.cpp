@@ -103,8 +103,10 @@ constexpr double kNoResistance = 1e-9;
 Target target_of(const elastin_lab_test& test, const Drawing& drawing, const lab::Measures& measures) {
   Target target;
   for (const lab::MainMeasure& measure : drawing.experiment->main_measures(test.material, measures))
-    if (measure.name == "effective_modulus") target.modulus = measure.prescribed;
-    else if (measure.name == "poissons_ratio") target.ratio = measure.prescribed;
+    if (measure.name == "effective_modulus")
+      target.modulus = measure.prescribed;
+    else if (measure.name == "poissons_ratio")
+      target.ratio = measure.prescribed;
   const auto uniform = test.law && std::isfinite(target.modulus) ? drawing.experiment->uniform(measures) : std::nullopt;
   if (!uniform || !(std::abs(uniform->strain) > kNoStrain)) return target;
   const auto own = lab::measured_on_block(*uniform, drawing.simulation.body(), *test.law, test.material, {});

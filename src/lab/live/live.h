@@ -11,7 +11,8 @@ inline constexpr int kMostLiveConnections = 60'000;
 
 /// The scene's body with all that the lab in a browser needs of it: its strategies that suit, loads, supports, the
 /// state in which its experiment begins, and the tension test, that of the scene or one along the body's longest side.
-/// Throws InputError of a body that is too large, or that cannot be brought to where its experiment begins.
+/// Throws InputError of a body that is too large or one molecule, or that cannot be brought to where its experiment
+/// begins.
 Parcel make_parcel(const Scene& scene, const Catalog& catalog);
 
 /// The core as WebAssembly, as tools/setup --web has built it.

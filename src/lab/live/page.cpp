@@ -68,6 +68,7 @@ Json bodies_json(const Specimen& specimen) {
 /// Why the page's test has no target, or "": what `run` says of the scene's own test, and of another one what holds
 /// wherever the body is pulled.
 std::string no_error(const Scene& scene, const Parcel& parcel) {
+  if (!parcel.no_test.empty()) return parcel.no_test;
   if (parcel.own_test || is_stressed(scene.specimen)) return no_reference(scene);
   const std::string differs = no_one_modulus(scene.specimen);
   return differs.empty() ? make_tension(parcel.body, parcel.tension)->no_reference() : differs;
@@ -95,6 +96,7 @@ std::string scene_json(const Scene& scene, const Catalog& catalog, const Parcel&
             {"axis", vector_json(parcel.tension.axis)},
             {"no_error", no_error(scene, parcel)},
             {"own_test", parcel.own_test},
+            {"no_test", parcel.no_test},
             {"supports", holding && !holding->further_supports().empty()},
             {"left_out", parcel.left_out},
             {"settings", settings_json(scene, parcel)}};

@@ -21,8 +21,8 @@ void add_strategy(const Scene& scene, const StrategyChoice& choice, Parcel& parc
   if (specimen.body.voronoi && !parcel.body.voronoi) parcel.body.voronoi = specimen.body.voronoi;
 }
 
-/// The scene's own strategy first, of a calibrated one the rule alone, then those that it compares, then every other one
-/// that suits, none calibrated: the scene's experiment would do that, and a page has no experiment.
+/// The scene's own strategy first, of a calibrated one the rule alone, then those that it compares, then every other
+/// one that suits, none calibrated: the scene's experiment would do that, and a page has no experiment.
 void add_strategies(const Scene& scene, const Catalog& catalog, Parcel& parcel) {
   StrategyChoice own = scene.stiffness;
   if (std::exchange(own.name.calibrated, false)) {
@@ -81,8 +81,9 @@ void note_left_out(const Scene& scene, Parcel& parcel) {
     if (choice.name.calibrated && choice.label != scene.stiffness.label)
       calibrated += (calibrated.empty() ? "" : ", ") + choice.label;
   if (calibrated.empty()) return;
-  note("calibration, of " + calibrated + (scene.stiffness.name.calibrated
-           ? " (the page begins with " + parcel.strategies.front().label + " as it is)" : ""));
+  note("calibration, of " + calibrated +
+       (scene.stiffness.name.calibrated ? " (the page begins with " + parcel.strategies.front().label + " as it is)"
+                                        : ""));
 }
 
 /// What a load that is not yet there adds in full [N], if that is the same wherever the body is; otherwise nothing: a
@@ -149,6 +150,8 @@ Parcel make_parcel(const Scene& scene, const Catalog& catalog) {
     throw InputError(scene.source.path() + ": the body has " + std::to_string(specimen.body.connections.size()) +
                      " connections; a page takes at most " + std::to_string(kMostLiveConnections) +
                      ": make it coarser, with --set for example");
+  if (specimen.body.size() < 2)
+    throw InputError(scene.source.path() + ": the body is one molecule, of which a page shows nothing");
   if (specimen.given != GivenShape::at_rest)
     throw InputError(scene.source.path() + ": a page cannot find a rest; `elastin run --out` shows the body");
   std::vector<Material> materials = specimen.materials;
@@ -172,7 +175,14 @@ Parcel make_parcel(const Scene& scene, const Catalog& catalog) {
   const TensionSetup* tension = tension_setup(*scene.experiment);
   parcel.tension = tension ? *tension : usual_tension(scene);
   parcel.own_test = tension != nullptr;
-  if (tension) parcel.further_supports = scene.experiment->at_rest()->further_supports();
+  if (tension)
+    parcel.further_supports = scene.experiment->at_rest()->further_supports();
+  else
+    try {
+      make_tension(parcel.body, parcel.tension);
+    } catch (const InputError& error) {
+      parcel.no_test = error.what();
+    }
   note_left_out(scene, parcel);
   add_experiment(scene, tension, parcel);
   return parcel;

@@ -35,12 +35,14 @@ struct Parcel {
   double own_load_share = 0;      ///< of it that acts as the body begins; the page's own, not among the bytes
   TensionSetup tension;           ///< the test
   bool own_test = false;          ///< whether that is the scene's experiment
-  /// Of the scene, in addition to those of its test: planes of symmetry, for example. A test of the page's own has none.
+  /// Of the scene, in addition to those of its test: planes of symmetry, for example. A test of the page's own has
+  /// none.
   std::vector<Support> further_supports;
-  bool linear = false;            ///< small displacements
-  double tolerance = 1e-10;       ///< of equilibria
+  bool linear = false;       ///< small displacements
+  double tolerance = 1e-10;  ///< of equilibria
   /// What the page leaves out of the scene, in words; the page's own, not among the bytes.
   std::vector<std::string> left_out;
+  std::string no_test;  ///< why nothing can be pulled, "" where it can; the page's own, not among the bytes
 };
 
 inline auto members(Parcel::Strategy& strategy) { return std::tie(strategy.label, strategy.name, strategy.values); }

@@ -93,6 +93,10 @@ class Lab {
       : `It is pulled by a strain of 10⁻⁴ along its longest side${scene.supports ? ", without the scene's supports" : ''}, ` +
         'where its E and ν are read, ') +
       'and then on to the strain that you set.';
+    if (scene.no_test) {
+      part('test-note').textContent = `The body as a whole is not pulled here: ${scene.no_test}.`;
+      for (const one of [part('test').closest('.bar'), part('pull-step')]) one.hidden = true;
+    }
     this.curves.energy.set([], 'Energy over time');
   }
 

@@ -20,10 +20,9 @@ Parcel parcel_of(const std::string& experiment, const std::string& stiffness = "
 body: {tetrahedra: {kind: body_centred, cubes: [2, 2, 2], size: [2 cm, 2 cm, 2 cm]}}
 material: {youngs_modulus: 10 kPa, poissons_ratio: 0.3, density: 1000 kg/m3}
 stiffness: )";
-  return make_parcel(
-      *load_scene(folder.write("scene.yaml", scene + stiffness + "\nexperiment: " + experiment + "\n"),
-                  built_in_catalog()),
-      built_in_catalog());
+  return make_parcel(*load_scene(folder.write("scene.yaml", scene + stiffness + "\nexperiment: " + experiment + "\n"),
+                                 built_in_catalog()),
+                     built_in_catalog());
 }
 
 /// As the page's module reads it.
@@ -73,6 +72,22 @@ TEST_CASE("a page pulls a body as the scene does, held by the scene's supports")
   CHECK(other.further_supports.empty());
 }
 
+TEST_CASE("a page of a body that cannot be pulled has no test") {
+  const TemporaryFolder folder;
+  const auto of = [&](const std::string& body) {
+    const auto scene = load_scene(
+        folder.write("scene.yaml", body + "\nmaterial: {youngs_modulus: 10 kPa}\nstiffness: lattice\n"
+                                          "experiment: {kind: loads, read: [{name: tip, molecules: {side: x}}]}\n"
+                                          "supports: [{molecules: {side: -x}}]\n"),
+        built_in_catalog());
+    return make_parcel(*scene, built_in_catalog());
+  };
+  CHECK_THAT(of("body: {lattice: {kind: cubic, molecules: [9, 1, 1], spacing: 1 mm, connections: [axis]}}").no_test,
+             Catch::Contains("span no cross-section"));
+  CHECK(of("body: {lattice: {kind: cubic, molecules: [3, 3, 3], spacing: 1 mm, connections: [axis, face]}}")
+            .no_test.empty());
+}
+
 TEST_CASE("a page says what it leaves out of a scene") {
   using Words = std::vector<std::string>;
   CHECK(parcel_of("{kind: tension, axis: z, force: 1 mN}").left_out.empty());
@@ -84,10 +99,12 @@ TEST_CASE("a page says what it leaves out of a scene") {
   CHECK(calibrated.left_out ==
         Words{"calibration, of calibrated:van_gelder (the page begins with van_gelder as it is)"});
   const std::string motion = "{kind: motion, fixture: {kind: bending, axis: x, direction: -z, force: 1 mN}}\n";
-  const Parcel moving = parcel_of(motion + "time: {duration: 1 s, stepper: newmark, step: 5 ms}\nloads:\n"
-                                           "  - {rayleigh: {mass: 20 1/s, stiffness: 1 ms}}\n"
-                                           "  - {gravity: [0, 0, 1 m/s2], in_time: {ramp: 1 s}}");
-  CHECK(moving.left_out == Words{"1 load in time or on a part of the surface", "the damping by stiffness of `rayleigh`"});
+  const Parcel moving = parcel_of(motion +
+                                  "time: {duration: 1 s, stepper: newmark, step: 5 ms}\nloads:\n"
+                                  "  - {rayleigh: {mass: 20 1/s, stiffness: 1 ms}}\n"
+                                  "  - {gravity: [0, 0, 1 m/s2], in_time: {ramp: 1 s}}");
+  CHECK(moving.left_out ==
+        Words{"1 load in time or on a part of the surface", "the damping by stiffness of `rayleigh`"});
 }
 
 TEST_CASE("a page gets the rest of a body as numbers, and finds none itself") {
