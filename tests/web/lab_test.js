@@ -2,6 +2,7 @@
 //   node lab_test.js CHROMIUM WHAT PAGE [arguments]
 //     drag PAGE                     drags a molecule by mouse and by finger, pins one, pushes, pauses, steps, by keys too
 //     settings PAGE                 begins as the scene has it, and says what an address has that the page has not
+//     refused_stepper PAGE          of cells of second order: what cannot step them is said and taken back
 //     words PAGE TEXT …             says each of these texts once the body was pulled; after -- those that it must not say
 //     strategies PAGE NAME E ERROR NAME E ERROR …   switches to each strategy, runs the tension test and compares E [Pa] and
 //                                   its error with the command's; "none": no error
@@ -208,6 +209,15 @@ const actions = {
     await browser.until('document.getElementById("problem").textContent && !lab.rebuild', 20);
     await sleep(300);
     await says_all();
+  },
+
+  async refused_stepper(browser) {
+    await browser.open(url, 1400, 1000);
+    const before = await browser.eval('document.getElementById("stepper").value');
+    await browser.eval('(() => { const s = document.getElementById("stepper"); s.value = "xpbd"; s.dispatchEvent(new Event("change")); })()');
+    await browser.until('document.getElementById("problem").textContent.includes("xpbd") && !lab.rebuild', 20);
+    await browser.until(`document.getElementById("stepper").value === '${before}'`, 20);
+    must(await browser.eval('document.getElementById("phi").hidden && document.getElementById("psi").hidden'), 'cells of second order have a viscosity');
   },
 
   async words(browser) {

@@ -69,6 +69,8 @@ SCENE
     ;;
   words)
     browser
+    page "$scenes/dynamics/vibration-cube-clamped.yaml"
+    node "$here/lab_test.js" "$chromium" refused_stepper "$folder/lab.html"
     page "$scenes/membrane/sphere-60mpa-1mm.yaml"
     node "$here/lab_test.js" "$chromium" words "$folder/lab.html" 'does not resist this pull' -- 'nPa' 'per cent off'
     cat >"$folder/several.yaml" <<'SCENE'

@@ -85,6 +85,7 @@ std::string scene_json(const Scene& scene, const Catalog& catalog, const Parcel&
             {"connections", body.connections.proper()},
             {"cells", count_cells(body)},
             {"solid", solid_cells(body) > 0 || !body.tetrahedra.empty()},
+            {"viscous", !body.tetrahedra.empty() && body.blocks.empty()},  // see cell_damping
             {"membrane", !body.triangles.empty()},
             {"own_constants", material.law && !catalog.material_laws.find(material.law->law)->from_moduli},
             {"parts", body.parts.size()},

@@ -73,7 +73,7 @@ class Lab {
         scales[name]);
     const hide = names => names.forEach(name => { for (const one of [part(name), part(name + '-out'), document.querySelector(`label[for=${name}]`)]) one.hidden = true; });
     if (scene.own_constants || scene.parts > 1) hide(['nu']);
-    if (!scene.solid) hide(['phi', 'psi']);
+    if (!scene.viscous) hide(['phi', 'psi']);
     if (!scene.membrane || scene.solid) hide(['pressure']);
     if (!scene.own_load) hide(['load']);
     part('jello').hidden = several;  // it is of one material
@@ -243,8 +243,8 @@ class Lab {
   /** Labelle's dessert: soft, hardly damped, one Newton iteration a step. */
   jello() {
     const viscosity = 2 * this.body.size / 0.17;
-    this.set_sliders({E: 5e3, nu: scene.own_constants ? this.start.nu : 0.3, density: 1000, alpha: scene.solid ? 0 : 0.3,
-      phi: scene.solid ? viscosity : 0, psi: scene.solid ? viscosity : 0, pressure: 0});
+    this.set_sliders({E: 5e3, nu: scene.own_constants ? this.start.nu : 0.3, density: 1000, alpha: scene.viscous ? 0 : 0.3,
+      phi: scene.viscous ? viscosity : 0, psi: scene.viscous ? viscosity : 0, pressure: 0});
     part('stepper').value = 'backward_euler';
     part('one-iteration').checked = true;
     this.change(true);
@@ -281,6 +281,7 @@ class Lab {
       [wasm.buffer, parcel.buffer]);
     for (const id of ['wasm', 'parcel', 'worker']) part(id).remove();
     this.unread = '';
+    this.note_settled();
     this.listen();
     this.show_bodies();
     this.loop();
@@ -311,13 +312,24 @@ class Lab {
       this.history = [];
       this.last = undefined;  // the time of the preparation is not simulated
     }
-    if (answer.kind === 'refused') this.take_back();
-    else this.settled = this.strategies;
+    if (answer.kind !== 'refused') this.note_settled();
+    else if (!this.rebuild) this.take_back();
   }
 
-  /** What was refused: the strategies that ran before stay. */
+  /** What the core runs with now. */
+  note_settled() {
+    this.settled = this.strategies;
+    this.settled_stepper = part('stepper').value;
+    this.settled_values = Object.entries(this.sliders).filter(([, {kind}]) => kind.rebuild).map(([name, {value}]) => [name, value]);
+  }
+
+  /** What was refused: the strategies, the stepper and the values that ran before stay. */
   take_back() {
-    all('.strategy').forEach((select, i) => { select.value = this.settled?.[i] ?? ''; });
+    all('.strategy').forEach((select, i) => { select.value = this.settled[i] ?? ''; });
+    part('stepper').value = this.settled_stepper;
+    for (const [name, value] of this.settled_values) this.sliders[name].value = value;
+    this.show_choices();
+    this.keep_address();
     this.show_bodies();
   }
 
