@@ -77,7 +77,8 @@ std::string no_error(const Scene& scene, const Parcel& parcel) {
 std::string scene_json(const Scene& scene, const Catalog& catalog, const Parcel& parcel) {
   const Material& material = parcel.material;
   const Body& body = parcel.body;
-  const StaticExperiment* holding = scene.experiment->calibration();
+  const StaticExperiment* holding =
+      scene.experiment->at_rest() ? scene.experiment->at_rest() : scene.experiment->calibration();
   Json json{{"name", scene.name},
             {"title", scene.title},
             {"experiment", scene.experiment->name()},

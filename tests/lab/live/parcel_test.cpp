@@ -102,7 +102,7 @@ TEST_CASE("a page says what it leaves out of a scene") {
   const Parcel moving = parcel_of(motion +
                                   "time: {duration: 1 s, stepper: newmark, step: 5 ms}\nloads:\n"
                                   "  - {rayleigh: {mass: 20 1/s, stiffness: 1 ms}}\n"
-                                  "  - {gravity: [0, 0, 1 m/s2], in_time: {ramp: 1 s}}");
+                                  "  - {gravity: [0, 0, 1 m/s2], in_time: {ramp: {duration: 1 s}}}");
   CHECK(moving.left_out ==
         Words{"1 load in time or on a part of the surface", "the damping by stiffness of `rayleigh`"});
 }
