@@ -48,11 +48,12 @@ std::unique_ptr<Drawing> make_drawing(const elastin_lab& lab, const elastin_lab_
   return drawing;
 }
 
-/// The scene's other loads act before anything is measured.
+/// The scene's other loads, its rest and its muscles act before anything is measured.
 StaticResult begin(Drawing& drawing, const StaticOptions& options) {
   Model& model = drawing.simulation.model();
   drawing.rig->set_load(0);
-  const bool rest = model.load_forces(drawing.state).isZero(0);
+  model.measure_rest_force();
+  const bool rest = model.rest_force() == 0 && model.load_forces(drawing.state).isZero(0);
   StaticResult result;
   if (!rest) result = solve_static(model, drawing.state, options);
   drawing.start.positions = drawing.state.positions;

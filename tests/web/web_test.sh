@@ -58,7 +58,15 @@ supports: [{molecules: {side: -y}, fix: [x, y, z]}]
 loads: [{gravity: [9.81 m/s2, 0, 0]}]
 reference: none
 SCENE
-    for case in "$folder/held.yaml=neo_hookean,standard" "$scenes/tension/cube-27-face.yaml=standard,lattice" \
+    cat >"$folder/swollen.yaml" <<'SCENE'
+body: {tetrahedra: {kind: kuhn, cubes: [3, 1, 1], size: [30 mm, 10 mm, 10 mm]}}
+material: {youngs_modulus: 10 kPa, poissons_ratio: 0.3, density: 1000 kg/m3}
+stiffness: neo_hookean
+experiment: {kind: tension, axis: x, strain: 0.01}
+rest: {swelling: 1.2, factor: 1}
+reference: none
+SCENE
+    for case in "$folder/swollen.yaml=neo_hookean,st_venant_kirchhoff" "$folder/held.yaml=neo_hookean,standard" "$scenes/tension/cube-27-face.yaml=standard,lattice" \
       "$scenes/tension/tet-block.yaml=van_gelder,neo_hookean" "$scenes/material/ligament.yaml=standard,lattice" \
       "$scenes/tissue/rubber-mullins.yaml=mullins:ogden,ogden"; do
       page "${case%=*}"

@@ -76,14 +76,16 @@ void note_left_out(const Scene& scene, Parcel& parcel) {
   for (const Parcel::NamedLoad& load : parcel.loads)
     if (load.name == "rayleigh" && load.values.has("stiffness")) note("the damping by stiffness of `rayleigh`");
   if (scene.specimen.start) note("the initial state");
-  std::string calibrated = scene.stiffness.name.calibrated ? scene.stiffness.label : "";
+  const bool own = scene.stiffness.name.calibrated;
+  std::string names = own ? scene.stiffness.label : "";
+  std::ptrdiff_t count = own;
   for (const StrategyChoice& choice : scene.strategies)
-    if (choice.name.calibrated && choice.label != scene.stiffness.label)
-      calibrated += (calibrated.empty() ? "" : ", ") + choice.label;
-  if (calibrated.empty()) return;
-  note("calibration, of " + calibrated +
-       (scene.stiffness.name.calibrated ? " (the page begins with " + parcel.strategies.front().label + " as it is)"
-                                        : ""));
+    if (choice.name.calibrated && (!own || choice.label != scene.stiffness.label))
+      names += (count++ > 0 ? ", " : "") + choice.label;
+  constexpr std::ptrdiff_t most = 4;  // that are named
+  if (count == 0) return;
+  note("calibration, of " + (count > most ? counted(count, "strategy", "strategies") : names) +
+       (own ? ": the page begins with " + parcel.strategies.front().label + " as it is" : ""));
 }
 
 /// What a load that is not yet there adds in full [N], if that is the same wherever the body is; otherwise nothing: a
@@ -129,8 +131,10 @@ void add_experiment(const Scene& scene, const TensionSetup* tension, Parcel& par
     if (started.outcome != Outcome::converged)
       throw InputError(scene.source.path() + ": the body cannot be brought to its start: " + started.cause);
     add_fixture_load(scene, specimen, model, state, parcel);
-    if (!state.velocities.isZero(0)) parcel.left_out.emplace_back("the speed with which the body begins");
-    if (model.drive) parcel.left_out.emplace_back("what moves its supports, or changes its load, in time");
+    if (!scene.experiment->calibration())
+      parcel.left_out.push_back("what acts in its experiment `" + scene.experiment->name() + "`");
+    else if (model.drive)
+      parcel.left_out.emplace_back("what moves its supports, or changes its load, in time");
   } else if (StaticRig* rig = held->rig->at_rest()) {
     const bool of_scene = scene.experiment->name() == "loads";  // which are in the parcel already
     if (!tension && !of_scene) parcel.own_load = dead_load(*rig, model, state);

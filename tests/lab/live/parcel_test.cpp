@@ -97,7 +97,9 @@ TEST_CASE("a page says what it leaves out of a scene") {
   const Parcel calibrated = parcel_of(clamped + "calibrate: {experiment: {kind: material}}", "calibrated:van_gelder");
   CHECK(calibrated.strategies.front().label == "van_gelder");
   CHECK(calibrated.left_out ==
-        Words{"calibration, of calibrated:van_gelder (the page begins with van_gelder as it is)"});
+        Words{"calibration, of calibrated:van_gelder: the page begins with van_gelder as it is"});
+  CHECK(parcel_of("{kind: drop, gravity: 9.81 m/s2, height: 10 cm}\ntime: {duration: 0.1 s}").left_out ==
+        Words{"what acts in its experiment `drop`"});
   const std::string motion = "{kind: motion, fixture: {kind: bending, axis: x, direction: -z, force: 1 mN}}\n";
   const Parcel moving = parcel_of(motion +
                                   "time: {duration: 1 s, stepper: newmark, step: 5 ms}\nloads:\n"
