@@ -19,6 +19,9 @@ void add_strategy(const Scene& scene, const StrategyChoice& choice, Parcel& parc
   if (!unsuited(specimen, *scene.experiment, choice).empty()) return;
   parcel.strategies.push_back({choice.label, choice.name.text(), choice.values});
   if (specimen.body.voronoi && !parcel.body.voronoi) parcel.body.voronoi = specimen.body.voronoi;
+  for (std::size_t i = 0; i < parcel.body.parts.size(); ++i)
+    if (const auto& own = specimen.body.parts[i].voronoi; own && !parcel.body.parts[i].voronoi)
+      parcel.body.parts[i].voronoi = own;
 }
 
 /// The scene's own strategy first, of a calibrated one the rule alone, then those that it compares, then every other

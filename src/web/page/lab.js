@@ -542,7 +542,8 @@ class Lab {
     if (forces.length) words.push('hand ' + forces.map(force => with_prefix(Math.hypot(...force), 'N')).join(' / '));
     if (this.probe) words.push('probe ' + bodies.map(body => with_prefix(Math.hypot(...(body.push ?? [0, 0, 0])), 'N')).join(' / '));
     part('readout').textContent = words.join(' · ');
-    const stopped = bodies.find(body => body.stopped) ?? bodies.find(body => body.energies[1] > this.sliders.E.value * this.body.size ** 3);
+    const beyond = body => body.energies[1] > this.sliders.E.value * this.body.size ** 3 && part('stepper').value !== 'backward_euler';
+    const stopped = bodies.find(body => body.stopped) ?? bodies.find(beyond);
     const slow = this.playing && ratio < 0.8 * wanted && !stopped;
     const cause = this.pace.core > this.pace.drawing ? 'each step costs too much here' : 'this browser takes long to draw';
     part('readout').textContent += slow ? ` · slower than chosen: ${cause}` : '';

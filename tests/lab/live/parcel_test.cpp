@@ -72,6 +72,21 @@ TEST_CASE("a page pulls a body as the scene does, held by the scene's supports")
   CHECK(other.further_supports.empty());
 }
 
+TEST_CASE("bodies of a page have the Voronoi cells of their molecules each") {
+  const TemporaryFolder folder;
+  const std::string cube = "tetrahedra: {kind: kuhn, cubes: [2, 2, 2], size: [1 cm, 1 cm, 1 cm]}";
+  const auto scene = load_scene(
+      folder.write("scene.yaml", "bodies:\n  - {name: low, " + cube + ", material: {youngs_modulus: 30 kPa}}\n" +
+                                     "  - {name: high, " + cube + ", at: [0, 0, 1 cm]}\n" +
+                                     "ties: [{between: [low, high], within: 0.1 mm}]\n"
+                                     "material: {youngs_modulus: 10 kPa}\nstiffness: voronoi\n"
+                                     "experiment: {kind: tension, axis: z, strain: 0.01}\n"),
+      built_in_catalog());
+  const Parcel parcel = make_parcel(*scene, built_in_catalog());
+  REQUIRE(parcel.body.parts.size() == 2);
+  for (const Part& part : parcel.body.parts) CHECK(part.voronoi.has_value());
+}
+
 TEST_CASE("a page of a body that cannot be pulled has no test") {
   const TemporaryFolder folder;
   const auto of = [&](const std::string& body) {
