@@ -35,6 +35,7 @@ class TimedSurfaceForces final : public TimedLoad {
   void remove() override { forces_.set_factor(0); }
   bool changes() const override { return forces_.changes(); }
   bool has_energy() const override { return forces_.has_energy(); }
+  bool follows_surface() const override { return forces_.follows_surface(); }
   bool symmetric() const override { return forces_.symmetric(); }
   void add_forces(const State& state, Positions& forces) const override { forces_.add_forces(state, forces); }
   double energy(const State& state) const override { return forces_.energy(state); }

@@ -72,6 +72,7 @@ class Pressure final : public Load {
   double energy(const State& state) const override;
   bool has_energy() const override { return conservative_; }
   bool changes() const override { return true; }
+  bool follows_surface() const override { return true; }
   void add_change(const State& state, const Positions& dx, const Positions& dv, Positions& forces) const override;
   void visit_blocks(const State& state, double velocity_weight, const BlockVisitor& visit) const override;
   std::vector<WideTerm> wide_terms(const State& state) const override;

@@ -57,6 +57,7 @@ class SurfaceForces final : public Load {
   void set_factor(double factor) { factor_ = factor; }
   bool changes() const override { return !load_.at_rest; }
   bool has_energy() const override { return load_.at_rest; }
+  bool follows_surface() const override { return !load_.at_rest; }
   bool symmetric() const override { return load_.at_rest; }
   bool feels_velocity() const override { return false; }
   void add_forces(const State& state, Positions& forces) const override;

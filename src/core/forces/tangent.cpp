@@ -7,6 +7,7 @@
 #include "core/forces/grid_springs.h"
 #include "core/forces/spring_kernel.h"
 #include "core/parallel/large_memory.h"
+#include "core/parallel/parallel.h"
 #include "elastin/core/shapes/cell_shape.h"
 
 namespace elastin {
@@ -27,7 +28,8 @@ constexpr auto kSidesAt = sides_at_nodes<n>();
 
 Tangent::Tangent(const Model& model) : model_(model), grid_(std::make_unique<GridLinks>()) { set_laws(); }
 Tangent::~Tangent() = default;
-Tangent::Tangent(const Model& model, const State& state, const Weights& weights) : Tangent(model) {
+Tangent::Tangent(const Model& model, const State& state, const Weights& weights, bool small) : Tangent(model) {
+  small_ = small;
   linearise_at(state, weights);
 }
 
@@ -96,8 +98,13 @@ void Tangent::set_links(const State& state, const Weights& weights) {
   if (!stressed_ && weights.acceleration == 0) force_densities_.resize(0);
   const auto& loads = model_.loads();
   loads_change_ = std::any_of(loads.begin(), loads.end(), [&](const auto& load) {
-    return load->changes() && (load->acts_at_rest() || weights.velocity != 0);
+    return !stays(*load) && load->changes() && (load->acts_at_rest() || weights.velocity != 0);
   });
+  wide_.clear();
+  for (const auto& load : loads)
+    if (stays(*load))
+      for (WideTerm& term : load->wide_terms(state)) wide_.push_back(std::move(term));
+  loads_change_ |= !wide_.empty();
   set_diagonal();
 }
 
@@ -114,11 +121,25 @@ void Tangent::apply(const Positions& motion, Positions& result, ApplyWorkspace& 
   if (linked_ && !on_grid_) apply_links(motion, result, workspace);
   for (const auto* nodes : nodes_) nodes->add_stiffness(motion, result, workspace.force_pass);
   if (!loads_change_) return;
+  add_load_changes(motion, workspace);
+  result -= workspace.change;
+}
+
+void Tangent::add_load_changes(const Positions& motion, ApplyWorkspace& workspace) const {
   workspace.rates = weights_.velocity * motion;
   workspace.change.setZero(3, motion.cols());
   for (const auto& load : model_.loads())
-    if (load->changes()) load->add_change(*state_, motion, workspace.rates, workspace.change);
-  result -= workspace.change;
+    if (load->changes() && !stays(*load)) load->add_change(*state_, motion, workspace.rates, workspace.change);
+  for (const WideTerm& wide : wide_) {
+    const double along =
+        ordered_sum(static_cast<int>(motion.cols()), [&](int a) { return wide.direction.col(a).dot(motion.col(a)); });
+    workspace.change -= wide.factor * along * wide.direction;
+  }
+}
+
+bool Tangent::symmetric() const {
+  const auto& loads = model_.loads();
+  return std::all_of(loads.begin(), loads.end(), [&](const auto& load) { return stays(*load) || load->symmetric(); });
 }
 
 void Tangent::apply_links(const Positions& motion, Positions& result, ApplyWorkspace& workspace) const {
@@ -178,7 +199,8 @@ void Tangent::visit_local_blocks(const BlockVisitor& visit) const {
           visit_pair(own, other, 2 * cells.factor * *slope++ * link(own).d * link(other).d.transpose());
     }
   });
-  for (const auto& load : model_.loads()) load->visit_blocks(*state_, weights_.velocity, visit);
+  for (const auto& load : model_.loads())
+    if (!stays(*load)) load->visit_blocks(*state_, weights_.velocity, visit);
 }
 
 void Tangent::visit_blocks(const BlockVisitor& visit) const {
@@ -212,9 +234,10 @@ void Tangent::visit_cells(const EdgeSlopes::CellVisitor& visit) const {
 
 void Tangent::visit_other_diagonal(const std::function<void(int, const Matrix3&)>& visit) const {
   for (const auto& load : model_.loads())
-    load->visit_blocks(*state_, weights_.velocity, [&](int a, int b, const Matrix3& block) {
-      if (a == b) visit(a, block);
-    });
+    if (!stays(*load))
+      load->visit_blocks(*state_, weights_.velocity, [&](int a, int b, const Matrix3& block) {
+        if (a == b) visit(a, block);
+      });
   const auto nothing = [](std::span<const std::pair<int, Vector3>>, double) {};
   Workspace workspace;
   for (const auto& law : laws_)
@@ -243,7 +266,8 @@ void Tangent::set_diagonal() {
   const BlockVisitor add_own = [&](int a, int b, const Matrix3& block) {
     if (a == b) add(a, block);
   };
-  for (const auto& load : model_.loads()) load->visit_blocks(*state_, weights_.velocity, add_own);
+  for (const auto& load : model_.loads())
+    if (!stays(*load)) load->visit_blocks(*state_, weights_.velocity, add_own);
   for (const auto& law : laws_) law->visit_diagonal(std::ref(add), workspace_);
 }
 

@@ -145,7 +145,7 @@ LinearChoice choose_linear_solver(const Tangent& tangent, const LinearMethod& re
   if (requested->make) return {requested, ""};
   static const LinearMethod pcg = "pcg", bicgstab = "bicgstab", direct = "direct", multigrid = "multigrid",
                             mixed = "mixed";
-  if (!model.symmetric()) return {pcg, ""};
+  if (!tangent.symmetric()) return {pcg, ""};
   const bool moving = tangent.weights().acceleration != 0;
   if (!model.has_energy() && !moving) return {bicgstab, "the stiffness is not symmetric"};
   if (body.size() <= kTinyBody && !moving) return {direct, counted(body.size(), "molecule") + " are few"};

@@ -183,7 +183,7 @@ LinearResult solve_linear(const Tangent& tangent, const std::vector<Support>& su
   const LinearChoice choice = choose_linear_solver(tangent, options.method, tolerance);
   used.reason = choice.reason;
   // Iterations may do on half of a law's stiffness, a factor does not.
-  const bool symmetric = tangent.model().symmetric() && (tangent.model().has_energy() || !choice.method->factorises);
+  const bool symmetric = tangent.symmetric() && (tangent.model().has_energy() || !choice.method->factorises);
   if (!symmetric && choice.method->needs_symmetry && tangent.weights().acceleration == 0) {  // a step has no memory
     used.reason = "the stiffness is not symmetric";
     if (options.method->make) used.reason += ", as `" + choice.method->name + "` needs it";

@@ -318,7 +318,7 @@ Responses::Responses(Model& model, const State& state, const StaticOptions& opti
     : model_(model),
       options_(options),
       last_(last ? last->taken_for(model) : LastSolve()),
-      tangent_(at_rest(model, state), state) {}
+      tangent_(at_rest(model, state), state, {}, options.linear) {}
 
 StaticResponse Responses::to(const Positions& load_change, const Positions& displacement, double tolerance) {
   if (options_.engine) {

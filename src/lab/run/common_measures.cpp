@@ -1,6 +1,7 @@
 #include "lab/run/common_measures.h"
 
 #include <algorithm>
+#include <optional>
 #include <set>
 #include <string>
 
@@ -104,9 +105,11 @@ void add_state(const Model& model, const State& state, const StaticResult& solve
     measures.set("energy", copies * sum_over(body, model.stored_energy(state.positions)));
   if (body.unstressed && any_over(body, !body.tetrahedra.empty()))
     measures.set("volume_ratio", volume_of_cells(body, state.positions) / volume_of_cells(body, body.rest));
-  const Vector3 left =
-      vector_sum_over(body, Vector3(model.load_forces(state).leftCols(owned_molecules(body)).rowwise().sum() +
-                                    solved.reactions.rowwise().sum()));
+  std::optional<State> at_rest;  // where small displacements have all loads
+  if (solved.linear) at_rest = state, at_rest->positions = body.rest;
+  const Positions loads = model.load_forces(at_rest ? *at_rest : state);
+  const Vector3 left = vector_sum_over(
+      body, Vector3(loads.leftCols(owned_molecules(body)).rowwise().sum() + solved.reactions.rowwise().sum()));
   measures.set("reaction_balance", copies * left.norm() / scale);
 }
 

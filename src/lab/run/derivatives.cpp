@@ -61,7 +61,7 @@ Positions all_forces(Model& model, const State& state, bool linear) {
   Positions forces = model.elastic_forces(at.positions) + model.load_forces(at);
   if (!linear) return forces;
   Positions change(3, forces.cols());
-  Tangent(model, at).apply(state.positions - at.positions, change);
+  Tangent(model, at, {}, linear).apply(state.positions - at.positions, change);
   return forces - change;
 }
 

@@ -121,7 +121,7 @@ Keys<SolverSetup> solver_map_keys(const Catalog& catalog) {
   using S = SolverSetup;
   return {
       key::choice("displacements", &S::linear, {{"large", false}, {"small", true}},
-                  "`small`: one linear solve about rest, without contact"),
+                  "`small`: one linear solve about rest, with pressures on the surface at rest, without contact"),
       key::row("engine", &S::kind, catalog.engines,
                "what solves: this process, or [several](#several-processes) that `mpiexec` starts; equilibria alone")
           .otherwise("`threads`"),

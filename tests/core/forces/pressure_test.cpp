@@ -8,6 +8,7 @@
 #include "core/shapes/surfaces.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/forces/load_table.h"
+#include "elastin/core/forces/tangent.h"
 #include "elastin/core/parallel/threads.h"
 #include "support/bodies.h"
 #include "support/forces_of.h"
@@ -102,6 +103,28 @@ TEST_CASE("the pressure's force is −∂energy/∂x, and its tangent that of di
         blocks -= wide.factor * wide.direction.cwiseProduct(motion).sum() * wide.direction;
       CHECK((change - blocks).norm() < 1e-12 * change.norm());
     }
+  }
+}
+
+TEST_CASE("small displacements have a pressure as it is at rest, but for its change with the volume", "[pressure]") {
+  const Body ball = sphere(1, SphereMesh::icosahedron, 2);
+  const State rest = state_at_rest(ball);
+  const Positions motion = random_motion(ball, 7),
+                  areas = forces_of(Pressure(ball, constant_pressure(1), {0, 0, 0}, false), rest);
+  for (const PressureLaw& filling : kFillings) {
+    Model model(ball);
+    model.add(std::make_unique<Pressure>(ball, filling, Vector3(0.1, 0.2, -0.3), false));
+    const auto& pressure = dynamic_cast<const Pressure&>(*model.loads().front());
+    const Tangent tangent(model, rest, {}, true);
+    Positions found(3, ball.size()), expected = areas;
+    tangent.apply(motion, found);
+    expected *= -pressure.pressure_state(rest.positions).slope * areas.cwiseProduct(motion).sum();
+    CHECK((found - expected).norm() <= 1e-12 * expected.norm());
+    for (const WideTerm& wide : tangent.wide_terms())
+      found -= wide.factor * wide.direction.cwiseProduct(motion).sum() * wide.direction;
+    CHECK(found.norm() <= 1e-12 * expected.norm());
+    tangent.visit_blocks([](int, int, const Matrix3& block) { CHECK(block.isZero(0)); });
+    CHECK(tangent.symmetric());
   }
 }
 

@@ -53,6 +53,9 @@ class Load {
   /// whose row says `points_at_end` takes them as they are at the end of a step, where they limit no step.
   using PointVisitor = std::function<void(int molecule, double stiffness, double damping)>;
   virtual void visit_points(const PointVisitor&) const {}
+  /// Whether the forces turn and grow with the body's surface. Small displacements take them as they are on the surface
+  /// at rest, so that of their change nothing is left but wide_terms.
+  virtual bool follows_surface() const { return false; }
   /// Whether the blocks of visit_blocks make a symmetric matrix.
   virtual bool symmetric() const { return true; }
 
@@ -105,6 +108,7 @@ class LoadOf : public Load {
   bool acts_at_rest() const override { return load_->acts_at_rest(); }
   bool resists() const override { return load_->resists(); }
   bool feels_velocity() const override { return load_->feels_velocity(); }
+  bool follows_surface() const override { return load_->follows_surface(); }
   bool symmetric() const override { return load_->symmetric(); }
   std::vector<HistoryBlock> history() const override { return load_->history(); }
   void commit_step(State& state) const override { load_->commit_step(state); }

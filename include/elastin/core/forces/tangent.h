@@ -23,7 +23,8 @@ struct Weights {
 class Tangent {
  public:
   /// Model and state must outlive the tangent.
-  Tangent(const Model& model, const State& state, const Weights& weights = {});
+  /// @param small displacements: loads that follow the surface (Load::follows_surface) do not turn and grow with it
+  Tangent(const Model& model, const State& state, const Weights& weights = {}, bool small = false);
   /// Not linearised yet.
   explicit Tangent(const Model& model);
   ~Tangent();
@@ -67,6 +68,9 @@ class Tangent {
     block << own[0], own[1], own[2], own[1], own[3], own[4], own[2], own[4], own[5];
     return block;
   }
+
+  /// Whether what loads add is symmetric.
+  bool symmetric() const;
 
   /// Whether each connection does what link() says, and nothing else is there besides inertia.
   bool is_of_links() const { return nodes_.empty() && !coupled_ && !loads_change_; }
@@ -112,6 +116,9 @@ class Tangent {
   }
   void set_laws();
   void set_links(const State& state, const Weights& weights);
+  /// Whether of a load's change nothing counts but its wide terms.
+  bool stays(const Load& load) const { return small_ && load.follows_surface(); }
+  void add_load_changes(const Positions& motion, ApplyWorkspace& workspace) const;
   void apply_links(const Positions& motion, Positions& result, ApplyWorkspace& workspace) const;
   void visit_local_blocks(const BlockVisitor& visit) const;
   void set_diagonal();
@@ -131,6 +138,8 @@ class Tangent {
   std::vector<Six> diagonal_;
   Workspace workspace_;
   bool stressed_ = false, coupled_ = false, linked_ = false, on_grid_ = false, loads_change_ = false;
+  bool small_ = false;
+  std::vector<WideTerm> wide_;  ///< of loads that stay
 };
 
 }  // namespace elastin
