@@ -76,6 +76,29 @@ class Prony final : public EdgeDensities, public LawHistory, public TransposedHi
     for (const auto& term : elastic_) term->add_force_densities(positions, sizes, workspace);
     sizes = relaxing_.factor() * sizes.cwiseAbs() + relaxing_.fixed().cwiseAbs();
   }
+  /// What the past has left is shared as by show().
+  void add_triangle_force_densities(const Positions& positions, Eigen::Ref<Eigen::Matrix3Xd> of_triangles,
+                                    VectorX& of_connections, Workspace& workspace) const override {
+    const VectorX& fixed = relaxing_.fixed();
+    Eigen::Matrix3Xd own = Eigen::Matrix3Xd::Zero(3, of_triangles.cols());
+    VectorX elastic = VectorX::Zero(fixed.size()), of_others = elastic, gammas = elastic, cells = elastic;
+    for (const auto* term : elastic_) {
+      term->add_force_densities(positions, elastic, workspace);
+      term->add_triangle_force_densities(positions, own, of_others, workspace);
+    }
+    own *= relaxing_.factor();
+    if (own.cols() == static_cast<Eigen::Index>(body_.triangles.size())) {  // not of a part of the body
+      const auto sides = connections_of_each_cell<3>(body_.connections, body_.triangles);
+      for (std::size_t cell = 0; cell < sides.size(); ++cell) {
+        const double gamma = part_left(elastic(sides[cell]), fixed(sides[cell]));
+        gammas(sides[cell]).array() += gamma, cells(sides[cell]).array() += 1;
+        own.col(static_cast<Eigen::Index>(cell)) *= 1 + gamma / relaxing_.factor();
+      }
+    }
+    of_triangles += own;
+    const VectorX gamma = gammas.array() / cells.array().max(1);
+    of_connections += relaxing_.factor() * of_others + fixed - gamma.cwiseProduct(elastic - of_others);
+  }
   /// What the past has left is of connections. A cell has as much of it, γ of its own stress, as fits it best on the
   /// cell's sides; the others' γ is the mean of the cells around them.
   void show(const Positions& positions, VectorX& others, const StateVisitor& visit) const override {
@@ -96,7 +119,7 @@ class Prony final : public EdgeDensities, public LawHistory, public TransposedHi
       const std::size_t of_cell = sides.size() / states.size();
       for (std::size_t cell = 0; cell < states.size(); ++cell) {
         const std::vector<int> own(&sides[cell * of_cell], &sides[cell * of_cell] + of_cell);
-        const double size = elastic(own).squaredNorm(), gamma = size > 0 ? fixed(own).dot(elastic(own)) / size : 0;
+        const double gamma = part_left(elastic(own), fixed(own));
         gammas(own).array() += gamma, cells(own).array() += 1;
         states[cell].stress *= relaxing_.factor() + gamma;
         visit({&molecules[cell * of_each], of_each}, states[cell]);
@@ -166,6 +189,11 @@ class Prony final : public EdgeDensities, public LawHistory, public TransposedHi
  private:
   friend class PronySlopes;
 
+  /// γ of what the past has left of a cell's force densities, γ times its own, where that fits best.
+  static double part_left(const VectorX& elastic, const VectorX& fixed) {
+    const double size = elastic.squaredNorm();
+    return size > 0 ? fixed.dot(elastic) / size : 0;
+  }
   template <class Visit>
   void for_each_history(const std::string& name, Visit visit) const {
     for (std::size_t term = 0; term < owned_.size(); ++term)

@@ -3,6 +3,7 @@
 #include <Eigen/Dense>
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <limits>
 
 #include "core/shapes/surfaces.h"
 #include "elastin/core/model/parts.h"
@@ -82,6 +83,39 @@ TEST_CASE("a sheet in plain tension is not in compression by what its mesh misse
     const Matrix3 stretch = Vector3(1.01, 1 - 0.00302 - rounding * 0.01, 1).asDiagonal();
     const Positions stretched = stretch * sheet.body.rest;
     CHECK(find_compression(*sheet.model, stretched).triangles == pressed);
+  }
+}
+
+TEST_CASE("a membrane that relaxes has the law's tension in each triangle, times what is left", "[wrinkling][prony]") {
+  // Strains vary from triangle to triangle, so that shares of connections would be wrong.
+  Material material{.youngs_modulus = 1e6, .poissons_ratio = 0.3, .thickness = 1e-4};
+  material.relaxation = Relaxation{{{0.3, 1}}};
+  Body sheet = rectangular_sheet({0.2, 0.1}, {4, 2}, SheetPattern::crossed);
+  set_matter(sheet, 0.001, 1000, material.thickness, 0);
+  Positions positions = sheet.rest;
+  for (int i = 0; i < sheet.size(); ++i)
+    positions.col(i) += Vector3(0.3 * positions(0, i) + positions(1, i) * positions(1, i), -0.05 * positions(1, i), 0);
+  for (const std::string law : {"neo_hookean_membrane", "neo_hookean_membrane+wrinkling"}) {
+    Model plain(sheet), relaxing(sheet);
+    plain.add(choose_strategy(built_in_catalog(), law).strategy.make(sheet, material, {}));
+    relaxing.add(choose_strategy(built_in_catalog(), "prony:" + law).strategy.make(sheet, material, {}));
+    const std::vector<Matrix3> elastic = triangle_tensions(plain, positions);
+    State state = state_at_rest(sheet);
+    relaxing.declare_history(state);
+    const auto check = [&](double factor) {
+      const std::vector<Matrix3> found = triangle_tensions(relaxing, positions);
+      for (std::size_t cell = 0; cell < found.size(); ++cell)
+        CHECK((found[cell] - factor * elastic[cell]).norm() <= 1e-6 * elastic[cell].norm());
+    };
+    relaxing.begin_step(state, std::numeric_limits<double>::infinity());
+    check(1);
+    relaxing.commit_step(state);
+    relaxing.begin_step(state, 1e-9);
+    check(1.3);
+    state.positions = positions, state.time = 1e-9;
+    relaxing.commit_step(state);
+    relaxing.begin_step(state, 0.5);
+    check(1 + 0.3 * std::exp(-0.5));
   }
 }
 
