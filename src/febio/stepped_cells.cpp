@@ -83,6 +83,10 @@ class SteppedCells final : public NodalForces, public LawHistory {
     for (const auto& cells : cells_) cells->show(positions, force_densities, visit);
   }
 
+  void show_points(const Positions& positions, const PointVisitor& visit) const override {
+    for (const auto& cells : cells_) cells->show_points(positions, visit);
+  }
+
   std::unique_ptr<NodalStiffness> stiffness() const override;
 
   std::vector<HistoryBlock> history(const std::string& name) const override {

@@ -10,6 +10,7 @@
 #include "core/forces/blocks/stiffness.h"
 #include "core/forces/blocks/sums.h"
 #include "core/forces/element_forces.h"
+#include "core/model/block_geometry.h"
 #include "core/model/incidence.h"
 #include "elastin/core/laws/local.h"
 #include "elastin/core/model/share.h"
@@ -146,6 +147,22 @@ class BlockCells final : public NodalForces, public LocalElasticity, public Elem
       if (!state.stress.allFinite()) state.stress.setZero();
       visit(block_.cell(cell), state);
     }
+  }
+
+  void show_points(const Positions& positions, const PointVisitor& visit) const override {
+    if constexpr (d == 3)
+      for (int cell = 0; cell < block_.size(); ++cell) {
+        Stresses<d> now;
+        this->set_stresses(positions, cell, now);
+        const Positions places = positions_of(positions, block_.cell(cell)) * block_.kind->values;
+        for (int g = 0; g < rest().points(); ++g) {
+          if (volumes()) add_pressure<d>(now.p[g], now.A[g], now.S[g]);
+          const double J = 1 + now.swelling[g];
+          if (J > 0)
+            visit(block_.cell(cell),
+                  {places.col(g), rest().weight(cell, g) * J, now.F[g] * now.S[g] * now.F[g].transpose() / J});
+        }
+      }
   }
 
   std::unique_ptr<NodalStiffness> stiffness() const override {

@@ -101,6 +101,44 @@ TEST_CASE("a tube under a small pressure widens as Lamé says", "[loads][experim
   CHECK(std::abs(run.measures.get("inner_y")) < 1e-6 * expected);
 }
 
+TEST_CASE("under small displacements a pressure is linear, however large, and balanced", "[loads][experiment]") {
+  for (const double kPa : {-6, -1, 4}) {
+    const auto own = scene(kLeft + "loads: [{pressure: {pressure: " + std::to_string(kPa) +
+                           " kPa, on: {side: x}}}]\n"
+                           "experiment: {kind: loads, read: [{name: end, molecules: {side: x}}]}\n"
+                           "solver: {displacements: small}\n");
+    const Run run = run_strategy(own->specimen, *own->experiment, own->stiffness, {.statics = own->statics});
+    INFO(run.cause);
+    REQUIRE(run.outcome == Outcome::converged);
+    CHECK(run.measures.get("end_x") == Approx(-kPa / 10 * 20e-3).epsilon(1e-7));
+    CHECK(run.measures.get("reaction_balance") < 1e-7);
+    CHECK(run.warnings.empty());
+  }
+}
+
+TEST_CASE("stresses around an axis have the directions of the points, not of the cell's middle",
+          "[loads][experiment]") {
+  // One cube under uniaxial stress along x, about an axis in the middle of a side: σ_r = σ x²/(x² + y²), at Gauss'
+  // points.
+  const auto own = load_scene(
+      SceneSource::of_text("a.yaml",
+                           "body: {lattice: {kind: cubic, molecules: [2, 2, 2], spacing: 10 mm, order: 1}}\n"
+                           "material: {youngs_modulus: 10 kPa, poissons_ratio: 0}\nstiffness: neo_hookean\n" +
+                               kLeft +
+                               "loads: [{traction: {traction: [10 Pa, 0, 0], on: {side: x}}}]\n"
+                               "experiment: {kind: loads, read: [{name: all, molecules: {box: {from: [-1 mm, -1 mm, -1 "
+                               "mm], to: [11 mm, 11 mm, 11 mm]}}, "
+                               "around: {axis: z, point: [0, 5 mm, 0]}}]}\n"),
+      kCatalog);
+  const Run run = run_strategy(own->specimen, *own->experiment, own->stiffness, {.statics = own->statics});
+  REQUIRE(run.outcome == Outcome::converged);
+  const double near = (1 - 1 / std::sqrt(3)) / 2, far = 1 - near, across = 1 / std::sqrt(12);
+  const auto part = [&](double x) { return x * x / (x * x + across * across); };
+  CHECK(run.measures.get("all_radius_stress") == Approx(10 * (part(near) + part(far)) / 2).epsilon(2e-3));
+  CHECK(run.measures.get("all_radius_stress") + run.measures.get("all_circumference_stress") ==
+        Approx(10).epsilon(2e-3));
+}
+
 TEST_CASE("an artery under 120 mmHg needs few Newton iterations near a Poisson's ratio of one half",
           "[loads][experiment][slow]") {
   const double E = 3e5, pressure = 15998.6;

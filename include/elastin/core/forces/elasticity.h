@@ -82,6 +82,13 @@ struct CellState {
   Matrix3 stress = Matrix3::Zero();  ///< Cauchy's [Pa]; of a membrane, force over width [N/m]
 };
 
+/// What a solid feels at one quadrature point of a cell.
+struct PointState {
+  Vector3 position = Vector3::Zero();  ///< present [m]
+  double volume = 0;                   ///< the part of the cell's present volume that the point stands for [m³]
+  Matrix3 stress = Matrix3::Zero();    ///< Cauchy's [Pa]
+};
+
 /// Of a triangle or tetrahedron that is strained uniformly: its corners without stress and now [m], a column each, and
 /// the force densities [N/m] of its own sides, in the order 01 02 …; none: no stress.
 CellState simplex_state(const Eigen::Ref<const Positions>& unstressed, const Eigen::Ref<const Positions>& now,
@@ -213,6 +220,9 @@ class NodalForces : public Elasticity {
   /// Calls `visit` (see StateVisitor), and adds the force density q_ab = −Σ_g w_g B_aᵀ S_g B_b [N/m] of those pairs of
   /// a cell's nodes that are connections (other pairs have theirs too).
   virtual void show(const Positions& positions, VectorX& force_densities, const StateVisitor& visit) const = 0;
+  /// Calls visit(molecules, state) for each quadrature point of each cell of a solid, cell by cell.
+  using PointVisitor = std::function<void(std::span<const int> molecules, const PointState& state)>;
+  virtual void show_points(const Positions&, const PointVisitor&) const {}
   /// From now on the stresses at its points relax (see make_prony). False where they cannot.
   virtual bool relax(const Relaxation&) { return false; }
   /// To be linearised. The law must outlive it.

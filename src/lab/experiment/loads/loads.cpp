@@ -201,7 +201,7 @@ class LoadsRig final : public StaticRig {
     return sum;
   }
   /// The turn of the set about its axis, and the stresses of the cells all of whose molecules are in it, in the
-  /// directions at their present middles.
+  /// directions at the quadrature points of a law, else at the present middles of the cells.
   void measure_around(const ReadSet& set, const State& state, Measures& measures) const {
     const Vector3 axis = set.around->direction, before = mean_of(body_.rest, set.molecules),
                   now = mean_of(state.positions, set.molecules);
@@ -215,15 +215,21 @@ class LoadsRig final : public StaticRig {
     Vector3 sum = Vector3::Zero();
     double all = 0;
     std::size_t number = 0;
+    const auto picked = [&](const auto& cell) {
+      return std::all_of(cell.begin(), cell.end(), [&](int molecule) {
+        return std::binary_search(set.molecules.begin(), set.molecules.end(), molecule);
+      });
+    };
+    const auto middle_of = [&](const auto& cell) -> Vector3 {
+      return positions_of(state.positions, cell).rowwise().mean();
+    };
+    const auto along = [&](const Vector3& place, const Matrix3& stress) -> Vector3 {
+      const Matrix3 directions = frame_at(*set.around, place);
+      return (directions.transpose() * stress * directions).diagonal();
+    };
     const auto add = [&](const auto& cell, double volume) {
       const CellState& own = states[number++];
-      if (!std::all_of(cell.begin(), cell.end(), [&](int molecule) {
-            return std::binary_search(set.molecules.begin(), set.molecules.end(), molecule);
-          }))
-        return;
-      const Vector3 middle = positions_of(state.positions, cell).rowwise().mean();
-      const Matrix3 directions = frame_at(*set.around, middle);
-      sum += volume * (directions.transpose() * own.stress * directions).diagonal(), all += volume;
+      if (picked(cell)) sum += volume * along(middle_of(cell), own.stress), all += volume;
     };
     const OwnSimplices simplices(body_);
     for (std::size_t i = 0; i < simplices.triangles; ++i) add(body_.triangles[i], 0);
@@ -238,6 +244,10 @@ class LoadsRig final : public StaticRig {
               block.kind->weights[static_cast<Eigen::Index>(g)] * measure_of(nodes * block.kind->slopes[g].transpose());
         add(block.cell(cell), volume);
       }
+    for (const NodalForces* law : model_.nodal_laws())  // a cell's mean stress has the directions of its middle
+      law->show_points(state.positions, [&](std::span<const int> cell, const PointState& at) {
+        if (picked(cell)) sum += at.volume * (along(at.position, at.stress) - along(middle_of(cell), at.stress));
+      });
     for (int direction = 0; all > 0 && direction < 3; ++direction)
       measures.set(set.name + "_" + kRound[static_cast<std::size_t>(direction)] + "_stress", sum[direction] / all);
   }
