@@ -149,6 +149,8 @@ struct Run {
   std::string remark;                  ///< of the experiment on what its measures mean here; empty = nothing to say
   bool restarted_from_rest = false;    ///< the start led nowhere: measured from the equilibrium that there is from rest
   bool unstable = false;               ///< an equilibrium was found that is no minimum
+  bool relaxes = false;                ///< the strategy is `prony:`
+  bool wrinkles = false;               ///< the strategy is a membrane law that bears no compression
   bool uses_cells = false;             ///< the strategy could not run without the body's triangles or tetrahedra
   bool suited = true;                  ///< false: the strategy cannot run on this body; cause says why
   std::optional<TimeReport> time;      ///< of a run in time

@@ -358,6 +358,8 @@ class TimedRun {
                                    ? ", with one of the " + time.budget->effort + " each: the body is too large for it"
                                    : ""));
     experiment_.read_history(history_, run_.measures);
+    if (run_.relaxes && material_.relaxation)
+      experiment_.read_relaxation(history_, *material_.relaxation, run_.measures);
     for (const auto& [name, value] : run_.curve.back().measures.all())
       if (!std::isfinite(run_.measures.get(name))) run_.measures.set(name, value);
     double largest = 0, drift = 0, made = 0, released = 0;  // [J]; released: by loads that stay, as weight

@@ -260,6 +260,37 @@ TEST_CASE("a relaxation or creep that ends too early says how much is to come, a
   CHECK(run(creeps, 0.7).remark.empty());
 }
 
+TEST_CASE("what is to come of a relaxation with two times is that of the slow one", "[time]") {
+  // Within 2 s a fit sees the fast term alone; 0.5 e^(−t/3 s) of the stress at once is still there.
+  const auto run = [](const std::string& experiment, double duration) {
+    return run_of(
+        "body: {lattice: {kind: cubic, molecules: [2, 2, 3], spacing: 5 mm, order: 1}}\n"
+        "material: {youngs_modulus: 80 kPa, poissons_ratio: 0, density: 1 kg/m3, "
+        "relaxation: {terms: [[0.2, 0.2 s], [0.5, 3 s]], moduli: instantaneous}}\n"
+        "stiffness: \"prony:neo_hookean\"\nexperiment: {" +
+        experiment + "}\ntime: {duration: " + std::to_string(duration) + " s, frames: 40, step: {per_frame: 2}}\n");
+  };
+  const std::string relaxes = "kind: relaxation, ramp: 0.1 s, fixture: {kind: tension, axis: z, strain: 1e-5}",
+                    creeps = "kind: creep, fixture: {kind: tension, axis: z, force: 1 uN}";
+  const auto grown = [](double share, double time) { return share * (1 - std::exp(-0.1 / time)) * time / 0.1; };
+  const double force = 0.3 + grown(0.2, 0.2) + grown(0.5, 3), slow = grown(0.5, 3) / force;
+  for (const double duration : {2., 2.1}) {
+    const Run early = run(relaxes, duration);
+    CHECK(measured(early, "remaining_change") == Approx(slow * std::exp(-(duration - 0.1) / 3)).epsilon(0.01));
+    CHECK(measured(early, "settling_time") == Approx(0.1 + 3 * std::log(slow / 0.02)).epsilon(0.01));
+    CHECK_THAT(early.remark, Contains("the force still changes when the run ends"));
+  }
+  const Run late = run(relaxes, 11);
+  CHECK(measured(late, "remaining_change") < 0.025);
+  CHECK(late.remark.empty());
+  // Retardation times are λ where 0.3 + 0.2 s/(s + 5/s) + 0.5 s/(s + 1/3 s) is 0 at s = −1/λ.
+  const double b = 0.3 * (5 + 1. / 3) + 0.2 / 3 + 0.5 * 5, c = 0.3 * 5 / 3, s = (-b + std::sqrt(b * b - 4 * c)) / 2;
+  const Run creep = run(creeps, 2);
+  const double share = -0.3 / (s * (1 / std::pow(s + 5, 2) + 0.5 / 3 / std::pow(s + 1. / 3, 2)));
+  CHECK(measured(creep, "remaining_change") == Approx(share * std::exp(2 * s)).epsilon(0.02));
+  CHECK(measured(creep, "settling_time") == Approx(std::log(share / 0.02) / -s).epsilon(0.02));
+}
+
 TEST_CASE("drag that is read as the material's is said", "[time]") {
   const auto warned = [](const std::string& experiment, const std::string& load) {
     const Run run = run_of(

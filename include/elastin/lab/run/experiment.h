@@ -252,6 +252,9 @@ class TimedExperiment : public Experiment {
   virtual bool slow() const { return false; }
   /// Adds what the whole time history says, from its rows at equal times, the first at time 0.
   virtual void read_history(const std::vector<CurvePoint>& history, Measures& measures) const = 0;
+  /// Adds, after read_history and where the strategy relaxes, what the material's own terms say of what is to come.
+  virtual void read_relaxation(const std::vector<CurvePoint>& /*history*/, const Relaxation& /*relaxation*/,
+                               Measures& /*measures*/) const {}
 };
 
 }  // namespace elastin::lab

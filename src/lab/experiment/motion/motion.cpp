@@ -11,6 +11,7 @@
 #include "elastin/core/model/share.h"
 #include "lab/experiment/keys.h"
 #include "lab/run/common_measures.h"
+#include "lab/run/decaying_terms.h"
 #include "lab/run/load_path.h"
 #include "lab/run/time_history_fits.h"
 #include "lab/run/time_options.h"
@@ -57,10 +58,11 @@ const MeasureList& motion_measures() {
        "time constant of relaxation: an exponential fitted to the force, after the ramp"},
       {"relaxed_ratio", none, "force in the end / at the end of the ramp, of the fit"},
       {"remaining_change", none,
-       "part of the displacement of creep, or of the force at the end of the ramp, by which the fit changes after the "
-       "run; without a fit, by which it changed in the last tenth of the run",
+       "part of the displacement of creep, or of the force at the end of the ramp, by which the fit, or the relaxation "
+       "of "
+       "the material if that is more, changes after the run; without both, by which it changed in the last tenth of it",
        Role::detail},
-      {"settling_time", dimension::time, "time at which a fiftieth of it would remain to change, by the fit",
+      {"settling_time", dimension::time, "time at which a fiftieth of it would remain to change, by the same",
        Role::detail},
       {"storage_modulus", pressure, "stress in phase with the strain / strain, over the last period", Role::modulus},
       {"loss_modulus", pressure, "stress a quarter period ahead of the strain / strain", Role::modulus},
@@ -146,6 +148,22 @@ class Motion final : public TimedExperiment {
     if (setup_.kind == MotionKind::creep) read_creep(history, measures);
     if (setup_.kind == MotionKind::relaxation) read_relaxation(history, measures);
     if (setup_.kind == MotionKind::cyclic) read_cycle(history, measures);
+  }
+
+  /// A fit sees what moves within the run, and takes a slower part for the end.
+  void read_relaxation(const std::vector<CurvePoint>& history, const Relaxation& relaxation,
+                       Measures& measures) const override {
+    const bool creeps = setup_.kind == MotionKind::creep;
+    if (!creeps && setup_.kind != MotionKind::relaxation) return;
+    const double from = creeps ? 0 : setup_.ramp, duration = history.back().time;
+    const DecayingTerms terms = creeps ? terms_of_displacement(relaxation) : terms_of_force(relaxation, from);
+    const double left = sum_at(terms, duration - from), settled = from + time_until(terms, kSettled);
+    if (!(left > kSettled) || duration < from) return;
+    const auto raise = [&](const char* name, double own) {
+      if (!(measures.get(name) > own)) measures.set(name, own);
+    };
+    if (!std::isfinite(measures.get("settling_time"))) measures.set("remaining_change", left);
+    raise("remaining_change", left), raise("settling_time", settled);
   }
 
   std::string remark(const Measures& measures) const override {
