@@ -230,6 +230,18 @@ std::string note_of_plane(const Scene& scene) {
              : "";
 }
 
+/// A strip that is pulled bears nothing across at any width up to the law's own, which its folds may take.
+void leave_out_widths(Record& record) {
+  for (MainMeasure& measure : record.main_measures) {
+    if (record.measure(measure.name).role != MeasureRole::poissons_ratio || !std::isfinite(measure.prescribed))
+      continue;
+    measure.prescribed = std::nan("");
+    record.notes.emplace_back(
+        "there is no target of Poisson's ratio: a sheet that wrinkles bears nothing across the load at any width up to "
+        "that of the law without wrinkling, so that its width is indeterminate");
+  }
+}
+
 }  // namespace
 
 bool have_one_target(const std::vector<Record>& records) {
@@ -267,6 +279,7 @@ Record make_record(const Scene& scene, Run run) {
        (scene.specimen.material.fibre || scene.experiment->in_time())) ||
       !no_one_modulus(scene.specimen).empty())
     for (MainMeasure& measure : record.main_measures) measure.prescribed = std::nan("");
+  if (run.wrinkles) leave_out_widths(record);
   for (MainMeasure& measure : record.main_measures)
     if (const double own = run.law.get(measure.name); std::isfinite(own) && std::isfinite(measure.prescribed))
       measure.prescribed = own, measure.strain = run.law_strain;
@@ -283,7 +296,7 @@ Record make_record(const Scene& scene, Run run) {
   if (scene.specimen.contact)
     for (const contact::Obstacle& obstacle : scene.specimen.contact->obstacles)
       record.obstacles.push_back(obstacle.name);
-  record.notes = scene.notes;
+  record.notes.insert(record.notes.begin(), scene.notes.begin(), scene.notes.end());
   for (std::string& note : scene.experiment->notes()) record.notes.push_back(std::move(note));
   if (std::string note = note_of_plane(scene); !note.empty()) record.notes.push_back(std::move(note));
   record.apparent = scene.experiment->apparent();

@@ -239,6 +239,40 @@ TEST_CASE("motions out of the plane of a flat sheet are a note where all acts wi
   }
 }
 
+TEST_CASE("a run by `patch` says where its constants do not pass the patch test", "[texts]") {
+  const auto warnings = [](const std::string& connections, const std::string& rule) {
+    return fmt::format("{}", fmt::join(records_of("kind: tension, strain: 1e-6", rule, "",
+                                                  "{lattice: {kind: cubic, molecules: [4, 4, 4], spacing: 1 cm, "
+                                                  "connections: [" +
+                                                      connections + "]}}")
+                                           .front()
+                                           .run.warnings,
+                                       "; "));
+  };
+  CHECK_THAT(warnings("axis, face", "patch"), !Contains("patch test"));
+  CHECK_THAT(warnings("axis", "patch"), Contains("pass the patch test") && Contains("calibrated:patch"));
+  CHECK_THAT(warnings("axis", "calibrated:patch"), !Contains("patch test"));
+}
+
+TEST_CASE("a strip that wrinkles has no target of its width, and one that does not has the law's", "[texts]") {
+  const auto pulled = [](const std::string& law, const std::string& strain) {
+    return records_of("kind: tension, axis: x, strain: " + strain, law, "",
+                      "{sheet: {size: [20 mm, 15 mm], squares: [4, 3], pattern: crossed}}",
+                      "{youngs_modulus: 60 kPa, poissons_ratio: 0.5, thickness: 0.4 mm}")
+        .front();
+  };
+  for (const char* strain : {"20 %", "1e-6"}) {
+    const Record taut = pulled("neo_hookean_membrane", strain),
+                 folds = pulled("neo_hookean_membrane+wrinkling", strain);
+    CHECK(taut.error("poissons_ratio") == Approx(0).margin(1e-6));
+    CHECK_THAT(run_text(taut, false), !Contains("width is indeterminate"));
+    CHECK(folds.error("effective_modulus") == Approx(0).margin(1e-6));
+    CHECK_FALSE(std::isfinite(folds.error("poissons_ratio")));
+    CHECK(folds.law_target("poissons_ratio") == nullptr);
+    CHECK_THAT(run_text(folds, false), Contains("there is no target of Poisson's ratio"));
+  }
+}
+
 TEST_CASE("a sheet whose places are in single precision is as flat as an exact one", "[texts]") {
   const TemporaryFolder folder;
   Body sheet = rectangular_sheet({0.06, 0.02}, {12, 4}, SheetPattern::alternating);
