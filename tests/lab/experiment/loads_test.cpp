@@ -128,7 +128,7 @@ TEST_CASE("stresses around an axis have the directions of the points, not of the
                                "loads: [{traction: {traction: [10 Pa, 0, 0], on: {side: x}}}]\n"
                                "experiment: {kind: loads, read: [{name: all, molecules: {box: {from: [-1 mm, -1 mm, -1 "
                                "mm], to: [11 mm, 11 mm, 11 mm]}}, "
-                               "around: {axis: z, point: [0, 5 mm, 0]}}]}\n"),
+                               "around: {axis: z, through: [0, 5 mm, 0]}}]}\n"),
       kCatalog);
   const Run run = run_strategy(own->specimen, *own->experiment, own->stiffness, {.statics = own->statics});
   REQUIRE(run.outcome == Outcome::converged);
