@@ -8,7 +8,6 @@
 #include "core/base/stopwatch.h"
 #include "core/base/unsuited_error.h"
 #include "core/forces/volume.h"
-#include "core/laws/springs/patch.h"
 #include "core/shapes/surfaces.h"
 #include "core/simulation/fibres.h"
 #include "core/simulation/warnings.h"
@@ -236,24 +235,6 @@ std::optional<ElasticTerms> make_calibrated_with_history(const Specimen& specime
   return terms;
 }
 
-/// That no constants of `patch` pass the patch test on the body, or "".
-std::string failed_patch_test(const Specimen& specimen, const StrategyChoice& choice, const VectorX& constants) {
-  constexpr double noticeable = 0.1;
-  const Body& body = specimen.body;
-  const Material& material = specimen.material;
-  const bool plain = choice.name.rule == Patch::name && !choice.name.calibrated && !choice.name.fitted;
-  if (!plain || !body.parts.empty() || body.share || constants.size() == 0 || !no_one_modulus(specimen).empty())
-    return "";
-  const auto proper = detail::proper_part(body);
-  const double E = material.youngs_modulus * (choice.name.volume ? 1.25 / (1 + material.poissons_ratio) : 1),
-               misfit = patch_misfit(*proper, E, constants.head(proper->connections.size()));
-  if (!(misfit > noticeable)) return "";
-  return "no constants k >= 0 of these connections pass the patch test: those found leave " + number(100 * misfit, 2) +
-         " % of the forces of a uniform strain unbalanced, so that E and nu are not the material's; calibrated:patch "
-         "has "
-         "E in this experiment, fitted:patch E and G in all directions";
-}
-
 }  // namespace
 
 std::optional<ElasticTerms> make_elasticity(const Specimen& specimen, const Experiment& experiment,
@@ -266,8 +247,6 @@ std::optional<ElasticTerms> make_elasticity(const Specimen& specimen, const Expe
   if (!elasticity) return std::nullopt;
   if (std::string negative = warning_of_negative(specimen.body, run.constants); !negative.empty())
     run.warnings.push_back(std::move(negative));
-  if (std::string failed = failed_patch_test(specimen, choice, run.constants); !failed.empty())
-    run.warnings.push_back(std::move(failed));
   if (has_curve(specimen) && !specimen.material.law && !choice.strategy.follows_curve)
     run.warnings.push_back("does not follow the material's curve: it takes its slope at no strain alone");
   if (choice.strategy.kind != StrategyKind::cell_law && ratio_varies(specimen))

@@ -239,21 +239,6 @@ TEST_CASE("motions out of the plane of a flat sheet are a note where all acts wi
   }
 }
 
-TEST_CASE("a run by `patch` says where its constants do not pass the patch test", "[texts]") {
-  const auto warnings = [](const std::string& connections, const std::string& rule) {
-    return fmt::format("{}", fmt::join(records_of("kind: tension, strain: 1e-6", rule, "",
-                                                  "{lattice: {kind: cubic, molecules: [4, 4, 4], spacing: 1 cm, "
-                                                  "connections: [" +
-                                                      connections + "]}}")
-                                           .front()
-                                           .run.warnings,
-                                       "; "));
-  };
-  CHECK_THAT(warnings("axis, face", "patch"), !Contains("patch test"));
-  CHECK_THAT(warnings("axis", "patch"), Contains("pass the patch test") && Contains("calibrated:patch"));
-  CHECK_THAT(warnings("axis", "calibrated:patch"), !Contains("patch test"));
-}
-
 TEST_CASE("a strip that wrinkles has no target of its width, and one that does not has the law's", "[texts]") {
   const auto pulled = [](const std::string& law, const std::string& strain) {
     return records_of("kind: tension, axis: x, strain: " + strain, law, "",

@@ -175,12 +175,6 @@ struct PatchTest {
     return result;
   }
 
-  /// What is left of the equations of balance, over their right sides, as norms.
-  double misfit(const VectorX& y) const {
-    const Equations left = sums(y) - right;
-    return left.topRows<kComponents>().norm() / right.topRows<kComponents>().norm();
-  }
-
   /// The transpose of sums.
   VectorX gather(const Equations& values) const {
     VectorX result(connections.size());
@@ -263,12 +257,6 @@ VectorX Patch::constants(const Body& body, const Material& material) const {
   const PatchTest test(body, 0.4 * isotropic(), true);
   const VectorX y = non_negative_least_squares(test);
   return material.youngs_modulus * test.length2 * y.cwiseQuotient(test.length);
-}
-
-double patch_misfit(const Body& body, double youngs_modulus, const VectorX& constants) {
-  const PatchTest test(body, 0.4 * isotropic(), true);
-  const VectorX y = constants.cwiseProduct(test.length) / (youngs_modulus * test.length2);
-  return test.misfit(y);
 }
 
 VectorX fibre_sections(const Body& body, const Vector3& direction) {

@@ -33,10 +33,6 @@ struct Patch {
   VectorX constants(const Body& body, const Material& material) const;
 };
 
-/// How far constants [N/m] are from passing the patch test: what all molecules have unbalanced over what the
-/// surrounding solid exerts on the surface, as Euclidean norms; 0 where each molecule passes. Needs what Patch needs.
-double patch_misfit(const Body& body, double youngs_modulus, const VectorX& constants);
-
 /// Sections w ≥ 0 [m], one a connection, with which springs of tension w L P(ε) stand for fibres of nominal stress P
 /// along the unit vector a: the same patch test with C = a a a a. Exact where connections run along a (all others get
 /// 0) and on what else passes; on the rest the nearest there is. Needs what Patch needs.
