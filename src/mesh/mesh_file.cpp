@@ -11,6 +11,7 @@
 #include <numeric>
 #include <utility>
 
+#include "core/model/simplices_by_place.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/base/text.h"
 #include "elastin/core/geometry/numbering.h"
@@ -382,7 +383,7 @@ void cut_into_simplices(Mesh& mesh) {
   if (mesh.blocks.empty()) return;
   Body simplices;
   simplices.rest = mesh.points, simplices.blocks = mesh.blocks;
-  set_simplices(simplices);
+  set_simplices_by_place(simplices);
   mesh.triangles = std::move(simplices.triangles), mesh.tetrahedra = std::move(simplices.tetrahedra);
 }
 

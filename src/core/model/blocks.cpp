@@ -7,6 +7,7 @@
 
 #include "core/geometry/reference_slopes.h"
 #include "core/model/block_geometry.h"
+#include "core/model/simplices_by_place.h"
 #include "elastin/core/model/body.h"
 
 namespace elastin {
@@ -18,9 +19,8 @@ bool has_blocks(const Body& body, int dimensions) {
 
 namespace {
 
-/// The order of molecules by their places at rest, z first, then y, then x, as lattices are numbered: diagonals that go
-/// by it do not depend on the numbers that a file happens to give. On a fine raster, of which round places are no
-/// borders, so that what lies at one height but for rounding does; then by number.
+/// The order of molecules by their places at rest: on a fine raster, of which round places are no borders, so that what
+/// lies at one height but for rounding does; then by number.
 class OrderByPlace {
  public:
   explicit OrderByPlace(const Positions& rest) {
@@ -53,23 +53,33 @@ class OrderByPlace {
   std::vector<std::array<std::int64_t, 3>> places_;
 };
 
-}  // namespace
-
-void set_simplices(Body& body) {
+/// `ranks(kind, nodes)`: numbers of a cell's nodes, by which its diagonals go.
+template <class Ranks>
+void set_simplices_by(const Ranks& ranks, Body& body) {
   if (has_blocks(body, 2)) body.triangles.clear();
   if (has_blocks(body, 3)) body.tetrahedra.clear();
-  const OrderByPlace order(body.rest);
   for (const CellBlock& block : body.blocks)
     for (int cell = 0; cell < block.size(); ++cell) {
       const auto nodes = block.cell(cell);
       const auto node = [&](int own) { return nodes[own]; };
-      for (const auto& simplex : simplices_of(*block.kind, order.ranks(*block.kind, nodes)))
+      for (const auto& simplex : simplices_of(*block.kind, ranks(*block.kind, nodes)))
         if (block.kind->dimensions == 2)
           body.triangles.push_back({node(simplex[0]), node(simplex[1]), node(simplex[2])});
         else
           body.tetrahedra.push_back({node(simplex[0]), node(simplex[1]), node(simplex[2]), node(simplex[3])});
     }
   body.connections = connections_of_cells(body.rest, body.triangles, body.tetrahedra);
+}
+
+}  // namespace
+
+void set_simplices(Body& body) {
+  set_simplices_by([](const CellKind& /*kind*/, std::span<const int> nodes) { return nodes; }, body);
+}
+
+void set_simplices_by_place(Body& body) {
+  const OrderByPlace order(body.rest);
+  set_simplices_by([&](const CellKind& kind, std::span<const int> nodes) { return order.ranks(kind, nodes); }, body);
 }
 
 std::size_t cells_in_blocks(const Body& body) {
