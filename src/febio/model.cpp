@@ -10,7 +10,6 @@
 
 #include "config/formula.h"
 #include "core/model/block_geometry.h"
-#include "core/model/simplices_by_place.h"
 #include "elastin/core/base/text.h"
 #include "elastin/core/shapes/arrays.h"
 #include "febio/experiment.h"
@@ -915,7 +914,7 @@ Body ModelReader::make_body() {
     if (own.youngs_modulus != first.youngs_modulus)
       body.blocks[i].stiffness = VectorX::Constant(body.blocks[i].size(), own.youngs_modulus / first.youngs_modulus);
   }
-  set_simplices_by_place(body);
+  set_simplices(body);
   set_matter(body, first.density, 0);
   set_mass(body);
   return body;

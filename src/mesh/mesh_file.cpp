@@ -11,7 +11,6 @@
 #include <numeric>
 #include <utility>
 
-#include "core/model/simplices_by_place.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/base/text.h"
 #include "elastin/core/geometry/numbering.h"
@@ -383,7 +382,7 @@ void cut_into_simplices(Mesh& mesh) {
   if (mesh.blocks.empty()) return;
   Body simplices;
   simplices.rest = mesh.points, simplices.blocks = mesh.blocks;
-  set_simplices_by_place(simplices);
+  set_simplices(simplices);
   mesh.triangles = std::move(simplices.triangles), mesh.tetrahedra = std::move(simplices.tetrahedra);
 }
 

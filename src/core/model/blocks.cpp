@@ -2,12 +2,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdint>
 #include <numeric>
 
 #include "core/geometry/reference_slopes.h"
 #include "core/model/block_geometry.h"
-#include "core/model/simplices_by_place.h"
 #include "elastin/core/model/body.h"
 
 namespace elastin {
@@ -17,69 +15,20 @@ bool has_blocks(const Body& body, int dimensions) {
                      [&](const CellBlock& block) { return block.kind->dimensions == dimensions; });
 }
 
-namespace {
-
-/// The order of molecules by their places at rest: on a fine raster, of which round places are no borders, so that what
-/// lies at one height but for rounding does; then by number.
-class OrderByPlace {
- public:
-  explicit OrderByPlace(const Positions& rest) {
-    if (rest.cols() == 0 || !rest.allFinite()) return;
-    const Vector3 low = rest.rowwise().minCoeff();
-    const double width = kRaster * (rest.rowwise().maxCoeff() - low).maxCoeff();
-    if (!(width > 0)) return;
-    places_.resize(static_cast<std::size_t>(rest.cols()));
-    for (Eigen::Index a = 0; a < rest.cols(); ++a)
-      for (int k = 0; k < 3; ++k) places_[a][k] = std::llround((rest(2 - k, a) - low[2 - k]) / width + 0.217);
-  }
-
-  /// Numbers that put a cell's nodes in this order, corners first, as they are numbered where middles are added.
-  std::vector<int> ranks(const CellKind& kind, std::span<const int> nodes) const {
-    if (places_.empty()) return {nodes.begin(), nodes.end()};
-    std::vector<int> order(nodes.size()), ranks(nodes.size());
-    std::iota(order.begin(), order.end(), 0);
-    std::sort(order.begin(), order.end(), [&](int a, int b) {
-      const bool middle = a >= kind.corners;
-      if (middle != (b >= kind.corners)) return !middle;
-      const auto &place = places_[nodes[a]], &other = places_[nodes[b]];
-      return place != other ? place < other : nodes[a] < nodes[b];
-    });
-    for (std::size_t i = 0; i < order.size(); ++i) ranks[order[i]] = static_cast<int>(i);
-    return ranks;
-  }
-
- private:
-  static constexpr double kRaster = 1e-6;  ///< of the body's extent
-  std::vector<std::array<std::int64_t, 3>> places_;
-};
-
-/// `ranks(kind, nodes)`: numbers of a cell's nodes, by which its diagonals go.
-template <class Ranks>
-void set_simplices_by(const Ranks& ranks, Body& body) {
+void set_simplices(Body& body) {
   if (has_blocks(body, 2)) body.triangles.clear();
   if (has_blocks(body, 3)) body.tetrahedra.clear();
   for (const CellBlock& block : body.blocks)
     for (int cell = 0; cell < block.size(); ++cell) {
       const auto nodes = block.cell(cell);
       const auto node = [&](int own) { return nodes[own]; };
-      for (const auto& simplex : simplices_of(*block.kind, ranks(*block.kind, nodes)))
+      for (const auto& simplex : simplices_of(*block.kind, nodes))
         if (block.kind->dimensions == 2)
           body.triangles.push_back({node(simplex[0]), node(simplex[1]), node(simplex[2])});
         else
           body.tetrahedra.push_back({node(simplex[0]), node(simplex[1]), node(simplex[2]), node(simplex[3])});
     }
   body.connections = connections_of_cells(body.rest, body.triangles, body.tetrahedra);
-}
-
-}  // namespace
-
-void set_simplices(Body& body) {
-  set_simplices_by([](const CellKind& /*kind*/, std::span<const int> nodes) { return nodes; }, body);
-}
-
-void set_simplices_by_place(Body& body) {
-  const OrderByPlace order(body.rest);
-  set_simplices_by([&](const CellKind& kind, std::span<const int> nodes) { return order.ranks(kind, nodes); }, body);
 }
 
 std::size_t cells_in_blocks(const Body& body) {

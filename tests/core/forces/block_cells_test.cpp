@@ -3,14 +3,9 @@
 #include "elastin/core/forces/block_cells.h"
 
 #include <Eigen/Dense>
-#include <algorithm>
 #include <catch2/catch.hpp>
-#include <numeric>
-#include <random>
-#include <set>
 
 #include "core/model/block_geometry.h"
-#include "core/model/simplices_by_place.h"
 #include "elastin/core/forces/tangent.h"
 #include "elastin/core/parallel/threads.h"
 #include "elastin/core/simulation/catalog.h"
@@ -101,28 +96,6 @@ TEST_CASE("the simplices of cells fill the body and fit together", "[cells][shap
     }
     const double whole = 2 * (size[0] * size[1] + size[1] * size[2] + size[2] * size[0]);
     CHECK(area == Approx(whole).epsilon(1e-12));
-  }
-}
-
-TEST_CASE("simplices that go by place do not depend on the numbers of the nodes", "[cells][shapes]") {
-  for (const CellKind& kind : cell_kinds()) {
-    if (kind.dimensions != 3) continue;
-    INFO(kind.name);
-    Body body = cell_box(kind, {3, 2, 2}, {0.03, 0.02, 0.02}, 0);
-    set_simplices_by_place(body);
-    std::vector<int> number(static_cast<std::size_t>(body.size()));
-    std::iota(number.begin(), number.end(), 0);
-    std::shuffle(number.begin(), number.end(), std::mt19937(5));
-    Body shuffled = body;
-    for (int a = 0; a < body.size(); ++a) shuffled.rest.col(number[a]) = body.rest.col(a);
-    for (CellBlock& block : shuffled.blocks)
-      for (int& node : block.nodes) node = number[node];
-    set_simplices_by_place(shuffled);
-    std::set<std::array<int, 2>> found, expected;
-    for (const auto& [a, b] : shuffled.connections.ends) found.insert({std::min(a, b), std::max(a, b)});
-    for (const auto& [a, b] : body.connections.ends)
-      expected.insert({std::min(number[a], number[b]), std::max(number[a], number[b])});
-    CHECK(found == expected);
   }
 }
 
