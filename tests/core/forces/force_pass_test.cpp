@@ -16,7 +16,7 @@ using namespace elastin::testing;
 
 namespace {
 
-constexpr Material kSoft{.youngs_modulus = 1e4};
+const Material kSoft{.youngs_modulus = 1e4};
 
 VectorX uneven_constants(const Body& body) {
   VectorX constants(body.connections.size());

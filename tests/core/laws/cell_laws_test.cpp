@@ -148,7 +148,7 @@ TEST_CASE("neo-Hookean uniaxial tension", "[cell_law]") {
   const Matrix3 D_m = edges(rest);
   const auto k = NeoHookeanSolid{}.constants(rest, material_of(1, nu));
   // First Piola–Kirchhoff stress, from the forces alone.
-  const auto stress = [&](double across) -> Matrix3 {
+  const auto stress = [&, stretch = stretch](double across) -> Matrix3 {
     const CornerPositions<4> positions = Vector3(across, across, stretch).asDiagonal() * rest;
     const CornerPositions<4> f =
         forces<4>(positions, NeoHookeanSolid{}.force_densities(k, squared_lengths<4>(positions)));

@@ -508,7 +508,7 @@ TEST_CASE("the automatic choice factorises a bundle of fibres that conjugate gra
   Body body = lattice({across, across, length});
   body.grid.reset();
   body.cubes.clear();
-  std::erase_if(body.connections.ends, [&](const auto& ends) {
+  std::erase_if(body.connections.ends, [&, thick = thick, length = length](const auto& ends) {
     const Vector3 a = body.rest.col(ends[0]) / kSpacing, b = body.rest.col(ends[1]) / kSpacing;
     const auto fibre = [&](double at) { return std::lround(at) / thick; };
     const bool one_fibre = fibre(a.x()) == fibre(b.x()) && fibre(a.y()) == fibre(b.y());

@@ -246,7 +246,7 @@ TEST_CASE("share: explicit steps are the whole's, on any number of processes bit
       REQUIRE(plain.stable_step > 1e-4);
       Positions first;
       for (const int count : {1, 2, 3}) {
-        const auto all = on_processes(count, [&](const auto& processes) {
+        const auto all = on_processes(count, [&, &strategy = strategy](const auto& processes) {
           std::string why;
           const Body share = share_out([&] { return whole; }, processes, why);
           return stepped(share, whole.size(), strategy, method, 1e-4);

@@ -46,7 +46,7 @@ TEST_CASE("simulation: with a tool that rubs, steps are the same bits in a fresh
         Case("projective", "lattice"), Case("projective", "neo_hookean")}) {
     CAPTURE(method->name, strategy);
     const auto place = [](int step) { return Vector3(2e-3 + 2e-6 * step, 2e-3, 8.02e-3 - 5e-6 * step); };
-    const auto make = [&] {
+    const auto make = [&, &method = method, &strategy = strategy] {
       Simulation tissue = simulation_of(strategy == "neo_hookean" ? tissue_block() : tissue_cube(4), method, strategy);
       for (int i = 0; i < tissue.body().size(); ++i)
         if (tissue.body().rest(2, i) == 0) tissue.fix(i);

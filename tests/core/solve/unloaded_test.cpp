@@ -46,7 +46,7 @@ void for_each_hung(Test test) {
         if (strategy.name.starts_with("uniform") || strategy.name.starts_with("divided")) continue;
         INFO(strategy.name << " on " << name << ", nu " << nu);
         const double low = body.rest.row(0).minCoeff() + 1e-3;
-        const auto make = [&](const Body& own) {
+        const auto make = [&, &body = body](const Body& own) {
           struct Made {
             Body body;
             std::unique_ptr<Model> model;

@@ -17,9 +17,9 @@ namespace {
 const std::vector<Vector3> kPlanes{Vector3::UnitX(), Vector3::UnitY(), Vector3::UnitZ()};
 
 /// The first case of the two-parameter paper's Table 1.
-constexpr Material kLatex{.youngs_modulus = 50e6, .poissons_ratio = 0.3, .thickness = 1e-3};
+const Material kLatex{.youngs_modulus = 50e6, .poissons_ratio = 0.3, .thickness = 1e-3};
 /// Shear modulus 1 MPa, incompressible.
-constexpr Material kRubber{.youngs_modulus = 3e6, .poissons_ratio = 0.5, .thickness = 1e-3};
+const Material kRubber{.youngs_modulus = 3e6, .poissons_ratio = 0.5, .thickness = 1e-3};
 
 Specimen membrane(Body body, const Material& material) {
   set_matter(body, 0.01, material.density, material.thickness, 0);

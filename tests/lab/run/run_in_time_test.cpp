@@ -471,7 +471,7 @@ TEST_CASE("both drag laws reach their speeds, at the order of the stepper", "[ti
   for (const auto& [method, order] : {std::pair{"backward_euler", 1.}, {"newmark", 2.}, {"symplectic_euler", 1.}}) {
     INFO(method);
     const double at = 0.2;
-    const auto shown = [&](const std::string& drag, double exact) {
+    const auto shown = [&, &method = method](const std::string& drag, double exact) {
       const double coarse = speed(drag, method, at, 20) - exact, fine = speed(drag, method, at, 40) - exact;
       return std::log2(std::abs(coarse / fine));
     };
