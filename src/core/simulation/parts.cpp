@@ -206,12 +206,14 @@ void add_companions(Model& model, const Strategy& strategy, const Material& mate
 }
 
 void fix_rigid_parts(Model& model) {
-  std::vector<char> held(model.body().size(), 0);
-  for (const Support& support : model.supports) held[support.molecule] = 1;
+  std::vector<char> rigid(model.body().size(), 0);
   for (const Part& part : model.body().parts)
     if (part.rigid)
-      for (const int molecule : molecules_of(part))
-        if (!std::exchange(held[molecule], 1)) model.supports.push_back({molecule});
+      for (const int molecule : molecules_of(part)) rigid[molecule] = 1;
+  for (Support& support : model.supports)
+    if (std::exchange(rigid[support.molecule], 0)) support.free.setZero();
+  for (int molecule = 0; molecule < model.body().size(); ++molecule)
+    if (rigid[molecule]) model.supports.push_back({molecule});
 }
 
 }  // namespace elastin

@@ -324,3 +324,41 @@ TEST_CASE("what is towed at a constant speed feels no damping between its molecu
   // With the damping of its own velocity it would lag by 4 ms * 10 mm/s = 40 um.
   CHECK(std::abs(end.get("end_x") - end.get("base_x")) < 0.1e-6);
 }
+
+TEST_CASE("a rigid body stays and moves as a whole, whatever else holds some of its molecules", "[loads][experiment]") {
+  const std::string block = "tetrahedra: {kind: kuhn, cubes: [1, 1, ", parts = "stiffness: st_venant_kirchhoff\n";
+  const auto read = [&](const std::string& rest) {
+    const std::string text = "bodies: [{name: rod, " + block +
+                             "4], size: [10 mm, 10 mm, 40 mm]}}, {name: bone, rigid: true, at: [0, 0, 40 mm], " +
+                             block + "1], size: [10 mm, 10 mm, 10 mm]}}]\n" +
+                             "ties: [{between: [rod, bone], within: 0.1 mm}]\n"
+                             "material: {youngs_modulus: 10 kPa, poissons_ratio: 0, density: 1000 kg/m3}\n" +
+                             parts + rest;
+    const auto own = load_scene(SceneSource::of_text("a.yaml", text), kCatalog);
+    const Run run = run_strategy(own->specimen, *own->experiment, own->stiffness, {.statics = own->statics});
+    INFO(run.cause);
+    REQUIRE(run.outcome == Outcome::converged);
+    return run.measures;
+  };
+  const std::string weight = "loads: [{gravity: [0, 0, 0.3 m/s2]}]\n", foot = "{molecules: {side: -z}}",
+                    sets =
+                        "experiment: {kind: loads, read: [{name: bone, molecules: {body: bone}}, {name: rod, "
+                        "molecules: {body: rod}}]";
+  const Measures alone = read(weight + "supports: [" + foot + "]\n" + sets + "}\n");
+  CHECK(alone.get("bone_displacement") == 0);
+  CHECK(alone.get("rod_displacement") > 0);
+  for (const char* more :
+       {"{molecules: {body: rod}, fix: [x, y]}", "{molecules: {body: bone}, fix: [x]}", "{symmetry: x}"}) {
+    CAPTURE(more);
+    const Measures held = read(weight + "supports: [" + foot + ", " + more + "]\n" + sets + "}\n");
+    CHECK(held.get("bone_displacement") == 0);
+    CHECK(held.get("rod_z") == Approx(alone.get("rod_z")).epsilon(1e-6));
+  }
+  const std::string top = ", moved: [{molecules: {body: bone, side: z}, displacement: [0, 0, 1 mm], fix: [z]}";
+  const Measures moved = read("supports: [" + foot + "]\n" + sets + top + "]}\n");
+  CHECK(moved.get("bone_z") == Approx(1e-3));
+  CHECK(moved.get("rod_displacement") == Approx(1e-3));
+  CHECK_THROWS_WITH(read("supports: [" + foot + "]\n" + sets + top +
+                         ", {molecules: {body: bone, side: -z}, displacement: [0, 0, 2 mm]}]}\n"),
+                    Contains("'bone' is rigid, and its molecules are moved by different displacements"));
+}

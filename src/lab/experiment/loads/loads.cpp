@@ -9,6 +9,7 @@
 #include "core/model/block_geometry.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/base/text.h"
+#include "elastin/core/model/parts.h"
 #include "elastin/core/model/share.h"
 #include "lab/experiment/keys.h"
 #include "lab/run/cell_stress.h"
@@ -97,10 +98,34 @@ class GrowingLoad final : public ScaledLoad {
   const double& factor_;
 };
 
+/// A rigid body of which some molecules are moved is moved with them as a whole.
+void move_rigid_parts(const Body& body, LoadsSetup& setup) {
+  for (const Part& part : body.parts) {
+    if (!part.rigid) continue;
+    const std::vector<int> whole = molecules_of(part);
+    Vector3 displacement = Vector3::Zero();
+    const auto for_each_moved = [&](const auto& visit) {
+      for (const int molecule : whole)
+        if (const auto at = setup.moved_molecules.find(molecule); at != setup.moved_molecules.end()) visit(at->second);
+    };
+    for_each_moved([&](const Moved& moved) {
+      if (moved.displacement.norm() > displacement.norm()) displacement = moved.displacement;
+    });
+    if (displacement.isZero(0)) continue;
+    for_each_moved([&](const Moved& moved) {
+      const Vector3 missing = displacement - moved.displacement;
+      if ((missing - moved.free * missing).norm() > 1e-9 * displacement.norm())
+        throw InputError("moved: '" + part.name + "' is rigid, and its molecules are moved by different displacements");
+    });
+    for (const int molecule : whole) setup.moved_molecules[molecule] = {Matrix3::Zero(), displacement};
+    for (const int molecule : whole) setup.staying.erase(molecule);
+  }
+}
+
 /// The scene's own supports and loads, which grow together from nothing; it measures displacements and reactions alone.
 class Loads final : public StaticExperiment {
  public:
-  Loads(const Body& body, LoadsSetup setup) : body_(body), setup_(std::move(setup)) {}
+  Loads(const Body& body, LoadsSetup setup) : body_(body), setup_(std::move(setup)) { move_rigid_parts(body, setup_); }
 
   std::string name() const override { return "loads"; }
   MeasureList measures() const override { return loads_measures(setup_.read); }
@@ -369,16 +394,18 @@ ExperimentInfo loads_row() {
       {.name = "loads",
        .summary = "the scene's own `loads` and `supports` grow together: displacements, reactions of named sets",
        .measures = loads_measures({})},
-      Keys<S>{list_key("read", read_keys(), &S::read,
-                       "sets that are measured: for the name `top`, `top_displacement` (the largest), `top_x` (the "
-                       "mean) and `top_reaction_x` (the sum), and so along y and z; with `around` `top_turn` [rad] and "
-                       "the stresses `top_radius_stress`, `top_circumference_stress`, `top_axis_stress`",
-                       check_name),
-              list_key("moved", moved_keys(), &S::moved,
-                       "molecules that are moved, in addition to `supports`; an item adds its directions to those "
-                       "of the items before it; `release` frees those with a displacement",
-                       combine),
-              load_steps_key(&S::load_steps)},
+      Keys<S>{
+          list_key("read", read_keys(), &S::read,
+                   "sets that are measured: for the name `top`, `top_displacement` (the largest), `top_x` (the "
+                   "mean) and `top_reaction_x` (the sum), and so along y and z; with `around` `top_turn` [rad] and "
+                   "the stresses `top_radius_stress`, `top_circumference_stress`, `top_axis_stress`",
+                   check_name),
+          list_key(
+              "moved", moved_keys(), &S::moved,
+              "molecules that are moved, in addition to `supports`; an item adds its directions to those "
+              "of the items before it, and a rigid body moves as a whole; `release` frees those with a displacement",
+              combine),
+          load_steps_key(&S::load_steps)},
       [](const ExperimentContext& context, S setup) {
         return std::make_unique<Loads>(context.body, std::move(setup));
       });
