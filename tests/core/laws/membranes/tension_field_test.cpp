@@ -85,8 +85,9 @@ TEMPLATE_TEST_CASE("without compression: taut as the law, wrinkled in uniaxial s
     }
     const CellVector<3> step = 1e-6 * s.minCoeff() * random.matrix<3, 1>();
     const double rise = Relaxed{}.energy(k, s + step) - Relaxed{}.energy(k, s - step);
-    CHECK(std::abs(rise - q.dot(step)) <= 1e-5 * plane * step.norm());
     const CellMatrix<3> slope = Relaxed{}.slope(k, s), law_slope = Plain{}.slope(full, s);
+    const double jump = law_slope.norm() * step.squaredNorm();  // where the triangle begins to wrinkle within the step
+    CHECK(std::abs(rise - q.dot(step)) <= 1e-5 * plane * step.norm() + jump);
     CHECK((slope - slope.transpose()).norm() <= 1e-12 * law_slope.norm());
     const CellVector<3> change = Relaxed{}.force_densities(k, s + step) - Relaxed{}.force_densities(k, s - step);
     CHECK((change - 2 * slope * step).norm() <= 1e-4 * law_slope.norm() * step.norm());
