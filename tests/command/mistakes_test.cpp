@@ -92,7 +92,8 @@ TEST_CASE("a mistake on the command line is answered from that command's options
     check_mistake(arguments, message);
 }
 
-TEST_CASE("every option of every command states what it needs, and knows no option of another command", "[command]") {
+TEST_CASE("every option of every command states what it needs, and knows no option of another command",
+          "[command][slow]") {
   std::vector<std::vector<HelpOption>> options;
   for (const std::string& command : kCommands) options.push_back(options_of(command));
   for (std::size_t i = 0; i < kCommands.size(); ++i) {

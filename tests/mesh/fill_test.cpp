@@ -209,7 +209,7 @@ TEST_CASE("a spacing that fits no tetrahedron, or too many molecules, is refused
   CHECK_THROWS_WITH(fill(ball(), {1e-5, FillPacking::lattice, 1, true}), Catch::Contains("at most 5e+06"));
 }
 
-TEST_CASE("shells that are not in each other are filled apart, however narrow the gap", "[fill]") {
+TEST_CASE("shells that are not in each other are filled apart, however narrow the gap", "[fill][slow]") {
   const auto with_another = [](double scale, const Vector3& at) {
     Body both = box();
     const auto count = static_cast<int>(both.rest.cols());

@@ -450,7 +450,7 @@ TEST_CASE("image: a header is checked before its data are read", "[image]") {
   }
 }
 
-TEST_CASE("image: bytes changed at random end in a message or an image", "[image]") {
+TEST_CASE("image: bytes changed at random end in a message or an image", "[image][slow]") {
   std::mt19937_64 generator(7);
   const std::string whole = Nifti(4).header + numbers<std::int16_t>();
   for (int trial = 0; trial < 300; ++trial) {

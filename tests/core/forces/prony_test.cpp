@@ -302,7 +302,7 @@ TEST_CASE("explicit steps are as long as the instantaneous stiffness and the das
   }
 }
 
-TEST_CASE("a relaxing body that was pushed stays whole in explicit steps of any stepper", "[prony]") {
+TEST_CASE("a relaxing body that was pushed stays whole in explicit steps of any stepper", "[prony][slow]") {
   for (const double retardation : {0., 1e-3})
     for (const char* name : {"prony:lattice", "prony:neo_hookean"})
       for (const char* method : {"symplectic_euler", "velocity_verlet"}) {

@@ -56,7 +56,7 @@ TEST_CASE("points in one place, one point and none", "[numbering]") {
   CHECK(order_in_space(line) == std::vector{1, 2, 0});
 }
 
-TEST_CASE("a packing's molecules are numbered in space", "[numbering]") {
+TEST_CASE("a packing's molecules are numbered in space", "[numbering][slow]") {
   const Body body = random_packing(Vector3::Constant(10e-3), 1e-3, 1.5e-3, 3);
   std::vector<int> own(static_cast<std::size_t>(body.size()));
   std::iota(own.begin(), own.end(), 0);

@@ -233,7 +233,7 @@ Stepped stepped(const Body& body, int molecules, const std::string& strategy, co
 
 }  // namespace
 
-TEST_CASE("share: explicit steps are the whole's, on any number of processes bit by bit", "[share]") {
+TEST_CASE("share: explicit steps are the whole's, on any number of processes bit by bit", "[share][slow]") {
   Body lattice = jittered_lattice(), tetrahedra = tetrahedra_with_sides();
   for (Body* body : {&lattice, &tetrahedra}) set_matter(*body, 1000, 0, std::nullopt);
   const std::vector<std::pair<const Body*, std::string>> cases{

@@ -725,7 +725,7 @@ TEST_CASE("simulation: a skin of triangles and a solid core run by one law of ce
   for (const char* law : {"neo_hookean", "neo_hookean_membrane"}) CHECK(energy(whole, law) == Approx(both));
 }
 
-TEST_CASE("simulation: a muscle that nothing resists settles at any activation, rollers or none", "[muscle]") {
+TEST_CASE("simulation: a muscle that nothing resists settles at any activation, rollers or none", "[muscle][slow]") {
   const Body body = tissue_block();
   int above = 0;  // molecule 0, at the other end of a fibre
   while ((body.rest.col(above) - body.rest.col(0) - Vector3(0, 0, 6e-3)).norm() > 1e-9) ++above;

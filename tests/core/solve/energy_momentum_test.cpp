@@ -102,7 +102,7 @@ TEST_CASE("energy_momentum under weight, with supports, and with damping", "[ste
   CHECK(block.energies().kinetic < 1e-6 * most);
 }
 
-TEST_CASE("energy_momentum comes to rest under weight on a floor", "[steppers][floor]") {
+TEST_CASE("energy_momentum comes to rest under weight on a floor", "[steppers][floor][slow]") {
   Body body = cubic_lattice({4, 3, 3}, 0.01, {true, true, false});
   set_matter(body, 0.005, 1000, 0, 12e-6);
   body.rest.row(2).array() += 0.005;

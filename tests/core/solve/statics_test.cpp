@@ -220,7 +220,8 @@ TEST_CASE("a start that no force moves is unstable where constants are negative,
   }
 }
 
-TEST_CASE("a pulled bar that may turn about its axis is stable, whichever solver looks for a way down", "[statics]") {
+TEST_CASE("a pulled bar that may turn about its axis is stable, whichever solver looks for a way down",
+          "[statics][slow]") {
   const Body body = tetrahedral_block(BlockKind::kuhn, {16, 8, 8}, Vector3(0.16, 0.08, 0.08));
   const Matrix3 across = Matrix3::Identity() - Vector3::UnitX() * Vector3::UnitX().transpose();
   for (const double nu : {0.1, 0.15, 0.25})

@@ -32,7 +32,7 @@ Run bend(const Specimen& specimen, const BendingSetup& setup, const std::string&
 
 }  // namespace
 
-TEST_CASE("a linear cantilever tends to the converged finite elements with order 2", "[bending][reference]") {
+TEST_CASE("a linear cantilever tends to the converged finite elements with order 2", "[bending][reference][slow]") {
   const OneThread alone;
   Refinement tip{};
   for (const std::size_t i : {0u, 1u, 2u})

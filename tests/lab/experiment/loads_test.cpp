@@ -239,7 +239,7 @@ TEST_CASE("planes of symmetry meet in a corner, at rest and in time, in a turned
 }
 
 TEST_CASE("a mass on a spring swings at its own frequency when loads of the scene are released",
-          "[loads][experiment]") {
+          "[loads][experiment][slow]") {
   const std::string load = "loads: [{point: {molecules: [1], force: [1 mN, 0, 0]}}]\n",
                     away = ", {molecules: [1], displacement: [10 um, 0, 0]}";
   for (const auto& [force, moved] : {std::pair(load, std::string()), std::pair(std::string(), away)})

@@ -77,7 +77,7 @@ TEST_CASE("a force closes a gap first", "[press]") {
   CHECK(across.newton_iterations <= near.newton_iterations + 10);
 }
 
-TEST_CASE("with friction what is pressed together across a gap is pressed as without the gap", "[press]") {
+TEST_CASE("with friction what is pressed together across a gap is pressed as without the gap", "[press][slow]") {
   const std::string near =
       R"({name: above, at: [5 mm, 5 mm, 10.1 mm], tetrahedra: {kind: kuhn, cubes: [2, 2, 1], size: [10 mm, 10 mm, 5 mm]}})";
   std::string far = near;

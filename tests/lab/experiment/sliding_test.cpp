@@ -78,7 +78,7 @@ TEST_CASE("scenes of contact come out as they say", "[contact][scenes][slow]") {
 }
 
 // A block of 1 x 1 x 2 cm, whose base is half as wide as it is high: on 26.6 degrees its weight passes over the edge.
-TEST_CASE("a body that topples shows no friction", "[sliding]") {
+TEST_CASE("a body that topples shows no friction", "[sliding][slow]") {
   const auto run = [](const std::string& experiment, const std::string& friction, const std::string& duration) {
     const TemporaryFolder folder;
     const auto scene = load_scene(

@@ -395,7 +395,7 @@ TEST_CASE("a body pressed through itself is no result", "[tension]") {
   CHECK_THAT(run.cause, Catch::Contains("through itself"));
 }
 
-TEST_CASE("what buckles is said to buckle", "[tension]") {
+TEST_CASE("what buckles is said to buckle", "[tension][slow]") {
   // Clamped ends: Euler's strain is 4 π² I/(A L²) = 3.3 %, for a side of 20 mm and a length of 200 mm.
   Specimen specimen;
   specimen.material.youngs_modulus = 1e5;
@@ -489,7 +489,7 @@ TEST_CASE("what lies deep in a grip takes no part in the strain", "[tension]") {
   }
 }
 
-TEST_CASE("a hollow body without cells has the section of its masses", "[tension]") {
+TEST_CASE("a hollow body without cells has the section of its masses", "[tension][slow]") {
   std::vector<Vector3> positions;
   const Body packing = random_packing({0.03, 0.03, 0.03}, 0.0025, 0.00375, 1);
   for (int a = 0; a < packing.size(); ++a)

@@ -138,7 +138,7 @@ TEST_CASE("between clamps a section that warps shows no G, and asks for a refere
   CHECK(turn(specimen, 0.01, 1, "neo_hookean", {.linear = true}).measures.get("shear_modulus") > 1.05 * 1e5 / 2.6);
 }
 
-TEST_CASE("a rough bar and a round one have a shear modulus", "[torsion]") {
+TEST_CASE("a rough bar and a round one have a shear modulus", "[torsion][slow]") {
   Specimen bar;
   bar.material = {.youngs_modulus = 1e5, .poissons_ratio = 0.3};
   bar.body = tetrahedral_block(BlockKind::body_centred, {4, 4, 12}, {1, 1, 3});

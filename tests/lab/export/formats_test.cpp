@@ -87,7 +87,7 @@ int count(const std::string& text, const std::string& word) {
 
 }  // namespace
 
-TEST_CASE("A problem written for FEBio and read back has the same equilibrium", "[export]") {
+TEST_CASE("A problem written for FEBio and read back has the same equilibrium", "[export][slow]") {
   const std::string rubber = kRubber + "quadratic}",
                     tetrahedra = "tetrahedra: {kind: kuhn, cubes: [1, 1, 2], size: [5 mm, 5 mm, 10 mm], order: ";
   const std::vector<Problem> problems{
@@ -259,7 +259,7 @@ TEST_CASE("CalculiX, where it is installed, finds what the same cells find", "[e
   CHECK(pushed.run.measures.get("force") < -5e3 * 1e-4 * 1e-4);
 }
 
-TEST_CASE("CalculiX finds what the laws of several terms say", "[export][calculix]") {
+TEST_CASE("CalculiX finds what the laws of several terms say", "[export][calculix][slow]") {
   if (std::system("command -v ccx > /dev/null") != 0) {
     WARN("ccx is not installed here");
     return;

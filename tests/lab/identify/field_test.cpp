@@ -106,7 +106,7 @@ TEST_CASE("points alone give ratios of the stiffness between cells, which is sai
   }
 }
 
-TEST_CASE("a field is written where a scene takes it", "[identify][field]") {
+TEST_CASE("a field is written where a scene takes it", "[identify][field][slow]") {
   const TemporaryFolder folder;
   const Answer answer = answer_of(folder, scene_of(kTetrahedra, "neo_hookean", "{smoothness: 1e-3}", kCamera + kForce));
   CHECK(answer.field->chosen_by == "stated");

@@ -231,7 +231,7 @@ const std::vector<Export> kExports{
 
 }  // namespace
 
-TEST_CASE("ten machines' exports are read as they are and give their material", "[identify][machines]") {
+TEST_CASE("ten machines' exports are read as they are and give their material", "[identify][machines][slow]") {
   const TemporaryFolder folder;
   for (const Export& machine : kExports) {
     INFO(machine.layout.machine);
@@ -424,7 +424,7 @@ TEST_CASE("moduli by windows are those of the law, within their intervals", "[id
   }
 }
 
-TEST_CASE("moduli by windows are those of strongly bent curves, within their intervals", "[identify][machines]") {
+TEST_CASE("moduli by windows are those of strongly bent curves, within their intervals", "[identify][machines][slow]") {
   // Fung's exponential, by its closed forms; exact readings and noisy ones.
   constexpr double a = 1e3, b = 20;
   const auto stress = [](double strain) { return a * std::expm1(b * strain); };

@@ -69,7 +69,7 @@ TEST_CASE("points alone give Poisson's ratio, from a frame that turned and moved
   CHECK(fixed.tests.front().relative_rms > 0.01);  // the shift is then a misfit
 }
 
-TEST_CASE("a modulus that moves no molecule has its slope by any linear solver", "[identify][points]") {
+TEST_CASE("a modulus that moves no molecule has its slope by any linear solver", "[identify][points][slow]") {
   // Uniaxial stress under a prescribed elongation of 1 %, in which E changes the grips' forces alone.
   constexpr double strain = 0.01, modulus = 100e3, poissons_ratio = 0.3;
   const TemporaryFolder folder;

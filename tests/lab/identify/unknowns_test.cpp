@@ -108,7 +108,7 @@ TEST_CASE("an unknown that is nowhere is named with its neighbour", "[identify]"
                                                        Catch::Matchers::Contains("did you mean 'exponent'"));
 }
 
-TEST_CASE("E and nu are found from three specimens of one material, each in a machine of its own", "[identify]") {
+TEST_CASE("E and nu are found from three specimens of one material, each in a machine of its own", "[identify][slow]") {
   const TemporaryFolder folder;
   const auto scene = [&](const std::string& name, const std::string& size, const std::string& experiment) {
     return folder.write(name + ".yaml", "body: {tetrahedra: {kind: body_centred, " + size +
@@ -144,7 +144,8 @@ TEST_CASE("E and nu are found from three specimens of one material, each in a ma
   REQUIRE(answer.tests.size() == 3);
 }
 
-TEST_CASE("relaxation of a clamped bar gives E and its Prony term from the force of a run in time", "[identify]") {
+TEST_CASE("relaxation of a clamped bar gives E and its Prony term from the force of a run in time",
+          "[identify][slow]") {
   const TemporaryFolder folder;
   const auto scene = [&](const std::string& material, const std::string& more) {
     return folder.write("scene.yaml",

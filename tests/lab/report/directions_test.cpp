@@ -243,7 +243,7 @@ TEST_CASE("where no other direction has a modulus the reason is stated", "[direc
   CHECK(measure_directions(*scene, scene->stiffness, {}, {}).trouble == "the body has more than 20000 molecules");
 }
 
-TEST_CASE("a law with directions has its own moduli as the target, or none", "[directions][reference]") {
+TEST_CASE("a law with directions has its own moduli as the target, or none", "[directions][reference][slow]") {
   const std::string tendon =
       "body: {tetrahedra: {kind: body_centred, cubes: [3, 3, 6], size: [3 mm, 3 mm, 6 mm]}}\nmaterial: {law: "
       "transversely_isotropic, c1: 10 kPa, c3: 2 kPa, c4: 20, c5: 300 kPa, lambda_max: 1.07, direction: z, "

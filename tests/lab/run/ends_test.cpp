@@ -64,7 +64,7 @@ TensionSetup pull(Grip grip) {
 
 }  // namespace
 
-TEST_CASE("a bar with rough or tilted ends shows its modulus", "[ends][tension]") {
+TEST_CASE("a bar with rough or tilted ends shows its modulus", "[ends][tension][slow]") {
   unsigned seed = 0;
   for (const int corners : {4, 8})
     for (const int order : {1, 2}) {

@@ -153,7 +153,7 @@ TEST_CASE("a body that goes through itself says so, one that is held off itself 
   CHECK(crossings("1 Pa", "") == 0);
 }
 
-TEST_CASE("a loaded molecule that moves far further than the rest of its end is named", "[findings]") {
+TEST_CASE("a loaded molecule that moves far further than the rest of its end is named", "[findings][slow]") {
   const auto weak = [](int seed, const std::string& load) {
     return warnings_of("title: a packing\nbody: {packing: {size: [20 mm, 10 mm, 10 mm], distance: 2 mm, seed: " +
                            std::to_string(seed) +

@@ -162,7 +162,7 @@ TEST_CASE("a rigid motion that loads hold is not free", "[statics][load_path]") 
   }
 }
 
-TEST_CASE("a body that finds no equilibrium says that it is not held, or a mechanism", "[statics][load_path]") {
+TEST_CASE("a body that finds no equilibrium says that it is not held, or a mechanism", "[statics][load_path][slow]") {
   const TemporaryFolder folder;
   const auto cause = [&](const std::string& text) {
     const auto scene = load_scene(folder.write("scene.yaml", text), built_in_catalog());
@@ -278,7 +278,7 @@ TEST_CASE("a free body that vibrates needs no support", "[statics][load_path]") 
 }
 
 // Bodies that nothing holds or joins are each what one alone is: none drifts or turns against the others.
-TEST_CASE("free balloons under pressure widen as one does", "[statics][load_path]") {
+TEST_CASE("free balloons under pressure widen as one does", "[statics][load_path][slow]") {
   const auto run = [](const std::string& others, const std::string& load) {
     const auto scene =
         load_scene(SceneSource::of_text(
@@ -503,7 +503,7 @@ TEST_CASE("grips of several layers strain what is free between them", "[statics]
 
 // A plate of 20 x 4 x 1 mm between sliding plates, which may turn nowhere: by Euler and Engesser it buckles at a strain
 // of pi^2/12 (h/L)^2 = 0.2 %, its rows of molecules being one cell high at some 0.3 %.
-TEST_CASE("a plate that buckles within the first load step says so", "[statics][load_path]") {
+TEST_CASE("a plate that buckles within the first load step says so", "[statics][load_path][slow]") {
   const TemporaryFolder folder;
   const auto buckles = [&](const std::string& experiment, const std::string& molecules = "[21, 5, 2]") {
     const auto scene =
@@ -560,7 +560,7 @@ TEST_CASE("a sheet of springs that is pulled by a force has its flat equilibrium
 }
 
 TEST_CASE("a curve whose modulus jumps at rest names the ways past that where no equilibrium is found",
-          "[statics][load_path]") {
+          "[statics][load_path][slow]") {
   const auto run = [](const std::string& curve, const std::string& steps) {
     const auto scene = load_scene(
         SceneSource::of_text("a.yaml",

@@ -139,7 +139,7 @@ TEST_CASE("supports may jump: the body comes to the equilibrium about where they
     }
 }
 
-TEST_CASE("what is left of a force that relaxes is not of the wave behind the ramp", "[time]") {
+TEST_CASE("what is left of a force that relaxes is not of the wave behind the ramp", "[time][slow]") {
   const double ramp = 0.04, tau = 0.1, share = 0.5;
   const Run run = run_of(
       "body: {tetrahedra: {kind: kuhn, cubes: [8, 2, 2], size: [4 cm, 1 cm, 1 cm]}}\n"
@@ -153,7 +153,7 @@ TEST_CASE("what is left of a force that relaxes is not of the wave behind the ra
   CHECK(measured(run, "relaxation_time") == Approx(tau).epsilon(0.01));
 }
 
-TEST_CASE("damping is that of the swings that last, not of those that die first", "[time]") {
+TEST_CASE("damping is that of the swings that last, not of those that die first", "[time][slow]") {
   // A bar in tension: its first mode has ω = π/2 √(E/ρ)/L, and of damping by the stiffness ζ = β ω/2.
   const double w = M_PI / 2 * std::sqrt(20e3 / 1000) / 0.012;
   const Run run = run_of(
@@ -387,7 +387,7 @@ TEST_CASE("a time history that is no such curve gives no such measure, and the r
 
 // An elastic bar under a force that is put on at once swings at first, however the steps are chosen: no part of its
 // creep, which goes on with τ = 0.1 s · 1.5.
-TEST_CASE("the retardation time of a body with mass is its material's", "[time]") {
+TEST_CASE("the retardation time of a body with mass is its material's", "[time][slow]") {
   for (const std::string force : {"1 mN", "10 mN", "100 mN"})
     for (const std::string step : {"", ", step: {error: 1e-6}", ", frames: 10"}) {
       const Run creep = run_of(
@@ -421,7 +421,7 @@ TEST_CASE("experiments at rest see what has relaxed alone, in energy and tangent
     }
 }
 
-TEST_CASE("what relaxes vibrates with the storage modulus at its own frequency", "[time][vibration]") {
+TEST_CASE("what relaxes vibrates with the storage modulus at its own frequency", "[time][vibration][slow]") {
   // All of the stress relaxes, so that f² is in proportion to the storage modulus: with the plain law's frequency f₀
   // and x = 2π f τ it is (f / f₀)² = 1 + Σ gᵢ xᵢ² / (1 + xᵢ²).
   const auto frequency = [](const std::string& body, const std::string& stiffness, const std::string& relaxation) {
@@ -521,7 +521,7 @@ TEST_CASE("a drop without damping gives back its speed; with damping less", "[ti
   CHECK(measured(fallen, "impact_speed") == Approx(std::sqrt(2 * 9.81 * 5e-3)).epsilon(1e-4));
 }
 
-TEST_CASE("restitution is that of the whole impact, however its molecules bounce meanwhile", "[time][drop]") {
+TEST_CASE("restitution is that of the whole impact, however its molecules bounce meanwhile", "[time][drop][slow]") {
   const std::string block =
       "body: {lattice: {kind: cubic, molecules: [6, 6, 6], spacing: 1 cm, connections: [axis, face]}}\n"
       "material: {youngs_modulus: 100 kPa, density: 1000 kg/m3}\nstiffness: lattice\n";
@@ -566,7 +566,7 @@ TEST_CASE("restitution is that of the whole impact, however its molecules bounce
     CHECK_FALSE(std::isfinite(pressed.measures.get(name)));
 }
 
-TEST_CASE("a released twisted bar turns back and forth; a sheared one, too", "[time]") {
+TEST_CASE("a released twisted bar turns back and forth; a sheared one, too", "[time][slow]") {
   const std::string bar =
       "body: {lattice: {kind: cubic, molecules: [2, 2, 7], spacing: 1 cm, connections: [axis, face]}}\n"
       "material: {youngs_modulus: 100 kPa, density: 1000 kg/m3}\nstiffness: lattice\n";
@@ -735,7 +735,7 @@ TEST_CASE("a restart file of another run, or a damaged one, is refused", "[time]
   says_where(cut, "3:4: the restart file is cut off");
 }
 
-TEST_CASE("steps that lose energy are named, implicit ones too, and what contact takes is not theirs", "[time]") {
+TEST_CASE("steps that lose energy are named, implicit ones too, and what contact takes is not theirs", "[time][slow]") {
   const std::string bar =
                         "body: {lattice: {kind: cubic, molecules: [3, 3, 9], spacing: 1 cm, connections: [axis, "
                         "face]}}\nmaterial: {youngs_modulus: 10 kPa, density: 1000 kg/m3}\nstiffness: lattice\n",
@@ -762,7 +762,7 @@ TEST_CASE("steps that lose energy are named, implicit ones too, and what contact
   CHECK_THAT(bounced.remark, Contains("in no account: contact with a restitution below 1"));
 }
 
-TEST_CASE("implicit steps that make more energy than there is end with that as the cause", "[time]") {
+TEST_CASE("implicit steps that make more energy than there is end with that as the cause", "[time][slow]") {
   // Springs that are stretched by 40 % and released: the trapezoidal rule gains energy from their turns.
   const Run run = run_of(
       "body: {lattice: {kind: cubic, molecules: [4, 4, 6], spacing: 10 mm, connections: [axis, face]}}\n"
@@ -773,7 +773,8 @@ TEST_CASE("implicit steps that make more energy than there is end with that as t
   CHECK_THAT(run.cause, Contains("the steps make energy from nothing"));
 }
 
-TEST_CASE("laws with a history and laws without an energy keep an account, and a run that explodes ends", "[time]") {
+TEST_CASE("laws with a history and laws without an energy keep an account, and a run that explodes ends",
+          "[time][slow]") {
   const std::string creep =
       "body: {lattice: {kind: cubic, molecules: [3, 3, 4], spacing: 10 mm, connections: [axis, face]}}\n"
       "material: {youngs_modulus: 10 kPa, density: 1000 kg/m3, relaxation: {terms: [[0.5, 2 s]]},"
@@ -805,7 +806,7 @@ TEST_CASE("laws with a history and laws without an energy keep an account, and a
   CHECK(measured(relaxed, "energy_drift") < 0.01);
 }
 
-TEST_CASE("a budget gives each step the sweeps that it leaves time for", "[time][budget]") {
+TEST_CASE("a budget gives each step the sweeps that it leaves time for", "[time][budget][slow]") {
   const auto swung = [](const std::string& stepper, const std::string& budget) {
     return run_of(
         "body: {lattice: {kind: cubic, molecules: [2, 2, 5], spacing: 1 cm, connections: [axis, face]}}\n"

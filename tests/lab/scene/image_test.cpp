@@ -268,7 +268,7 @@ TEST_CASE("image: grey values without a threshold are warned of, labels are not"
   CHECK(warned(nrrd({6, 6, 6}, [](int x, int y, int z) { return x / 2 + 3 * (y / 2) + 9 * (z / 2) + 1; })).empty());
 }
 
-TEST_CASE("image: lattice and packing of the voxels run as springs", "[image]") {
+TEST_CASE("image: lattice and packing of the voxels run as springs", "[image][slow]") {
   const TemporaryFolder folder;
   const auto lattice = scene_of(folder, nrrd(kSize, halves), ", as: lattice", "lattice");
   CHECK(lattice->specimen.body.cubes.size() == 72);
@@ -291,7 +291,8 @@ TEST_CASE("image: larger boxes, and the part of them that is body", "[image]") {
   CHECK_THAT(part->warnings.back(), Contains("2 times what is filled: give `cross_section`"));
 }
 
-TEST_CASE("image: boxes that close the gap between pieces are warned of, and springs do not cross it", "[image]") {
+TEST_CASE("image: boxes that close the gap between pieces are warned of, and springs do not cross it",
+          "[image][slow]") {
   const TemporaryFolder folder;
   const auto gap = [](int, int, int z) { return z != 4; };
   const auto joined = [](const Scene& scene) {

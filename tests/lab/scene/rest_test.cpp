@@ -57,7 +57,8 @@ std::string refused(const std::string& text) {
 
 }  // namespace
 
-TEST_CASE("a bar that is held at its length pushes with E A (factor - 1), as springs and as cells", "[scene][rest]") {
+TEST_CASE("a bar that is held at its length pushes with E A (factor - 1), as springs and as cells",
+          "[scene][rest][slow]") {
   for (const auto& [body, stiffness] :
        {std::pair(kTetrahedra, "neo_hookean"), std::pair(kHexahedra, "st_venant_kirchhoff"),
         std::pair(kLattice, "lattice"), std::pair(kTetrahedra, "neo_hookean_log")})
@@ -86,7 +87,7 @@ TEST_CASE("fibres that are stretched beforehand pull as if the bar had been draw
   CHECK(force_of(at_rest + "rotate: {axis: [1, 2, 3], angle: 70 deg}\n") == Approx(drawn).epsilon(1e-7));
 }
 
-TEST_CASE("in time the rest follows its factor, with steppers of all kinds", "[scene][rest]") {
+TEST_CASE("in time the rest follows its factor, with steppers of all kinds", "[scene][rest][slow]") {
   for (const char* stepper : {"backward_euler", "velocity_verlet", "block_descent"}) {
     const Run run =
         run_of("title: A swelling body\nbody: {" + kLattice +
@@ -101,7 +102,7 @@ TEST_CASE("in time the rest follows its factor, with steppers of all kinds", "[s
   }
 }
 
-TEST_CASE("in time the rest begins with its factor at the start", "[scene][rest]") {
+TEST_CASE("in time the rest begins with its factor at the start", "[scene][rest][slow]") {
   const auto held = [](const std::string& rest, const std::string& stepper, const std::string& more = "",
                        const std::string& stiffness = "neo_hookean") {
     return run_of("title: A bar\nbody: {" + kTetrahedra + "}\nmaterial: {youngs_modulus: 10 kPa, poissons_ratio: 0.25" +
@@ -138,7 +139,7 @@ TEST_CASE("in time the rest begins with its factor at the start", "[scene][rest]
 }
 
 TEST_CASE("small displacements about a shape that is not the body's rest are not unstable for turning",
-          "[scene][rest]") {
+          "[scene][rest][slow]") {
   const Run free = run_of(bar("swelling: 1.00001", "displacement: 0.1 mm") + "solver: {displacements: small}\n");
   CHECK(free.outcome == Outcome::converged);
   CHECK_FALSE(free.unstable);
@@ -361,7 +362,8 @@ TEST_CASE("Newton's method finds unloaded shapes where mixing does not, or says 
   }
 }
 
-TEST_CASE("a strip between clamps buckles where it has grown by Euler's strain, and not before", "[scene][rest]") {
+TEST_CASE("a strip between clamps buckles where it has grown by Euler's strain, and not before",
+          "[scene][rest][slow]") {
   // π² h²/(3 L²) of h = 1 mm, L = 40 mm; behind it the height (2 L/π) √(e − e_c) of the middle.
   const double critical = std::pow(3.14159265358979 / 40, 2) / 3;
   for (const double times : {0.95, 2.0}) {

@@ -77,7 +77,7 @@ TEST_CASE("a size is three lengths, the last of which may give the unit", "[new]
     CHECK_THROWS_WITH(text(size), Contains("is not three lengths, such as 40 x 10 x 4 mm"));
 }
 
-TEST_CASE("calibration is offered to specimens that measure what a rule can be calibrated to", "[new]") {
+TEST_CASE("calibration is offered to specimens that measure what a rule can be calibrated to", "[new][slow]") {
   const std::string scenes = ELASTIN_SOURCE_DIR "/scenes/";
   const TemporaryFolder folder;
   const NewScene specimens[] = {

@@ -254,7 +254,7 @@ TEST_CASE("a body without Poisson's ratio has its reference as soon as its modul
   CHECK_THAT(of(found, "effective_modulus").source, Contains("on 96 to 768 "));
 }
 
-TEST_CASE("what yields without limit as cells are refined has no computed reference", "[reference]") {
+TEST_CASE("what yields without limit as cells are refined has no computed reference", "[reference][slow]") {
   // A force on one molecule: the displacement goes with one over the cells' size.
   const ComputedReferences found =
       Written(block("cubes: [2, 2, 2], size: [10 mm, 10 mm, 20 mm]", "youngs_modulus: 30 kPa, poissons_ratio: 0.3",
@@ -276,7 +276,7 @@ TEST_CASE("where one body alone is affordable its cells' order says how well the
   CHECK((rough.uncertainty > 10 * fine.uncertainty && rough.uncertainty < 0.1));
 }
 
-TEST_CASE("a reference that takes too long is given up, and one that is interrupted is not kept", "[reference]") {
+TEST_CASE("a reference that takes too long is given up, and one that is interrupted is not kept", "[reference][slow]") {
   const std::string bar = block(kBar, kRubber, "displacement: 0.1 mm, " + kClamped);
   CHECK_THAT(Written(bar + "reference: {computed: {seconds: 1e-9 s}}\n").compute().trouble,
              Contains("given up after") && Contains("computed.seconds"));
