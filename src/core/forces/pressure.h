@@ -71,6 +71,9 @@ class Pressure final : public Load {
   void add_forces(const State& state, Positions& forces) const override;
   double energy(const State& state) const override;
   bool has_energy() const override { return conservative_; }
+  /// Says that the law changes in time: what the pressure does is then work from outside.
+  void set_varying() { steady_ = false; }
+  bool steady() const override { return steady_ && has_energy(); }
   bool changes() const override { return true; }
   bool follows_surface() const override { return true; }
   void add_change(const State& state, const Positions& dx, const Positions& dv, Positions& forces) const override;
@@ -86,7 +89,7 @@ class Pressure final : public Load {
   PressureLaw law_;
   Vector3 apex_;
   double rest_volume_ = 0;
-  bool conservative_ = false, constant_ = false;
+  bool conservative_ = false, constant_ = false, steady_ = true;
   std::vector<int> start_, slots_;  ///< of each molecule: its triangles, ascending
 };
 

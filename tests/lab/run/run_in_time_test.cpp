@@ -104,6 +104,28 @@ TEST_CASE("a load that jumps, and a body at rest, make no energy from nothing", 
     }
 }
 
+TEST_CASE("a pressure of a fixture that grows does work", "[time][energy]") {
+  const std::string rest =
+      ", thickness: 1 mm, density: 0.01 kg/m3}\nstiffness: neo_hookean_membrane\n"
+      "time: {duration: 0.5 s, stepper: newmark, step: 5 ms, frames: 20}\n";
+  const std::string material = "material: {youngs_modulus: 1 MPa, poissons_ratio: 0.5";
+  for (const std::string filling : {"pressure: 1 Pa", "gas: {start_pressure: 2010 Pa, ambient: 2000 Pa}"}) {
+    INFO(filling);
+    const Run run = run_of("body: {sphere_octant: {radius: 10 cm, mesh: type_1, divisions: 3}}\n" + material + rest +
+                           "experiment: {kind: motion, in_time: {ramp: {duration: 0.5 s}}, fixture: {kind: inflation, "
+                           "symmetry: [x, y, z], " +
+                           filling + "}}\n");
+    CHECK(run.warnings.empty());
+    CHECK(measured(run, "energy_drift") < 1e-3);
+    CHECK(measured(run, "work") == Approx(run.measures.get("energy")).epsilon(0.01));  // slowly: all is stored
+  }
+  const Run bubble = run_of("body: {disc: {radius: 5 cm, rings: 4}}\n" + material + rest +
+                            "experiment: {kind: motion, in_time: {ramp: {duration: 0.5 s}}, fixture: {kind: bubble, "
+                            "pressure: 10 Pa}}\n");
+  CHECK(measured(bubble, "energy_drift") < 0.05);
+  CHECK(measured(bubble, "work") > 0);
+}
+
 // J(t) = (1 - g / (1 + g) e^(-t / (tau (1 + g)))) / E, and after a load for 1 s a strain of sigma (J(t) - J(t - 1 s)).
 TEST_CASE("a body that relaxes recovers when nothing loads it any more, in few iterations", "[time][prony]") {
   for (const std::string body : {"tetrahedra: {kind: body_centred, cubes: [1, 1, 3], size: [10 mm, 10 mm, 30 mm]}",

@@ -4,6 +4,7 @@
 #include <limits>
 #include <optional>
 
+#include "core/forces/pressure.h"
 #include "core/solve/newton.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/base/text.h"
@@ -425,8 +426,10 @@ class MotionRig final : public TimedRig {
     const std::size_t others = model.loads().size();
     fixture_ = setup_.fixture->static_rig(model);
     if (setup_.load.constant()) return;
-    for (std::size_t i = others; i < model.loads().size(); ++i)
+    for (std::size_t i = others; i < model.loads().size(); ++i) {
       if (auto* load = dynamic_cast<PointLoads*>(model.loads()[i].get())) load->set_varying();
+      if (auto* load = dynamic_cast<Pressure*>(model.loads()[i].get())) load->set_varying();
+    }
   }
 
   StaticResult start(State& state, const StaticOptions& options) override {
