@@ -28,7 +28,7 @@ struct End {
 ///   q = (q₀ + q₁)/2 + λ (s₁ − s₀),   ½ Σ q (s₁ − s₀) = W₁ − W₀,
 /// along the lines between the molecules half-way. So energy and both momenta of a free body are kept, at any step
 /// length and however fast it turns: the discrete gradient of [Gonzalez 2000], taken over all squared lengths at once.
-/// Loads, damping and inertia are those half-way.
+/// Loads, damping and inertia are those half-way, and so is a rest that changes in time.
 class EnergyMomentum final : public Implicit {
  public:
   explicit EnergyMomentum(const StaticOptions& options) : Implicit(options, 0, 0) {}
@@ -41,8 +41,13 @@ class EnergyMomentum final : public Implicit {
   };
 
   void try_step(Model& model, State& state, double dt, StepResult& result) override {
-    if (model.drive) model.drive(state.time + dt, model.supports);
-    model.begin_step(state, state.time + dt);
+    if (model.drive) {  // the forces that it sets are those half-way, the supports those at the end
+      model.drive(state.time + dt, model.supports);
+      ends_ = model.supports;
+      model.drive(state.time + dt / 2, model.supports);
+      model.supports = ends_;
+    }
+    model.begin_step(state, state.time + dt / 2);
     dt_ = dt;
     set_end(model, state.positions, begin_);
     next_.carry_over(state);
@@ -63,6 +68,8 @@ class EnergyMomentum final : public Implicit {
       result.cause = "something would be passed through within a step";
       return;
     }
+    if (model.drive) model.drive(state.time + dt, model.supports);
+    model.begin_step(state, state.time + dt);
     model.commit_step(next_);
     ++result.substeps;
     result.cause.clear();
@@ -243,6 +250,7 @@ class EnergyMomentum final : public Implicit {
   }
 
   double dt_ = 0;
+  std::vector<Support> ends_;  // of the step's supports
   End begin_, end_;
   Matrix3 turn_;  ///< from half-way to the end of the step, as far as the body turns as one
   Trial now_;

@@ -283,6 +283,10 @@ StaticResult Implicit::balance_within(Model& model, const State& state, double d
 StaticResult Implicit::balance_once_within(Model& model, const State& state, double dt) {
   const double share = shares_.forces;
   ends_ = model.supports;
+  if (model.drive) {  // forces that it sets meet the body where it is balanced; supports go straight to the step's end
+    model.drive(state.time + share * dt, model.supports);
+    model.supports = ends_;
+  }
   for (Support& support : model.supports) {
     const Vector3 begin = state.positions.col(support.molecule) - model.body().rest.col(support.molecule);
     support.displacement = begin + share * (support.displacement - begin);
@@ -297,6 +301,7 @@ StaticResult Implicit::balance_once_within(Model& model, const State& state, dou
       solved.outcome == Outcome::converged || (kinematics_.cut_short && solved.outcome == Outcome::limit_reached);
   if (usable) balance_as_one(model);
   model.supports = ends_;
+  if (model.drive) model.drive(state.time + dt, model.supports);
   model.begin_step(state, state.time + dt);
   go_on_to_end(model, state, dt);
   if (usable && any_over(model.body(), !model.admissible(next_.positions))) {
@@ -406,6 +411,7 @@ void ImplicitByNewton::transpose(Model& model, const State& from, const State& t
     if (made_by_pushes(model, from, to, share)) throw InputError(kOpened);
     at.positions = from.positions + share * (to.positions - from.positions);
     at.time = from.time + share * dt;
+    if (model.drive) model.drive(at.time, model.supports);
     of_a += dt * gamma_ * of_v;
     start_v = of_v, start_a = dt * (1 - gamma_) * of_v + (1 - 1 / of_inertia) * of_a;
     start_x = (1 - 1 / share) * of_x;

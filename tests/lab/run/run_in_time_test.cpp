@@ -104,6 +104,33 @@ TEST_CASE("a load that jumps, and a body at rest, make no energy from nothing", 
     }
 }
 
+// k = 100 N/m, m = 1 kg: u = F / k / (1 - b^2) (sin(b w t) - b sin(w t)) under a force F sin(b w t).
+TEST_CASE("a force of a fixture in time meets the body when it acts, as a load of the scene does", "[time]") {
+  const double b = 0.63, duration = 1.5;
+  const double exact = 1e-3 / (1 - b * b) * (std::sin(b * 10 * duration) - b * std::sin(10 * duration));
+  const std::string sine = "{sine: {frequency: " + std::to_string(b * 10 / (2 * M_PI)) + " Hz}}";
+  const auto at_end = [&](const std::string& rest, const std::string& stepper, const char* step) {
+    const Run run = run_of(kOscillator + rest + "time: {duration: 1.5 s, frames: 15, step: " + step +
+                           ", stepper: " + stepper + "}\n");
+    CHECK(run.outcome == Outcome::converged);
+    CHECK(measured(run, "energy_drift") < 0.02);
+    return 2 * run.measures.get("centre_displacement") / std::abs(exact) - 1;  // one of two molecules moves
+  };
+  const std::string fixture = "experiment: {kind: motion, in_time: " + sine +
+                              ", fixture: {kind: tension, axis: x, force: 0.1 N, cross_section: 1 cm2}}\n",
+                    rest =
+                        "experiment: {kind: motion, fixture: {kind: loads}}\nsupports: [{molecules: [0]}, {molecules: "
+                        "[1], fix: [y, z]}]\nrest: {growth: 1.01, along: x, factor: " +
+                        sine + "}\n";
+  for (const std::string stepper : {"newmark", "generalized_alpha", "energy_momentum", "velocity_verlet"})
+    for (const std::string& moved : {fixture, rest}) {
+      INFO(stepper << ": " << moved);
+      const double coarse = at_end(moved, stepper, "10 ms"), fine = at_end(moved, stepper, "5 ms");
+      CHECK(std::abs(coarse) < 0.02);
+      CHECK(coarse / fine == Approx(4).epsilon(0.2));
+    }
+}
+
 TEST_CASE("a pressure of a fixture that grows does work", "[time][energy]") {
   const std::string rest =
       ", thickness: 1 mm, density: 0.01 kg/m3}\nstiffness: neo_hookean_membrane\n"
