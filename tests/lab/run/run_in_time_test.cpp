@@ -153,6 +153,25 @@ TEST_CASE("a pressure of a fixture that grows does work", "[time][energy]") {
   CHECK(measured(bubble, "work") > 0);
 }
 
+TEST_CASE("a body that grows freely needs no work, however long the steps are", "[time][rest][energy]") {
+  const std::string text =
+      "body: {tetrahedra: {kind: kuhn, cubes: [1, 1, 2], size: [3 mm, 3 mm, 7 mm]}}\n"
+      "material: {youngs_modulus: 5 kPa, poissons_ratio: 0.37, density: 1000 kg/m3}\nstiffness: neo_hookean\n"
+      "rest: {growth: 1.2, along: z, factor: {ramp: {duration: 1 s}}}\n"
+      "experiment: {kind: motion, fixture: {kind: loads, read: [{name: top, molecules: {side: z}}]}}\n"
+      "supports: [{molecules: {side: -z}, fix: [z]}, {molecules: {side: -x}, fix: [x]}, {molecules: {side: -y}, fix: "
+      "[y]}]\n";
+  for (const char* time : {"step: 20 ms, stepper: backward_euler", "step: 10 ms, stepper: backward_euler",
+                           "stepper: backward_euler", "frames: 50"}) {
+    INFO(time);
+    const Run run = run_of(text + "time: {duration: 1.5 s, " + time + "}\n");
+    CHECK(run.cause == "");
+    for (const std::string& warning : run.warnings)  // the steps may damp what moves
+      CHECK_THAT(warning, !Contains("from nothing"));
+    CHECK(std::abs(measured(run, "work")) < 1e-10);  // by the trapezoidal rule alone -1.5e-9 J of long steps
+  }
+}
+
 // J(t) = (1 - g / (1 + g) e^(-t / (tau (1 + g)))) / E, and after a load for 1 s a strain of sigma (J(t) - J(t - 1 s)).
 TEST_CASE("a body that relaxes recovers when nothing loads it any more, in few iterations", "[time][prony]") {
   for (const std::string body : {"tetrahedra: {kind: body_centred, cubes: [1, 1, 3], size: [10 mm, 10 mm, 30 mm]}",
