@@ -18,6 +18,7 @@
 #include "elastin/core/base/error.h"
 #include "elastin/core/base/types.h"
 #include "elastin/core/base/units.h"
+#include "elastin/core/forces/time_function.h"
 
 namespace elastin::config {
 
@@ -32,6 +33,7 @@ struct SceneFile {
   std::map<std::string, std::vector<int>> sets = {};  ///< of molecules, ascending, as the body's mesh names them
   std::vector<std::string> files = {};                ///< the scene's own, and those that it extends
   FormulaValues values = {};                          ///< of the section `values`
+  std::vector<TimeFunction> time_functions = {};      ///< those that were read
   /// The sections of the key reference that have a key; none where nobody knows.
   std::function<std::vector<std::string>(const std::string& key)> owners = {};
 };
@@ -144,6 +146,10 @@ class Reader {
   /// The file that this value stands in: the scene's, or one that it extends.
   const std::string& file_path() const;
   const SceneSource& source() const { return file_->source; }
+  /// Notes a function of time that something of the scene follows, so that steps see how it changes.
+  void note(const TimeFunction& function) const { file_->time_functions.push_back(function); }
+  /// All that were noted in this file.
+  const std::vector<TimeFunction>& time_functions() const { return file_->time_functions; }
   /// A scene file that this one names.
   Reader open(const std::string& path) const;
   /// Whether the values read so far were plain SI numbers; a scene has these or units.

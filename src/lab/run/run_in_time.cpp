@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <thread>
 
@@ -40,6 +41,21 @@ TimeOptions with_steps_for(const TimedExperiment& experiment, TimeOptions option
   if (experiment.slow() && options.choice == StepChoice::automatic)
     options.largest = std::min(options.largest, options.duration / fewest);
   return options;
+}
+
+/// Of steps whose length is given: what they cannot see of the functions of time; "" where they see all.
+std::string overlooked(const TimeOptions& options) {
+  constexpr double fewest = 4;  // steps in a swing: half a sine's period is then seen to 5 %
+  const bool fixed = options.choice == StepChoice::fixed, per_frame = options.choice == StepChoice::per_frame;
+  if (!fixed && !per_frame) return "";
+  const double frame = options.time_of(options.frames) - options.time_of(options.frames - 1);
+  const double step = fixed ? std::min(options.step, frame) : frame / options.steps_per_frame;
+  double shortest = std::numeric_limits<double>::infinity();
+  for (const TimeFunction& function : options.follows) shortest = std::min(shortest, function.shortest_swing());
+  if (step * fewest <= shortest * (1 + 1e-9)) return "";
+  return "steps of " + number(step, 4) + " s are too long for a function of time that goes to and fro within " +
+         number(shortest, 4) + " s; take steps of " + number(shortest / fewest, 2) +
+         " s or less, or leave `time.step` out";
 }
 
 /// Of a flat membrane that could leave its plane; else zero.
@@ -108,6 +124,7 @@ class TimedRun {
     if (time.choice == StepChoice::fixed && critical > 0 && time.step > critical)
       run_.warnings.push_back("a step of " + number(time.step, 4) + " s is longer than the longest stable one, " +
                               number(critical, 4) + " s");
+    if (const std::string text = overlooked(time); !text.empty()) run_.warnings.push_back(text);
     if (run_.curve.empty()) keep_row({});
     keep_snapshot();
     double looked = 0;  // [s], at what a budget leaves: no part of the steps

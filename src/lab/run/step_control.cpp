@@ -131,6 +131,9 @@ StepControl::StepControl(Model& model, const State& start, const TimeOptions& op
     }
   }
   if (by_error_) memory.wanted = std::min(options.largest, memory.wanted / 8);
+  longest_ = std::numeric_limits<double>::infinity();
+  if (options.choice == StepChoice::fixed || options.choice == StepChoice::per_frame) options_.follows.clear();
+  for (const TimeFunction& function : options_.follows) longest_ = std::min(longest_, function.longest_step());
 }
 
 /// A body that stiffens as it moves takes shorter steps; the row sums say by how much, in one pass.
@@ -143,9 +146,11 @@ void StepControl::watch(Model& model, const State& state) {
 
 StepResult StepControl::one_step(Model& model, State& state, double until) {
   watch(model, state);
+  double end = until;
+  for (const TimeFunction& function : options_.follows) end = std::min(end, function.next_corner(state.time));
   while (true) {
-    const double left = until - state.time;
-    double step = std::min(memory.wanted, memory.stable);
+    const double left = end - state.time;
+    double step = std::min({memory.wanted, memory.stable, longest_});
     if (by_error_) step = std::max(step, options_.smallest);
     // The rest of the frame's time in equal steps; a step that rounding alone makes is left out.
     const double count = std::max(1., std::ceil(left / step * (1 - 1e-9)));
@@ -159,7 +164,8 @@ StepResult StepControl::one_step(Model& model, State& state, double until) {
       const double ratio = result.error / (options_.error * size_);
       const double change = ratio > 0 ? 0.9 * std::pow(ratio, -1 / (order_ + 1)) : 2;
       const bool can_shorten = dt > options_.smallest * (1 + 1e-9) && result.substeps <= 1;
-      memory.wanted = std::min(options_.largest, dt * std::clamp(change, 0.2, 2.));
+      // Up to what was wanted before at once: a frame or a corner may have cut this step alone.
+      memory.wanted = std::min(options_.largest, dt * std::clamp(change, 0.2, std::max(2., memory.wanted / dt)));
       if (ratio > 1 && can_shorten) {
         state = before;
         if (model.drive) model.drive(state.time, model.supports);
@@ -168,8 +174,8 @@ StepResult StepControl::one_step(Model& model, State& state, double until) {
       }
     }
     if (count == 1) {
-      state.time = until;
-      if (model.drive) model.drive(until, model.supports);
+      state.time = end;
+      if (model.drive) model.drive(end, model.supports);
     }
     ++memory.steps;
     memory.last = dt;

@@ -98,6 +98,7 @@ class StepControl {
   std::unique_ptr<Stepper> stepper_;
   std::optional<PacedSteps> paced_;  ///< where steps have a budget
   double size_ = 0;                  // of the body [m]
+  double longest_ = 0;               // step that sees the functions of time between their corners [s]
   double order_ = 2;
   bool by_error_ = false, watched_ = false;
 };

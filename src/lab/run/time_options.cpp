@@ -52,7 +52,9 @@ TimeFunction read_time_function(const Reader& reader) {
   if (!reader.is_map()) reader.fail("write {ramp: …}, {step: …}, {sine: …} or {table: [[time, factor], …]}");
   Reader map = reader;
   map.set_section("time_function");
-  return *time_function_keys().read(map).function;
+  TimeFunction function = *time_function_keys().read(map).function;
+  reader.note(function);
+  return function;
 }
 
 KeySection time_function_section() {

@@ -3,6 +3,7 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "elastin/core/forces/time_function.h"
 #include "elastin/core/solve/stepper.h"
@@ -31,9 +32,12 @@ struct TimeOptions {
   int frames = 100;                     ///< states that are kept in addition to the first
   /// [s], the end of the first frame; that of each other one is the one before times the same factor. 0: equal frames.
   double first_frame = 0;
-  double frame_rate = 250;  ///< frames a second at most, where a run is shown live
-  int checkpoint = 0;       ///< frames between two restart files; 0 = none
-  double budget = 0;        ///< [s] by the clock for a step of a stepper that takes sweeps; 0 = any
+  double frame_rate = 250;                 ///< frames a second at most, where a run is shown live
+  int checkpoint = 0;                      ///< frames between two restart files; 0 = none
+  double budget = 0;                       ///< [s] by the clock for a step of a stepper that takes sweeps; 0 = any
+  std::vector<TimeFunction> follows = {};  ///< at whose corners steps end, but for those of a fixed length
+  /// Whether steps by error are short for the motion so far, too; not of what is slow, whose vibrations they damp.
+  bool resolves_motion = true;
 
   /// When a frame ends [s]: frame 0 … frames.
   double time_of(int frame) const {

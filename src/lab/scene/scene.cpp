@@ -497,6 +497,7 @@ std::unique_ptr<Scene> read_scene(const SceneSource& source, const Catalog& cata
                                   ": acts on moving bodies only; it changes nothing in a static experiment");
       scene->specimen.loads.push_back(std::move(load.load));
     }
+  if (scene->time) scene->time->follows = reader.time_functions();
   std::vector<StrategyChoice> known = scene->strategies;
   known.push_back(scene->stiffness);
   check_volume_range(reader.at("material"), scene->specimen, known);

@@ -147,7 +147,8 @@ Keys<TimeOptions> time_options_keys(const elastin::Table<StepperKind>& steppers)
                  key::rows_below(
                      {"step", "quantity, `automatic`, or map", "s", "> 0", "`automatic`",
                       "explicit: 0.8 of the longest stable step, checked as the body stiffens; implicit: by error, "
-                      "of creep and relaxation at most a hundredth of the duration"},
+                      "of creep and relaxation at most a hundredth of the duration; either ends where a function of "
+                      "time jumps or has a kink, and takes at most a fortieth of its period"},
                      step_forms()),
                  read_step),
           key::whole("frames", &T::frames, 1, 1000000, "points of the time history and snapshots, at equal times"),

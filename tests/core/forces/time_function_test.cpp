@@ -2,6 +2,8 @@
 
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <limits>
+#include <vector>
 
 #include "core/forces/floor.h"
 #include "core/forces/pressure.h"
@@ -37,6 +39,29 @@ TEST_CASE("functions of time have their values and rates", "[time][loads]") {
   CHECK(TimeFunction({{-1, 3}, {0, 2}}).constant());  // it changes before time 0 only
   CHECK_THROWS_AS(TimeFunction({{1, 0}, {0.5, 1}}), InputError);
   CHECK_THROWS_AS(TimeFunction(std::vector<std::pair<double, double>>{}), InputError);
+}
+
+TEST_CASE("functions of time say where they turn and how short steps see it", "[time][loads]") {
+  const TimeFunction pulse({{0, 0}, {0.501, 0}, {0.5011, 1}, {0.504, 1}, {0.508, 1}, {0.5081, 0}, {2, 0}});
+  std::vector<double> corners;
+  for (double time = 0; std::isfinite(time = pulse.next_corner(time));) corners.push_back(time);
+  CHECK(corners == std::vector{0.501, 0.5011, 0.508, 0.5081});  // none where it goes straight on
+  CHECK(pulse.next_corner(0.501 * (1 - 1e-14)) == 0.5011);      // a time next to a corner but for rounding is at it
+  CHECK(TimeFunction::ramp(2).next_corner(-1) == 0);
+  CHECK(TimeFunction::ramp(2).next_corner(0) == 2);
+  CHECK(TimeFunction::step(3).next_corner(0) == 3);
+  const double never = std::numeric_limits<double>::infinity();
+  CHECK(TimeFunction::step(3).next_corner(3) == never);
+  const TimeFunction sine = TimeFunction::sine(50);
+  CHECK(sine.next_corner(0) == never);
+  CHECK(sine.longest_step() == Approx(0.02 / 40));
+  CHECK(pulse.longest_step() == never);
+
+  CHECK(sine.shortest_swing() == Approx(0.01));
+  CHECK(pulse.shortest_swing() == Approx(0.50801 - 0.501));  // up, and down by a tenth
+  CHECK(TimeFunction::ramp(2).shortest_swing() == never);
+  CHECK(TimeFunction({{0, 0}, {1, 1}, {1.1, 0.95}, {1.2, 1}, {2, 2}}).shortest_swing() == never);  // scatter
+  CHECK(TimeFunction({{0, 5}, {1, 5}, {2, 4}, {4, 6}, {5, 6}}).shortest_swing() == Approx(1.2));
 }
 
 TEST_CASE("a load in time is its own times the factor of the moment", "[time][loads]") {

@@ -104,6 +104,31 @@ TEST_CASE("a load that jumps, and a body at rest, make no energy from nothing", 
     }
 }
 
+TEST_CASE("a pulse between two frames is not missed, nor a load that swings at the frames' pace", "[time]") {
+  const std::string cube =
+      "body: {tetrahedra: {kind: kuhn, cubes: [1, 1, 1], size: [1 cm, 1 cm, 1 cm]}}\n"
+      "material: {youngs_modulus: 50 kPa, density: 1000 kg/m3}\nstiffness: neo_hookean\n"
+      "experiment: {kind: motion}\nloads: [{gravity: [20 m/s2, 0 m/s2, 0 m/s2], in_time: ";
+  const std::string pulse = "{table: [[0.501 s, 0], [0.5011 s, 1], [0.508 s, 1], [0.5081 s, 0]]}}]\n";
+  for (const char* stepper : {"newmark", "backward_euler", "velocity_verlet"}) {
+    INFO(stepper);
+    const Run run = run_of(cube + pulse + "time: {duration: 0.6 s, frames: 6, stepper: " + stepper + "}\n");
+    CHECK(measured(run, "speed") == Approx(20 * 7e-3).epsilon(stepper[0] == 'b' ? 0.01 : 1e-6));
+    CHECK(run.warnings.empty());
+  }
+  // x = g / w (t - sin(w t) / w)
+  const Run swings = run_of(cube + "{sine: {frequency: 50 Hz}}}]\ntime: {duration: 0.2 s, frames: 10}\n");
+  CHECK(measured(swings, "centre_displacement") == Approx(20 / (2 * M_PI * 50) * 0.2).epsilon(3e-3));
+  for (const std::string in_time : {"{sine: {frequency: 50 Hz}}}]\n", pulse.c_str()}) {
+    const auto at = [&](const char* step) {
+      return run_of(cube + in_time + "time: {duration: 0.2 s, frames: 10, step: " + step + "}\n").warnings;
+    };
+    REQUIRE(at("2.6 ms").size() == 1);
+    CHECK_THAT(at("2.6 ms")[0], Contains("too long for a function of time that goes to and fro within"));
+    CHECK(at("1 ms").empty());
+  }
+}
+
 // k = 100 N/m, m = 1 kg: u = F / k / (1 - b^2) (sin(b w t) - b sin(w t)) under a force F sin(b w t).
 TEST_CASE("a force of a fixture in time meets the body when it acts, as a load of the scene does", "[time]") {
   const double b = 0.63, duration = 1.5;

@@ -125,6 +125,27 @@ TEST_CASE("mistakes in a budget", "[scene][time][budget]") {
   check_refusal(kMotion, budget(", stepper: xpbd, step: 1 ms, checkpoint: 1"), 6, "would take other steps");
 }
 
+TEST_CASE("steps see every function of time that a scene has", "[scene][time]") {
+  const TemporaryFolder folder;
+  const auto follows = [&](const std::string& text) {
+    return load_scene(folder.write("scene.yaml", text), kCatalog)->time->follows.size();
+  };
+  const std::string pulse = "{table: [[1 s, 0], [1.1 s, 1], [1.2 s, 0]]}",
+                    body = "body: {tetrahedra: {kind: kuhn, cubes: [1, 1, 1], size: [1 cm, 1 cm, 1 cm]}}\n" + kTime +
+                           "\nmaterial: {youngs_modulus: 10 kPa, density: 1000 kg/m3";
+  CHECK(follows(body + ", active: {direction: z, stress: 2 kPa, activation: " + pulse +
+                "}}\nstiffness: neo_hookean\nloads: [{gravity: [0, 0, -1 m/s2], in_time: " + pulse +
+                "}]\nrest: {growth: 1.1, factor: " + pulse +
+                "}\ncontact: {obstacles: [{plane: {point: [0 mm, 0 mm, -1 mm], normal: z}, motion: {by: [0 mm, 0 mm, "
+                "3 mm], in_time: " +
+                pulse + "}}]}\nexperiment: {kind: motion, in_time: " + pulse +
+                ", fixture: {kind: tension, axis: z, strain: 1 %}}\n") == 5);
+  for (const char* experiment : {"shake, axis: z, strain: 1 %, frequency: 3 Hz",
+                                 "cyclic, frequency: 3 Hz, fixture: {kind: tension, strain: 1 %}",
+                                 "relaxation, ramp: 0.1 s, fixture: {kind: tension, strain: 1 %}"})
+    CHECK(follows(body + "}\nstiffness: neo_hookean\nexperiment: {kind: " + experiment + "}\n") == 1);
+}
+
 TEST_CASE("mistakes in functions of time, starts and loads", "[scene][time]") {
   const auto in_time = [](const std::string& function) {
     return kTime + "\nloads: [{gravity: [0, 0, -1 m/s2], in_time: " + function + "}]";

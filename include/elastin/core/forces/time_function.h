@@ -27,6 +27,14 @@ class TimeFunction {
   /// Whether it is one number from time 0 on.
   bool constant() const;
 
+  /// The first time after `time` [s] at which it jumps or has a kink; infinity where none comes.
+  double next_corner(double time) const;
+  /// Longest step [s] between its corners that sees it: a fortieth of a period, with which the trapezoidal rule is right
+  /// to 0.2 %; infinity where it is straight.
+  double longest_step() const;
+  /// Shortest time [s] in which it goes to and fro by more than a tenth of its range; infinity where it never does.
+  double shortest_swing() const;
+
  private:
   /// Index of the first point that lies after a time; not before it.
   std::size_t after(double time) const;

@@ -558,7 +558,9 @@ ExperimentInfo relaxation_row() {
       MotionKind::relaxation, "how the body is fixed, with the displacement that stays",
       {key::quantity("ramp", &MotionSetup::ramp, dimension::time, "time in which the displacement grows", kPositive)
            .needed()
-           .then([](const Reader&, MotionSetup& setup) { setup.load = TimeFunction::ramp(setup.ramp); })});
+           .then([](const Reader& value, MotionSetup& setup) {
+             value.note(setup.load = TimeFunction::ramp(setup.ramp));
+           })});
 }
 
 ExperimentInfo cyclic_row() {
@@ -569,7 +571,9 @@ ExperimentInfo cyclic_row() {
       MotionKind::cyclic, "how the body is fixed, with the displacement that is the amplitude",
       {key::quantity("frequency", &MotionSetup::frequency, {0, 0, -1}, "frequency of the oscillation", kPositive)
            .needed()
-           .then([](const Reader&, MotionSetup& setup) { setup.load = TimeFunction::sine(setup.frequency); })});
+           .then([](const Reader& value, MotionSetup& setup) {
+             value.note(setup.load = TimeFunction::sine(setup.frequency));
+           })});
 }
 
 }  // namespace elastin::lab

@@ -142,7 +142,9 @@ ExperimentInfo shake_row() {
       Keys<S>{axis_key(&S::axis, "from the clamped end to the far one"),
               key::direction("direction", &S::oscillates, "direction of the oscillation").otherwise("`axis`"),
               one_of<S>("key 'amplitude' is missing", amplitude).naming_the_second(),
-              key::quantity("frequency", &S::frequency, {0, 0, -1}, "frequency of the oscillation", kPositive).needed(),
+              key::quantity("frequency", &S::frequency, {0, 0, -1}, "frequency of the oscillation", kPositive)
+                  .needed()
+                  .then([](const Reader& value, S& setup) { value.note(TimeFunction::sine(setup.frequency)); }),
               grip_keys<S>()},
       [](const ExperimentContext& context, S setup) {
         setup.direction = setup.oscillates.value_or(setup.axis);
