@@ -38,8 +38,9 @@ constexpr double kLate = 0.01;
 /// steps as its curve needs.
 TimeOptions with_steps_for(const TimedExperiment& experiment, TimeOptions options) {
   constexpr int fewest = 100;
-  if (experiment.slow() && options.choice == StepChoice::automatic)
-    options.largest = std::min(options.largest, options.duration / fewest);
+  if (!experiment.slow()) return options;
+  options.resolves_motion = false;
+  if (options.choice == StepChoice::automatic) options.largest = std::min(options.largest, options.duration / fewest);
   return options;
 }
 

@@ -80,6 +80,7 @@ class StepControl {
     double stable = 0;                   ///< longest step that is stable, with safety [s]
     double critical = 0, frequency = 0;  ///< of explicit steppers at the start: longest stable step [s], ω_max [rad/s]
     double shortest = 0, last = 0;       ///< steps taken [s]
+    double motion = 0;                   ///< largest displacement so far [m]; of steps by error alone
     int steps = 0, rejected = 0;
   };
   Memory memory;
@@ -92,6 +93,7 @@ class StepControl {
 
  private:
   StepResult one_step(Model& model, State& state, double until);
+  double error_limit(double motion) const;
   void watch(Model& model, const State& state);
 
   TimeOptions options_;
@@ -99,6 +101,7 @@ class StepControl {
   std::optional<PacedSteps> paced_;  ///< where steps have a budget
   double size_ = 0;                  // of the body [m]
   double longest_ = 0;               // step that sees the functions of time between their corners [s]
+  Positions start_;                  // from where motion counts, of steps by error alone
   double order_ = 2;
   bool by_error_ = false, watched_ = false;
 };

@@ -34,7 +34,9 @@ const Forms<TimeOptions>& step_forms() {
                   "instead of the keys below: number of equal steps in each frame, longer where frames are")
            .otherwise("none")
            .then([](const Reader&, T& options) { options.choice = StepChoice::per_frame; })},
-      {key::quantity("error", &T::error, dimension::none, "error of a step in position, over the body's size",
+      {key::quantity("error", &T::error, dimension::none,
+                     "error of a step in position, over the body's size or over ten times the largest displacement so "
+                     "far, the smaller of the two",
                      kPositive),
        key::quantity("smallest", &T::smallest, dimension::time, "shortest step by error", kPositive),
        key::quantity("largest", &T::largest, dimension::time, "longest step by error, not below `smallest`", kPositive)
