@@ -52,9 +52,9 @@ const MeasureList& measures_at_rest() {
 const MeasureList& measures_in_time() {
   using namespace dimension;
   static const MeasureList list{
-      {{"speed", velocity, "speed of the mass centre"},
-       {"centre_displacement", length, "displacement of the mass centre since the start", Role::history,
-        "displacement of the centre", "", "centre_way"},
+      {{"speed", velocity, "speed of the mass centre; rigid bodies do not count"},
+       {"centre_displacement", length, "displacement of the mass centre since the start; rigid bodies do not count",
+        Role::history, "displacement of the centre", "", "centre_way"},
        {"largest_strain", none, "largest strain of a connection, by size", Role::share},
        {"kinetic_energy", dimension::energy, "kinetic energy of all molecules"},
        {"potential_energy", dimension::energy, "energy of the loads that stay as they are, 0 at rest", Role::history},

@@ -11,8 +11,10 @@
 #include "core/model/visit_state.h"
 #include "core/solve/energies.h"
 #include "core/solve/modes.h"
+#include "core/solve/steppers.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/base/text.h"
+#include "elastin/core/model/parts.h"
 #include "elastin/core/model/rest.h"
 #include "elastin/core/model/share.h"
 #include "elastin/lab/run/experiment.h"
@@ -72,6 +74,16 @@ Vector3 free_flat_normal(const Model& model, const Material& material) {
   return std::count(held.begin(), held.end(), 1) == body.size() ? Vector3(Vector3::Zero()) : normal;
 }
 
+/// Of owned molecules; 0 of those of rigid bodies.
+VectorX mass_without_rigid_parts(const Body& body) {
+  VectorX mass = body.mass.head(owned_molecules(body));
+  for (const Part& part : body.parts)
+    if (part.rigid)
+      for (const int molecule : molecules_of(part))
+        if (molecule < mass.size()) mass[molecule] = 0;
+  return mass;
+}
+
 /// One timed run.
 class TimedRun {
  public:
@@ -90,7 +102,8 @@ class TimedRun {
         begin_(state_.positions),
         ledger_(model, state_),
         control_(model, state_, with_steps_for(experiment, *options.time), method, options.statics),
-        mass_(sum_over(model.body(), model.body().mass.head(owned_molecules(model.body())).sum())),
+        free_mass_(mass_without_rigid_parts(model.body())),
+        mass_(sum_over(model.body(), free_mass_.sum())),
         material_(material),
         flat_normal_(free_flat_normal(model, material)) {}
 
@@ -241,8 +254,10 @@ class TimedRun {
     row.measures = rig_.read(state_);
     Measures& m = row.measures;
     const Energies e = ledger_.energies(model_, state_);
-    m.set("speed", e.momentum.norm() / mass_);
-    m.set("centre_displacement", centre_displacement() / mass_);
+    if (mass_ > 0) {
+      m.set("speed", moment(state_.velocities).norm() / mass_);
+      m.set("centre_displacement", moment(state_.positions - begin_).norm() / mass_);
+    }
     m.set("largest_strain", largest_strain(model_, state_.positions));
     m.set("kinetic_energy", e.kinetic);
     m.set("potential_energy", e.potential);
@@ -273,13 +288,9 @@ class TimedRun {
                             first.get("potential_energy"));
   }
 
-  /// Mass times the displacement of the centre [kg m].
-  double centre_displacement() const {
-    const Body& body = model_.body();
-    const int owned = owned_molecules(body);
-    Vector3 displacement = (state_.positions - begin_).leftCols(owned) * body.mass.head(owned);
-    sum_over(body, {displacement.data(), 3});
-    return displacement.norm();
+  /// Mass times what the centre has of these vectors, rigid bodies left out.
+  Vector3 moment(const Positions& vectors) const {
+    return vector_sum_over(model_.body(), Vector3(vectors.leftCols(free_mass_.size()) * free_mass_));
   }
 
   const Measures& first_measures(const Measures& now) const {
@@ -431,7 +442,8 @@ class TimedRun {
   Ledger ledger_;
   double available_ = 0;  ///< the most energy that there has been [J]
   StepControl control_;
-  double mass_;  ///< of the whole [kg]
+  VectorX free_mass_;  ///< of each owned molecule that is in no rigid body; of the others 0 [kg]
+  double mass_;        ///< its sum over the whole [kg]
   const Material& material_;
   Vector3 flat_normal_;        ///< zero: not flat, or its compression is known
   double largest_strain_ = 0;  ///< of the frames
@@ -485,6 +497,7 @@ void run_in_time(Model& model, const TimedExperiment& experiment, TimedRig& rig,
   }
   if (specimen.start) specimen.start(state);
   if (model.drive) model.drive(0, model.supports);
+  if (specimen.start) move_with_supports(model.supports, state.velocities);  // what is held takes no velocity
   model.declare_history(state);
   model.commit_step(state);
   if (any_over(model.body(), !model.admissible(state.positions))) {

@@ -37,7 +37,8 @@ Keys<BodyItem> keys_of_item() {
                setup.material = value;
                setup.material->set_section("material");
              }),
-      key::flag("rigid", &S::rigid, "whether the body never deforms"),
+      key::flag("rigid", &S::rigid,
+                "whether the body never deforms, and stays where it is unless the experiment moves it"),
       key::rotation("turn", &S::turn, "rotation about the origin, before `at`"),
       key::vector("at", &S::at, dimension::length, "displacement of the whole body to its position").otherwise("0")};
 }

@@ -191,10 +191,35 @@ TimeOptions read_time(const Reader& reader, const elastin::Table<StepperKind>& s
   return time_options_keys(steppers).read(reader);
 }
 
+namespace {
+
+/// They stay where they are, or go where the experiment moves them.
+void refuse_velocities_of_rigid_parts(Reader reader, const Body& body, const InitialSetup& setup) {
+  const auto is_rigid = [](const Part& part) { return part.rigid; };
+  for (const char* key : {"velocity", "spin"})
+    if (!body.parts.empty() && std::all_of(body.parts.begin(), body.parts.end(), is_rigid) && reader.has(key))
+      reader.at(key).fail(
+          "a rigid body stays where it is unless the experiment moves it, and all bodies are rigid: give "
+          "one a stiff material in place of `rigid`");
+  for (const Part& part : body.parts) {
+    if (!part.rigid) continue;
+    const std::vector<int> held = molecules_of(part);
+    for (std::size_t i = 0; i < setup.thrown.size(); ++i)
+      for (const int molecule : setup.thrown[i].molecules)
+        if (std::find(held.begin(), held.end(), molecule) != held.end())
+          reader.at("throw").items()[i].fail("the rigid body '" + part.name +
+                                             "' stays where it is unless the experiment moves it: give it a stiff "
+                                             "material in place of `rigid`, or throw molecules of other bodies");
+  }
+}
+
+}  // namespace
+
 std::function<void(State&)> read_initial(const Reader& reader, const Body& body, const Matrix3& rotation, bool timed) {
   const InitialSetup setup = initial_setup_keys().read(reader, {rotation, &body});
   if (!timed && (setup.velocity.norm() > 0 || setup.spin.norm() > 0 || !setup.thrown.empty()))
     reader.fail("an experiment at rest has no velocities");
+  refuse_velocities_of_rigid_parts(reader, body, setup);
   return [setup](State& state) {
     if (setup.positions) state.positions = *setup.positions;
     const Vector3 middle = state.positions.rowwise().mean();
@@ -215,7 +240,9 @@ std::vector<KeySection> time_keys(const Catalog& catalog) {
 }
 
 std::vector<KeySection> initial_keys() {
-  return {{"initial", "Initial state", "Velocities are of experiments in time only.", initial_setup_keys().rows()}};
+  return {{"initial", "Initial state",
+           "Velocities are of experiments in time only, and of molecules that nothing holds.",
+           initial_setup_keys().rows()}};
 }
 
 }  // namespace elastin::lab

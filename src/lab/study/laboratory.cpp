@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "config/scene_tree.h"
+#include "core/solve/steppers.h"
 #include "lab/export/engine_run.h"
 #include "lab/export/formats.h"
 #include "lab/report/comparison.h"
@@ -104,6 +105,7 @@ void load_in_full(const Scene& scene, const std::shared_ptr<Rig>& rig, Model& mo
   if (model.drive)
     model.drive = [rig, drive = model.drive](double time, std::vector<Support>& supports) { drive(time, supports); };
   if (model.drive) model.drive(0, model.supports);
+  if (scene.specimen.start) move_with_supports(model.supports, state.velocities);  // what is held takes no velocity
   model.commit_step(state);
 }
 

@@ -207,6 +207,20 @@ TEST_CASE("a body that grows freely needs no work, however long the steps are", 
   }
 }
 
+TEST_CASE("a rigid body counts neither in energies nor in speeds", "[time]") {
+  const Run run = run_of(
+      "bodies: [{name: bone, rigid: true, tetrahedra: {kind: kuhn, cubes: [1, 1, 1], size: [2 cm, 2 cm, 2 cm]}},\n"
+      "  {name: skin, at: [0 cm, 0 cm, 6 cm], tetrahedra: {kind: kuhn, cubes: [1, 1, 1], size: [2 cm, 2 cm, 2 cm]}}]\n"
+      "material: {youngs_modulus: 50 kPa, density: 1000 kg/m3}\nstiffness: neo_hookean\n"
+      "initial: {velocity: [0 m/s, 0 m/s, 0.5 m/s]}\nexperiment: {kind: motion}\n"
+      "time: {duration: 50 ms, stepper: newmark, step: 1 ms, frames: 5}\n");
+  CHECK(run.warnings.empty());
+  CHECK(measured(run, "speed") == Approx(0.5));
+  CHECK(measured(run, "centre_displacement") == Approx(0.025));
+  CHECK(measured(run, "kinetic_energy") == Approx(8e-3 * 0.25 / 2));
+  CHECK(measured(run, "energy_drift") < 1e-9);
+}
+
 // J(t) = (1 - g / (1 + g) e^(-t / (tau (1 + g)))) / E, and after a load for 1 s a strain of sigma (J(t) - J(t - 1 s)).
 TEST_CASE("a body that relaxes recovers when nothing loads it any more, in few iterations", "[time][prony]") {
   for (const std::string body : {"tetrahedra: {kind: body_centred, cubes: [1, 1, 3], size: [10 mm, 10 mm, 30 mm]}",

@@ -168,6 +168,29 @@ TEST_CASE("mistakes in functions of time, starts and loads", "[scene][time]") {
   check_refusal("kind: tension, force: 1 mN", "initial: {velocity: [1 m/s, 0 m/s, 0 m/s]}", 6,
                 "an experiment at rest has no velocities");
   check_refusal(kMotion, kTime + "\ninitial: {move: {molecules: [99], by: [1 mm, 0 m, 0 m]}}", 7, "at most 15");
+
+  const std::string bone = "{name: bone, rigid: true, lattice: {kind: cubic, molecules: [2, 2, 2], spacing: 1 cm}}",
+                    skin =
+                        "{name: skin, at: [0 m, 0 m, 5 cm], lattice: {kind: cubic, molecules: [2, 2, 2], spacing: "
+                        "1 cm}}";
+  const auto refused = [](const std::string& bodies, const std::string& initial) {
+    const TemporaryFolder folder;
+    std::string text = scene_with(kMotion, kTime + "\ninitial: {" + initial + "}");
+    const std::size_t body = text.find("body:");
+    text.replace(body, text.find('\n', body) - body, "bodies: [" + bodies + "]");
+    try {
+      load_scene(folder.write("bones.yaml", text), kCatalog);
+    } catch (const InputError& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  const std::string spin = "spin: [0 /s, 0 /s, 1 /s]",
+                    thrown = "throw: [{molecules: [3], velocity: [1 m/s, 0 m/s, 0 m/s]}]";
+  CHECK_THAT(refused(bone, spin), Contains("initial.spin: a rigid body stays where it is"));
+  CHECK_THAT(refused(bone + ", " + skin, thrown), Contains("the rigid body 'bone' stays where it is"));
+  CHECK(refused(bone + ", " + skin, spin) == "");
+  CHECK(refused(skin, thrown) == "");
 }
 
 TEST_CASE("check says how long an explicit step may be and what sets it", "[scene][time][check]") {
