@@ -323,10 +323,12 @@ class TimedRun {
     return false;
   }
 
-  /// With less than this [J] the body moves by 1e-10 of its size within the duration: rounding.
+  /// With less than this [J] the body moves by 1e-10 of its size within the duration, or by 1e-12 within a step:
+  /// rounding, of positions in each step.
   double rounding_energy() const {
     const auto [low, high] = outline_of_whole(model_.body());
-    const double speed = 1e-10 * (high - low).norm() / options_.time->duration;
+    const double a_step = control_.memory.last > 0 ? 1e-12 / control_.memory.last : 0;
+    const double speed = std::max(1e-10 / options_.time->duration, a_step) * (high - low).norm();
     return mass_ * speed * speed / 2;
   }
 

@@ -129,6 +129,17 @@ TEST_CASE("a pulse between two frames is not missed, nor a load that swings at t
   }
 }
 
+TEST_CASE("a body at rest makes no energy in many short steps", "[time][energy]") {
+  const Run run = run_of(
+      "body: {tetrahedra: {kind: kuhn, cubes: [1, 1, 1], size: [1 cm, 1 cm, 1 cm]}}\n"
+      "material: {youngs_modulus: 50 kPa, poissons_ratio: 0.3, density: 1000 kg/m3, relaxation: {terms: [[1, 0.5 "
+      "s]]}}\n"
+      "stiffness: prony:neo_hookean\nexperiment: {kind: motion, in_time: {step: {at: 9 s}}, fixture: {kind: tension, "
+      "axis: z, strain: 0.0001}}\ntime: {duration: 0.7 s, stepper: newmark, step: 0.2 ms, frames: 7}\n");
+  CHECK(run.cause == "");
+  CHECK(run.warnings.empty());
+}
+
 TEST_CASE("a body whose motion is small has the frequency of one whose motion is large", "[time]") {
   for (const char* force : {"1 uN", "0.1 N"}) {
     INFO(force);
