@@ -15,6 +15,7 @@
 
 #include "command/row.h"
 #include "core/base/named.h"
+#include "core/base/shell_word.h"
 #include "elastin/core/base/error.h"
 #ifdef ELASTIN_FEBIO
 #include "elastin/febio/febio.h"
@@ -55,7 +56,7 @@ const CommandRow& find_command(const std::string& word) {
     throw InputError("unknown option '" + word + "'" + suggestion(word, {"--help", "--version"}) +
                      "; the options of a command follow its name");
   if (std::error_code ignored; std::filesystem::exists(word, ignored) || word.ends_with(".yaml"))
-    throw InputError("name a command before the scene: elastin run " + word + ", or one of " +
+    throw InputError("name a command before the scene: elastin run " + shell_word(word) + ", or one of " +
                      joined(kCommands, &CommandRow::name));
   throw InputError("unknown command '" + word + "'" + suggestion(word, names_of(kCommands, &CommandRow::name)));
 }
@@ -85,7 +86,7 @@ int run_words(const std::string& program, const std::vector<std::string>& words,
   openmp::use_openmp();
   lab::set_screen_width(lab::terminal_width(STDOUT_FILENO));
   std::string line = program;
-  for (const std::string& word : words) line += " " + word;
+  for (const std::string& word : words) line += " " + shell_word(word);
   return run({catalog, line});
 }
 

@@ -6,6 +6,7 @@
 
 #include "command/row.h"
 #include "core/base/named.h"
+#include "core/base/shell_word.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/shapes/shapes.h"
 #include "lab/report/files.h"
@@ -63,7 +64,7 @@ struct NewCommand {
       if (!quiet)
         fmt::print(
             "  {}: {} molecules, {} cells\n  elastin compare {} --out out    runs it and writes out/report.html\n",
-            path, body.size(), count_cells(body), path);
+            path, body.size(), count_cells(body), shell_word(path));
     } catch (...) {
       std::filesystem::remove(path);
       throw;

@@ -3,6 +3,7 @@
 #include <filesystem>
 
 #include "command/row.h"
+#include "core/base/shell_word.h"
 #include "elastin/core/base/error.h"
 #include "lab/run/run.h"
 #include "lab/scene/scene.h"
@@ -54,10 +55,10 @@ struct PlotCommand {
         throw InputError(path + ": plot draws CSV files, and this is " +
                          (std::filesystem::is_directory(path)
                               ? "a folder: name files in it"
-                              : "a scene: elastin run " + path +
+                              : "a scene: elastin run " + shell_word(path) +
                                     " --out out writes out/*-curve.csv, and elastin plot "
                                     "material " +
-                                    path + " draws the law of its material"));
+                                    shell_word(path) + " draws the law of its material"));
       plots.emplace_back(path, lab::csv_plot(path, along, up));
       along = plots.front().second.x.title, up = plots.front().second.y.title;  // all others on the same axes
     }

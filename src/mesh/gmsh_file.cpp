@@ -8,6 +8,7 @@
 #include <optional>
 #include <utility>
 
+#include "core/base/shell_word.h"
 #include "elastin/core/base/error.h"
 #include "mesh/mesh_formats.h"
 
@@ -94,7 +95,7 @@ bool read_version_is_4(Cursor& in) {
   if (number != 2 && number != 2.1 && number != 2.2 && number != 4.1)
     in.fail(begin, "format version " + quoted(in.data().substr(begin, in.at() - begin)) +
                        " is not read; allowed: 2.2 and 4.1; convert it: gmsh -save -format msh41 -o new.msh " +
-                       in.path());
+                       shell_word(in.path()));
   return number == 4.1;
 }
 

@@ -11,6 +11,7 @@
 #include <numeric>
 #include <utility>
 
+#include "core/base/shell_word.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/base/text.h"
 #include "elastin/core/geometry/numbering.h"
@@ -513,8 +514,8 @@ const KnownFormat& format_of(const std::string& path) {
     if (std::find(by.endings.begin(), by.endings.end(), ending) == by.endings.end()) continue;
     std::string command;
     for (const char letter : by.command)
-      command += letter == '<'   ? path
-                 : letter == '>' ? path.substr(0, path.size() - ending.size()) + std::string(by.to)
+      command += letter == '<'   ? shell_word(path)
+                 : letter == '>' ? shell_word(path.substr(0, path.size() - ending.size()) + std::string(by.to))
                                  : std::string(1, letter);
     throw InputError(SourceLocation{path, 0, 0}, ending + " files are not read; convert it: " + command);
   }

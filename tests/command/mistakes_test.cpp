@@ -62,6 +62,7 @@ TEST_CASE("a mistake on the command line is answered from that command's options
             "mean 'newmark'? "},
            {"bar.yaml", "name a command before the scene: elastin run bar.yaml, or one of run, compare, "},
            {"list qqq", "list: no strategy, stepper, solver, load, experiment, key or measure has 'qqq' in it; "},
+           {"'my bar.yaml'", "name a command before the scene: elastin run 'my bar.yaml', or one of run, compare, "},
            {"plot a.yaml", "a.yaml: plot draws CSV files, and this is a scene: elastin run a.yaml --out out writes "},
            {"new strip organ", "'organ' is one argument too many; write elastin new [SPECIMEN] [OPTIONS]\n"},
            {"lab a.yaml", "--out FILE is missing; write elastin lab SCENE --out FILE [OPTIONS]\n"},

@@ -360,6 +360,9 @@ TEST_CASE("Gmsh files: what is wrong is reported by line and column", "[mesh_fil
       {"a.msh", replaced(one_41, "4.1", "4.0"),
        "a.msh:2:1: format version '4.0' is not read; allowed: 2.2 and 4.1; convert it: gmsh -save -format msh41 "
        "-o new.msh a.msh"},
+      {"an a.msh", replaced(one_41, "4.1", "4.0"),
+       "an a.msh:2:1: format version '4.0' is not read; allowed: 2.2 and 4.1; convert it: gmsh -save -format msh41 "
+       "-o new.msh 'an a.msh'"},
       {"a.msh", replaced(one_41, " 0 8", " 2 8"), "a.msh:2:5: expected the file type, 0 (ASCII) or 1 (binary)"},
       {"a.msh", replaced(one_41, " 0 8", " 0 4"), "a.msh:2:7: expected the data size, 8 bytes a number"},
       {"a.msh", replaced(one_41, "$Nodes", "$ParametricNodes"), "a.msh:4:17: expected $EndParametricNodes further on"},

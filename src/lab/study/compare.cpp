@@ -12,6 +12,7 @@
 #include <iterator>
 #include <optional>
 
+#include "core/base/shell_word.h"
 #include "core/base/stopwatch.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/parallel/threads.h"
@@ -354,7 +355,7 @@ void Comparison::finish() {
         {machine_.text(), request_.command, journal_ ? lines_of(journal_->views_path()) : std::vector<std::string>{}});
   }
   if (stopped_ && !request_.out.empty() && done_ < rows_ && request_.to_screen())
-    fmt::print("  stopped after {} of {} runs; --resume {} continues\n", done_, rows_, request_.out);
+    fmt::print("  stopped after {} of {} runs; --resume {} continues\n", done_, rows_, shell_word(request_.out));
 }
 
 }  // namespace

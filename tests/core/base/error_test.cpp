@@ -4,6 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "core/base/shell_word.h"
+
 using namespace elastin;
 
 TEST_CASE("the nearest name is the one with the fewest mistakes", "[error]") {
@@ -44,4 +46,12 @@ TEST_CASE("an input error starts with its place, once", "[error]") {
   CHECK(located.has_location());
   CHECK(std::string(bare.what()) == "wrong");
   CHECK_FALSE(bare.has_location());
+}
+
+TEST_CASE("a word of a command line is quoted where a shell would not read it as it is", "[error]") {
+  CHECK(shell_word("scenes/bar-1.yaml") == "scenes/bar-1.yaml");
+  CHECK(shell_word("Hände.yaml") == "Hände.yaml");
+  CHECK(shell_word("my bar.yaml") == "'my bar.yaml'");
+  CHECK(shell_word("$(x)'s;") == "'$(x)'\\''s;'");
+  CHECK(shell_word("") == "''");
 }
