@@ -292,7 +292,7 @@ std::string ModuliOfBody::remains(const VectorX& constants, double volume_modulu
     return std::string(text);
   };
   return "the fit leaves off: E along x, y, z" +
-         (tension_.empty() ? "" : three(" in tension", &off[9], 100, " % and")) +
+         (tension_.empty() ? "" : three(" in tension between plane ends", &off[9], 100, " % and")) +
          three(" in small strains of the surface", off.data(), 100, " %") + ", " +
          three("G of yz, xz, xy", &off[3], 100, " %") + ", " + three("nu along x, y, z", &off[6], 1, "");
 }
