@@ -328,6 +328,7 @@ void Derivatives::check_deviations(const std::vector<std::pair<std::string, doub
       }
       if (!most.empty()) run.warnings.push_back(first_order + "a deviation below and above its value " + most);
     } catch (const InputError&) {
+      if (options.stop && options.stop()) return interrupt(run);
       run.warnings.push_back(first_order + "a deviation below or above its value the run ends differently");
     }
   }
@@ -430,6 +431,7 @@ Gradients Derivatives::at(Model& model, const StaticExperiment& experiment, cons
   Gradients gradients;
   for (Number& number : numbers_) {
     StaticResponse found = number.response(model, responses, state, load_factor, options);
+    if (found.result.outcome == Outcome::interrupted) return {};
     if (contact_of(model)) {
       number.correct(model, responses, state, load_factor, options, found);
       std::array<Slopes, 2> over;
@@ -481,6 +483,13 @@ Gradients Derivatives::at(Model& model, const StaticExperiment& experiment, cons
     }
   }
   return gradients;
+}
+
+void interrupt(Run& run) {
+  run.outcome = Outcome::interrupted, run.suited = true;
+  run.cause = "stopped before all of its measures were known";
+  run.gradients.clear();
+  for (CurvePoint& point : run.curve) point.gradients.clear();
 }
 
 void add_mean_gradient(const std::vector<CurvePoint>& curve, const std::string& measure, const std::string& mean,

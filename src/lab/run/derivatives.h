@@ -73,6 +73,9 @@ class Derivatives {
   std::vector<std::string> doubts_;
 };
 
+/// Makes it a run that was stopped: without derivatives, which would be of what was solved so far.
+void interrupt(Run& run);
+
 /// Adds to the gradients of the last load step those of the mean over all steps of one of their measures.
 void add_mean_gradient(const std::vector<CurvePoint>& curve, const std::string& measure, const std::string& mean,
                        Gradients& gradients);

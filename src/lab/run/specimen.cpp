@@ -389,10 +389,8 @@ Run run_found(const Specimen& specimen, const StaticExperiment& experiment, cons
   return run;
 }
 
-}  // namespace
-
-Run run_strategy(const Specimen& specimen, const Experiment& experiment, const StrategyChoice& any,
-                 const RunOptions& given) {
+void make_run(const Specimen& specimen, const Experiment& experiment, const StrategyChoice& any,
+              const RunOptions& given, Run& run) {
   const Stopwatch build;
   RunOptions options = given;
   if (experiment.at_rest()) options.statics.stop = options.stop;
@@ -401,18 +399,17 @@ Run run_strategy(const Specimen& specimen, const Experiment& experiment, const S
     Specimen prepared = specimen;
     prepare(prepared, any.strategy);
     const double seconds = build.seconds();
-    Run run = run_strategy(prepared, experiment, any, given);
+    make_run(prepared, experiment, any, given, run);
     run.build_seconds += seconds;
-    return run;
+    return;
   }
   if (specimen.given != GivenShape::at_rest && experiment.at_rest() && unsuited(specimen, experiment, choice).empty()) {
     const auto derivatives = std::exchange(options.derivatives, nullptr);
     if (derivatives) derivatives->check(specimen, experiment, choice, options);
-    Run run = run_found(specimen, *experiment.at_rest(), any, options);
+    run = run_found(specimen, *experiment.at_rest(), any, options);
     if (derivatives && run.outcome == Outcome::converged) derivatives->of_whole_runs(options, run);
-    return run;
+    return;
   }
-  Run run;
   run.strategy = choice.label;
   run.relaxes = choice.name.relaxed, run.wrinkles = choice.name.wrinkling;
   run.order = choice.order;
@@ -420,7 +417,7 @@ Run run_strategy(const Specimen& specimen, const Experiment& experiment, const S
   run.cause = first_over(specimen.body, unsuited(specimen, experiment, choice));
   if (!run.cause.empty()) {
     run.suited = false;
-    return run;
+    return;
   }
   if (options.derivatives) options.derivatives->check(specimen, experiment, choice, options);
   note_lost_faces(specimen.body, choice.strategy, run);
@@ -437,22 +434,22 @@ Run run_strategy(const Specimen& specimen, const Experiment& experiment, const S
     if (!flat.empty()) {
       run.outcome = Outcome::inverted;
       run.cause = flat;
-      return run;
+      return;
     }
   }
   std::optional<Specimen> found;  // with the material identified
   if (const auto wanted = identification_of(experiment)) {
     found = specimen;
-    if (!identify_material(*wanted, *found, *experiment.at_rest(), choice, options, run)) return run;
+    if (!identify_material(*wanted, *found, *experiment.at_rest(), choice, options, run)) return;
   }
   const Specimen& at_work = found ? *found : specimen;
   const std::optional<HeldModel> held = make_model(at_work, experiment, choice, options, run);
-  if (!held) return run;
+  if (!held) return;
   Model& model = *held->model;
   if (options.statics.engine) {
     run.cause = options.statics.engine->unsuited(model);
     run.suited = run.cause.empty();
-    if (!run.suited) return run;
+    if (!run.suited) return;
   }
   for (std::string& finding : findings_at_start(at_work, model, run.uses_cells))
     run.warnings.push_back(std::move(finding));
@@ -478,6 +475,24 @@ Run run_strategy(const Specimen& specimen, const Experiment& experiment, const S
     run.warnings.push_back(std::move(finding));
   run.end.resize(3, 0);
   if (run.identified) note_identified(*run.identified, run);
+}
+
+}  // namespace
+
+Run run_strategy(const Specimen& specimen, const Experiment& experiment, const StrategyChoice& choice,
+                 const RunOptions& given) {
+  // What was stopped is left out, counts as 0, or ends as an error: whatever asked, the run is not complete.
+  bool stopped = false;
+  RunOptions options = given;
+  if (given.stop) options.stop = [&] { return stopped = stopped || given.stop(); };
+  Run run;
+  run.strategy = choice.label;
+  try {
+    make_run(specimen, experiment, choice, options, run);
+  } catch (const InputError&) {
+    if (!stopped) throw;
+  }
+  if (any_over(specimen.body, stopped) && run.outcome != Outcome::interrupted) interrupt(run);
   return run;
 }
 

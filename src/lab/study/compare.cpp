@@ -24,6 +24,7 @@
 #include "lab/report/page.h"
 #include "lab/report/records.h"
 #include "lab/report/screen.h"
+#include "lab/run/derivatives.h"
 #include "lab/study/journal.h"
 #include "lab/study/plan.h"
 #include "lab/study/reference.h"
@@ -193,6 +194,7 @@ void Comparison::add_directions(const Scene& scene, const StrategyChoice& choice
   if (ranking.measures.empty() || ranking.by_scatter || !(ranking.error(record) <= kNear)) return;
   progress_.set(scene.name + ", " + choice.label + ": in other directions");
   record.directions = measure_directions(scene, choice, options, record.run);
+  if (!record.directions->measured() && options.stop()) interrupt(record.run);
 }
 
 /// The one that runs a row; null: a strategy does.
@@ -247,6 +249,8 @@ void Comparison::run_combination(ScenePlan& plan, const std::vector<std::pair<st
         continue;
       }
       if (choices.empty() && trouble.empty()) load();
+      stopped_ = request_.interrupted && request_.interrupted();  // without references a rule would be unsuited
+      if (stopped_) return;
       const Stopwatch watch;
       if (count > 0) set_threads(count);
       Record record;

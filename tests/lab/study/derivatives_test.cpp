@@ -342,6 +342,40 @@ TEST_CASE("derivatives of a history are those of its closed forms", "[derivative
   }
 }
 
+TEST_CASE("a run that is stopped anywhere is interrupted, and has the derivatives of none", "[derivatives]") {
+  const std::string steps =
+      kLattice + kSoft + "stiffness: lattice\nexperiment: {kind: tension, axis: z, force: 0.1 N, load_steps: 2}\n";
+  const std::string unloaded = kLattice + kSoft +
+                               "stiffness: lattice\nrest: {unloaded_from: loads}\n"
+                               "loads: [{gravity: {acceleration: [0, 0, 9.81 m/s2]}}]\n"
+                               "experiment: {kind: tension, axis: z, force: 50 mN}\n";
+  for (const std::string& scene : {steps, unloaded, steps + "uncertainty: {material.youngs_modulus: 5 %}\n"}) {
+    INFO(scene);
+    const LaboratoryResult whole = run(scene, {}, {"material.youngs_modulus"});
+    REQUIRE(whole.gradients.size() >= 5);
+    int asked = 0, last = 1;
+    const auto stopped_at = [&](int question) {
+      RunWatch watch;
+      watch.derivatives_by = {"material.youngs_modulus"};
+      watch.stop = [&] { return ++asked >= question; };
+      asked = 0;
+      return Laboratory(SceneSource::of_text("scene", scene), kExact).run("", watch);
+    };
+    REQUIRE(stopped_at(1 << 30).gradients == whole.gradients);
+    last = asked;
+    REQUIRE(last > 10);
+    const int stride = 1 + last / 8;
+    for (int question = last; question >= 1; question -= stride) {
+      INFO("stopped at question " << question << " of " << last);
+      const LaboratoryResult result = stopped_at(question);
+      CHECK(result.outcome == Outcome::interrupted);
+      CHECK(result.suited);
+      CHECK_FALSE(result.cause.empty());
+      CHECK(result.gradients.empty());
+    }
+  }
+}
+
 TEST_CASE("a number that is uncertain by more than first order holds for is a warning", "[derivatives]") {
   const std::string scene =
       kLattice + kSoft + "stiffness: lattice\nexperiment: {kind: tension, axis: z, force: 0.01 N}\nuncertainty: ";
