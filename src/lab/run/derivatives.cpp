@@ -27,6 +27,8 @@ constexpr double kMotion = 1e-3;
 /// Of what touches: how often its motion is corrected, and by which part of it for the last time.
 constexpr int kTouchingRounds = 4;
 constexpr double kTouchingChange = 1e-10;
+/// Of the start: the part of its forces below which its motion needs no correction.
+constexpr double kStartForces = 1e-9;
 constexpr double kEnough = 1e-7;         ///< residual with which a solve that rounding stops is taken
 constexpr double kSameDirection = 1e-9;  ///< of projectors
 /// The same ratio of a number at which the forces have a kink or jump.
@@ -37,9 +39,17 @@ constexpr int kLargerSteps = 3;
 /// Of all forces, and of what the positions' last digits make of them: differences below these are rounding.
 constexpr double kRounding = 1e-13, kCalibratedRounding = 1e-8, kRoundedPositions = 4;
 
-/// Of whole runs: the step over the number; the slope over m/p below which m does not change with p; doubt of a slope
-/// that needs a shorter step, and that leaves none.
-constexpr double kWholeStep = 1e-4, kInsensitive = 1e-6, kDoubtful = 1e-3, kNoSlope = 0.03;
+/// Of whole runs: the step over the number.
+constexpr double kWholeStep = 1e-4;
+/// The slope over m/p below which m does not change with p; doubt of a slope that needs a shorter step, and that then
+/// is none; of what touches, between a step and half of it.
+constexpr double kInsensitive = 1e-6, kDoubtful = 1e-3, kTouchingDoubt = 0.03;
+/// Where a measure may jump next to an equilibrium, as a tangent does at a corner of a curve: part of the motion.
+constexpr double kShorter = 0.01;
+/// There, the slope over m/p below which that of rounding counts less.
+constexpr double kBarely = 1e-3;
+/// Of a measure, over four such steps: what changes more is next to zero, where digits say nothing of jumps.
+constexpr double kNextToZero = 0.1;
 
 /// Second over first differences of a measure over a number's deviation: a tenth and a half make its own deviation 2 %
 /// larger than first order says. Of a measure, what changes less is not looked at.
@@ -76,6 +86,33 @@ void leave_out_rounding(const Model& model, double rounding, Positions& change) 
 double relative(const Positions& change, const Positions& whole) {
   const double size = whole.norm();
   return size > 0 ? change.norm() / size : 0;
+}
+
+/// A slope from values at −2, −1, 1 and 2 steps.
+struct Slope {
+  double value, doubt;  ///< difference of the slopes over one and two steps, over the size of the slope
+};
+
+/// @param other part of the same slope; `least`: of its size
+Slope slope_of(const std::array<double, 4>& at, double step, double other, double least) {
+  const double near = (at[2] - at[1]) / (2 * step), far = (at[3] - at[0]) / (4 * step), best = (4 * near - far) / 3,
+               size = std::max({std::abs(best), std::abs(other), least});
+  return {best, size > 0 ? std::abs(near - far) / size : 0};
+}
+
+/// The slope of a measure by a number, from motions by −2, −1, 1 and 2 steps.
+Slope slope_along(const std::array<Measures, 4>& measures, const std::string& name, double step, double other,
+                  double number) {
+  std::array<double, 4> at{};
+  for (std::size_t i = 0; i < at.size(); ++i) at[i] = measures[i].get(name);
+  const double size = std::max(std::abs(at[0]), std::abs(at[3]));
+  Slope slope = slope_of(at, step, other, kBarely * size / std::abs(number));
+  if (std::abs(at[3] - at[0]) > kNextToZero * size) slope.doubt = 0;
+  return slope;
+}
+
+std::string doubts_text(const std::string& key, const std::string& measures) {
+  return "no derivatives by " + key + " of " + measures + ": they jump there, or too few of their digits are known";
 }
 
 void put_gradient(Gradients& gradients, const std::string& measure, const std::string& key, double value) {
@@ -214,7 +251,7 @@ struct Derivatives::Number {
   }
 
   void correct(Model& model, Responses& responses, const State& state, double load_factor, const RunOptions& options,
-               StaticResponse& found);
+               double enough, StaticResponse& found);
   StaticResponse response(Model& model, Responses& responses, const State& state, double load_factor,
                           const RunOptions& options) {
     const Change by = change(model, responses.tangent(), state, load_factor, options);
@@ -228,9 +265,10 @@ struct Derivatives::Number {
 /// Contact yields by next to nothing: of forces, what a number changes and what the body's motion does nearly cancel,
 /// and each of them alone goes beyond what is pressed in. Along both at once nothing is left of an exact motion: what
 /// is left corrects this one. Measures are differenced along both, too, over h and h/2.
+/// @param enough what may be left, of the forces that resist the motion
 void Derivatives::Number::correct(Model& model, Responses& responses, const State& state, double load_factor,
-                                  const RunOptions& options, StaticResponse& found) {
-  for (const int half : {0, 1})
+                                  const RunOptions& options, double enough, StaticResponse& found) {
+  for (int half = 0; half < (contact_of(model) ? 2 : 1); ++half)
     for (const int side : {0, 1}) {
       const double step = touching_step / (1 + half);
       std::unique_ptr<Side>& own = touching[half][side];
@@ -238,6 +276,7 @@ void Derivatives::Number::correct(Model& model, Responses& responses, const Stat
       lab::set_load(*own->held->model, own->rig(), load_factor);
     }
   const Positions displaced = state.positions - model.body().rest, none = Positions::Zero(3, displaced.cols());
+  Positions resisting(3, displaced.cols());
   for (int round = 0; round < kTouchingRounds; ++round) {
     const auto forces = [&](int side) {
       return forces_of(*touching[0][side], displaced + (side ? touching_step : -touching_step) * found.motion, state,
@@ -245,6 +284,8 @@ void Derivatives::Number::correct(Model& model, Responses& responses, const Stat
     };
     Positions left = (forces(1) - forces(0)) / (2 * touching_step);
     keep_free(model.supports, left);
+    responses.tangent().apply(found.motion, resisting);
+    if (!(left.norm() > enough * resisting.norm())) break;
     const StaticResponse more = responses.to(left, none, std::min(kTolerance, options.statics.tolerance));
     found.motion += more.motion, found.result.reactions += more.result.reactions;
     if (!(more.motion.norm() > kTouchingChange * found.motion.norm())) break;
@@ -337,9 +378,6 @@ void Derivatives::check_deviations(const std::vector<std::pair<std::string, doub
 void Derivatives::of_whole_runs(const RunOptions& options, Run& run) const {
   for (const Number& number : numbers_) {
     const SceneNumber& of = number.of;
-    struct Slope {
-      double value, doubt;  ///< difference of the slopes over one and two steps, over the larger one of them
-    };
     using Row = std::vector<std::pair<std::string, Slope>>;
     const auto slopes_over = [&](double step) {
       const auto at = [&](double times) { return run_at(of, of.value + times * step, options, run); };
@@ -348,11 +386,9 @@ void Derivatives::of_whole_runs(const RunOptions& options, Run& run) const {
         Row row;
         for (const auto& [name, value] : own.all()) {
           const auto value_of = [&, &name = name](const Run& one) { return measures_of(one).get(name); };
-          const double near = (value_of(high) - value_of(low)) / (2 * step),
-                       far = (value_of(high2) - value_of(low2)) / (4 * step), best = (4 * near - far) / 3,
-                       size = std::max(std::abs(best), kInsensitive * std::abs(value / of.value));
-          if (is_smooth(name) && std::isfinite(best))
-            row.emplace_back(name, Slope{best, size > 0 ? std::abs(near - far) / size : 0});
+          const Slope slope = slope_of({value_of(low2), value_of(low), value_of(high), value_of(high2)}, step, 0,
+                                       kInsensitive * std::abs(value / of.value));
+          if (is_smooth(name) && std::isfinite(slope.value)) row.emplace_back(name, slope);
         }
         return row;
       };
@@ -379,14 +415,12 @@ void Derivatives::of_whole_runs(const RunOptions& options, Run& run) const {
             finer && (*finer)[i].size() == rows[i].size() && (*finer)[i][j].second.doubt < first.doubt;
         const Slope best = takes_finer ? (*finer)[i][j].second : first;
         const bool last = i + 1 == rows.size();
-        if (best.doubt < kNoSlope)
+        if (best.doubt < kDoubtful)
           put_gradient(last ? run.gradients : run.curve[i].gradients, name, of.key, best.value);
         else if (last)
           without += (without.empty() ? "" : ", ") + name;
       }
-    if (!without.empty())
-      run.warnings.push_back("no derivatives by " + of.key + " of " + without +
-                             ": they jump there, or too few of their digits are known");
+    if (!without.empty()) run.warnings.push_back(doubts_text(of.key, without));
   }
 }
 
@@ -397,6 +431,8 @@ void Derivatives::start(Model& model, const StaticRig&, const Start& start, cons
   Responses responses(model, about, options.statics);
   for (Number& number : numbers_) {
     StaticResponse found = number.response(model, responses, state, 0, options);
+    // A body that grows freely is without stress all along, at the corners of its law.
+    if (model.body().unstressed) number.correct(model, responses, state, 0, options, kStartForces, found);
     number.start = std::move(found.motion), number.start_reactions = std::move(found.result.reactions);
   }
 }
@@ -433,7 +469,7 @@ Gradients Derivatives::at(Model& model, const StaticExperiment& experiment, cons
     StaticResponse found = number.response(model, responses, state, load_factor, options);
     if (found.result.outcome == Outcome::interrupted) return {};
     if (contact_of(model)) {
-      number.correct(model, responses, state, load_factor, options, found);
+      number.correct(model, responses, state, load_factor, options, 0, found);
       std::array<Slopes, 2> over;
       for (const int half : {0, 1})
         for (const int side : {0, 1}) {
@@ -450,7 +486,7 @@ Gradients Derivatives::at(Model& model, const StaticExperiment& experiment, cons
         const auto& [name, value] = whole[i];
         if (!is_smooth(name) || halved[i].first != name) continue;
         const double least = kInsensitive * std::abs(now.get(name) / number.of.value);
-        if (std::abs(value - halved[i].second) <= kNoSlope * std::max(std::abs(value), least))
+        if (std::abs(value - halved[i].second) <= kTouchingDoubt * std::max(std::abs(value), least))
           put_gradient(gradients, name, number.of.key, value);
         else
           doubts_.push_back("no derivative by " + number.of.key + " of " + name +
@@ -458,19 +494,25 @@ Gradients Derivatives::at(Model& model, const StaticExperiment& experiment, cons
       }
       continue;
     }
-    Slopes slopes;
-    const double size = std::max(relative(found.motion, state.positions - model.body().rest),
-                                 relative(found.result.reactions, solved.reactions)),
+    const Positions displaced = state.positions - model.body().rest;
+    const double size = std::max({relative(found.motion, displaced), relative(number.start, displaced),
+                                  relative(found.result.reactions, solved.reactions),
+                                  relative(number.start_reactions, solved.reactions)}),
                  step = size > 0 ? kMotion / size : 0;
-    for (const auto& [times, weight] : {std::pair{-2, 1.}, {-1, -8.}, {1, 8.}, {2, -1.}}) {
-      if (step == 0) break;
-      Start from = start;
-      if (number.start.size() > 0) {
-        from.positions += times * step * number.start;
-        from.reactions += times * step * number.start_reactions;
+    const auto along = [&](double one) {
+      std::array<Measures, 4> measures;
+      for (std::size_t i = 0; i < 4; ++i) {
+        const double moved = one * std::array{-2, -1, 1, 2}[i];
+        Start from = start;
+        if (number.start.size() > 0)
+          from.positions += moved * number.start, from.reactions += moved * number.start_reactions;
+        measures[i] = read(model, experiment, rig, from, found, moved);
       }
-      slopes.add(read(model, experiment, rig, from, found, times * step), weight / (12 * step));
-    }
+      return measures;
+    };
+    std::optional<std::array<Measures, 4>> moved, nearer;
+    if (step > 0) moved = along(step);
+    Slopes slopes;
     for (const int side : {0, 1}) {
       const Side& varied = *number.sides[side];
       Model& its = *varied.held->model;
@@ -478,9 +520,24 @@ Gradients Derivatives::at(Model& model, const StaticExperiment& experiment, cons
       slopes.add(read(its, *varied.problem.experiment->at_rest(), varied.rig(), from, found, 0),
                  (side ? 0.5 : -0.5) / number.of.step);
     }
+    std::string without;
     for (const auto& [name, value] : slopes.taken()) {
-      if (is_smooth(name)) put_gradient(gradients, name, number.of.key, value);
+      if (!is_smooth(name)) continue;
+      Slope slope{0, 0};
+      if (moved) {
+        slope = slope_along(*moved, name, step, value, number.of.value);
+        if (slope.doubt > kDoubtful) {
+          if (!nearer) nearer = along(kShorter * step);
+          const Slope other = slope_along(*nearer, name, kShorter * step, value, number.of.value);
+          if (other.doubt < slope.doubt) slope = other;
+        }
+      }
+      if (slope.doubt > kDoubtful)
+        without += (without.empty() ? "" : ", ") + name;
+      else if (std::isfinite(slope.value))
+        put_gradient(gradients, name, number.of.key, value + slope.value);
     }
+    if (!without.empty()) doubts_.push_back(doubts_text(number.of.key, without));
   }
   return gradients;
 }

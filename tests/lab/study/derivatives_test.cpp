@@ -376,6 +376,65 @@ TEST_CASE("a run that is stopped anywhere is interrupted, and has the derivative
   }
 }
 
+TEST_CASE("derivatives beyond preload are those of whole runs, where a number acts on the preload alone, too",
+          "[derivatives][rest]") {
+  struct Case {
+    std::string what, scene, measure;
+    Number number;
+    double most;  ///< over the derivative: what it is off
+  };
+  const std::string jittered =
+                        "body: {lattice: {kind: cubic, molecules: [3, 3, 4], spacing: [0.01, 0.008, 0.009], order: "
+                        "1}, jitter: {amount: 0.15, seed: 3}}\n",
+                    weight = "experiment: {kind: tension, axis: z, load_steps: 2, gravity: 9.81}\n";
+  const auto curve = [](const std::string& compression) {
+    return "material: {poissons_ratio: 0.35, curve: {points: [" + compression +
+           ", [0, 0], [0.1, 1000], [0.3, 4000], [0.6, 12000]]}}\nstiffness: curve\n";
+  };
+  const Case cases[] = {
+      {"fibres that are taut under the preload, and slack at the end",
+       "body: {lattice: {kind: cubic, molecules: [2, 2, 2], spacing: 10 mm, order: 1}}\n"
+       "material: {law: transversely_isotropic, c1: 1.5 kPa, c3: 300 Pa, c4: 12, c5: 20 kPa, lambda_max: 1.06, "
+       "direction: z, bulk_modulus: 200 kPa}\nstiffness: transversely_isotropic\n"
+       "rest: {growth: 0.97, along: z, factor: 1}\nexperiment: {kind: compression, axis: z, strain: 0.1}\n",
+       "effective_modulus",
+       {"material.c3", 300},
+       1e-6},
+      {"a body that turns between sliding grips as it swells",
+       "body: {tetrahedra: {kind: alternating, cubes: [2, 2, 3], size: [0.0238, 0.0113, 0.0208]}, jitter: {amount: "
+       "0.15, seed: 3}}\nmaterial: {youngs_modulus: 10000, poissons_ratio: 0.48}\nstiffness: neo_hookean\n"
+       "rest: {swelling: 1.02, factor: 1}\n" +
+           weight,
+       "poissons_ratio",
+       {"rest.swelling", 1.02},
+       1e-6},
+      {"a ratio that a number hardly changes, under a small load",
+       "body: {lattice: {kind: cubic, molecules: [3, 3, 3], spacing: 0.01, order: 1}, jitter: {amount: 0.15, seed: "
+       "3}}\n"
+       "material: {youngs_modulus: 10000, poissons_ratio: 0.3}\nstiffness: neo_hookean\n"
+       "rest: {swelling: 1.02, factor: 1}\nexperiment: {kind: tension, axis: z, force: 0.0003}\n",
+       "poissons_ratio",
+       {"rest.swelling", 1.02},
+       0.05},
+      {"free growth, where the springs' curve has a corner",
+       jittered + curve("[-0.5, -10000], [-0.2, -2000]") + "rest: {growth: [1.02, 0.99, 1.03], factor: 1}\n" + weight,
+       "poissons_ratio",
+       {"rest.growth.0", 1.02},
+       1e-5},
+      {"a tangent next to the corner of a curve",
+       jittered + curve("[-0.5, -9000], [-0.2, -2500]") + weight,
+       "tangent_modulus",
+       {"body.lattice.spacing.1", 8e-3},
+       1e-6}};
+  for (const Case& one : cases) {
+    INFO(one.what);
+    const LaboratoryResult result = run(one.scene, {}, {one.number.key});
+    REQUIRE(result.outcome == Outcome::converged);
+    const double expected = difference(one.scene, one.measure, one.number, 1e-4);
+    CHECK(gradient_of(result, one.measure, one.number.key) == Approx(expected).epsilon(one.most));
+  }
+}
+
 TEST_CASE("a number that is uncertain by more than first order holds for is a warning", "[derivatives]") {
   const std::string scene =
       kLattice + kSoft + "stiffness: lattice\nexperiment: {kind: tension, axis: z, force: 0.01 N}\nuncertainty: ";

@@ -440,7 +440,10 @@ class TensionRig final : public StaticRig {
         experiment_.force_ ? factor_ * *experiment_.force_ : loaded_reaction(solved.reactions - start.reactions);
     const double elongation = experiment_.read_elongation(motion), strain = elongation / experiment_.gauge_length_,
                  stress = force / experiment_.area_;
-    const double lateral = experiment_.lateral_strain(motion, solved.linear);
+    // Of each shape, not of the motion between them, which a turn about the axis changes where preload strains the
+    // body.
+    const double lateral = experiment_.lateral_strain(state.positions - body_.rest, solved.linear) -
+                           experiment_.lateral_strain(start.positions - body_.rest, solved.linear);
     if (is_strained(strain)) measures.set("effective_modulus", stress / strain);
     measures.set("elongation", elongation);
     if (is_strained(strain)) measures.set("poissons_ratio", -lateral / strain);
