@@ -115,6 +115,13 @@ std::string doubts_text(const std::string& key, const std::string& measures) {
   return "no derivatives by " + key + " of " + measures + ": they jump there, or too few of their digits are known";
 }
 
+double gradient_of(const Gradients& gradients, const std::string& measure, const std::string& key) {
+  for (const auto& [name, slopes] : gradients)
+    for (const auto& [by, slope] : slopes)
+      if (name == measure && by == key) return slope;
+  return std::numeric_limits<double>::quiet_NaN();
+}
+
 void put_gradient(Gradients& gradients, const std::string& measure, const std::string& key, double value) {
   auto row = std::find_if(gradients.begin(), gradients.end(), [&](const auto& one) { return one.first == measure; });
   if (row == gradients.end()) row = gradients.insert(row, {measure, {}});
@@ -540,6 +547,39 @@ Gradients Derivatives::at(Model& model, const StaticExperiment& experiment, cons
     if (!without.empty()) doubts_.push_back(doubts_text(number.of.key, without));
   }
   return gradients;
+}
+
+void Derivatives::add_curve_error(const MeasureList& list, Run& run) const {
+  const std::string strain = list.named(MeasureRole::strain), stress = list.named(MeasureRole::stress);
+  const auto given = [](const CurvePoint& point) { return point.measures.get("material_stress"); };
+  const auto off = [&](const CurvePoint& point) { return point.measures.get(stress) - given(point); };
+  const auto largest = [&](const auto& what) -> const CurvePoint& {
+    return *std::max_element(run.curve.begin(), run.curve.end(), [&](const CurvePoint& a, const CurvePoint& b) {
+      return std::abs(what(a)) < std::abs(what(b));
+    });
+  };
+  const CurvePoint &worst = largest(off), &highest = largest(given);
+  for (const Number& number : numbers_) {
+    const std::string& key = number.of.key;
+    const double step = number.of.step;
+    if (!number.sides[0]) continue;  // it was stopped
+    const auto slope_of_given = [&](const CurvePoint& point) {
+      std::array<double, 2> at{};
+      for (const int side : {0, 1}) {
+        const VariedProblem& problem = number.sides[side]->problem;
+        const double moved = (side ? step : -step) * gradient_of(point.gradients, strain, key);
+        at[side] = uniaxial_stress(problem.specimen->material, *problem.experiment->at_rest()->axis(),
+                                   point.measures.get(strain) + moved)
+                       .value_or(std::numeric_limits<double>::quiet_NaN());
+      }
+      return (at[1] - at[0]) / (2 * step);
+    };
+    const double scale = given(highest), error = off(worst) / scale,
+                 slope = (gradient_of(worst.gradients, stress, key) - slope_of_given(worst) -
+                          error * slope_of_given(highest)) /
+                         scale;
+    if (std::isfinite(slope)) put_gradient(run.gradients, "curve_error", key, error < 0 ? -slope : slope);
+  }
 }
 
 void interrupt(Run& run) {

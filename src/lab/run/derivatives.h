@@ -62,6 +62,8 @@ class Derivatives {
   Gradients at(Model& model, const StaticExperiment& experiment, const StaticRig& rig, const Start& start,
                const State& state, const StaticResult& solved, double load_factor, bool last, const RunOptions& options,
                LastSolve& left);
+  /// Adds those of `curve_error`, from those of the load steps.
+  void add_curve_error(const MeasureList& list, Run& run) const;
   /// What at() has left out since the last call, a sentence each: where contact begins, ends or slides, or a
   /// measure jumps.
   std::vector<std::string> take_doubts() { return std::exchange(doubts_, {}); }

@@ -569,19 +569,20 @@ std::string held_and_moved(const Model& model, const StaticExperiment& experimen
 }
 
 /// Where the material says what stress belongs to a strain: that, and the largest difference to it, over the largest
-/// such stress.
-void note_curve_error(const Experiment& experiment, const MeasureList& list, const Material& material, Run& run) {
+/// such stress. False where it does not.
+bool note_curve_error(const Experiment& experiment, const MeasureList& list, const Material& material, Run& run) {
   const auto axis = experiment.axis();
   const std::string strain = list.named(MeasureRole::strain), stress = list.named(MeasureRole::stress);
   double difference = 0, largest = 0;
   for (CurvePoint& point : run.curve) {
     const auto given = axis ? uniaxial_stress(material, *axis, point.measures.get(strain)) : std::nullopt;
-    if (!given) return;
+    if (!given) return false;
     point.measures.set("material_stress", *given);
     difference = std::max(difference, std::abs(point.measures.get(stress) - *given));
     largest = std::max(largest, std::abs(*given));
   }
   run.measures.set("curve_error", difference / largest);
+  return true;
 }
 
 }  // namespace
@@ -822,7 +823,8 @@ void follow_load_curve(Model& model, const StaticExperiment& experiment, StaticR
   const bool grows = std::is_sorted(run.curve.begin(), run.curve.end(), [](const CurvePoint& a, const CurvePoint& b) {
     return a.load_factor < b.load_factor;
   });
-  if (grows) note_curve_error(experiment, list, material, run);
+  if (grows && note_curve_error(experiment, list, material, run) && options.derivatives)
+    options.derivatives->add_curve_error(list, run);
   if (steps > 1 && model.has_full_tangent()) {
     rig.measure_end(path.state(), options.statics, run.measures, run.linear_iterations);
     double sum = 0;

@@ -435,6 +435,16 @@ TEST_CASE("derivatives beyond preload are those of whole runs, where a number ac
   }
 }
 
+TEST_CASE("the deviation from a material's curve has derivatives", "[derivatives]") {
+  const std::string scene =
+      "body: {tetrahedra: {kind: kuhn, cubes: [1, 1, 2], size: [15 mm, 25 mm, 26 mm]}}\n"
+      "material: {law: mooney_rivlin, c1: 1.2 kPa, c2: 500 Pa, bulk_modulus: 165 kPa}\nstiffness: mooney_rivlin\n"
+      "experiment: {kind: compression, axis: z, displacement: 2 mm, load_steps: 2, fixed_grip: clamped}\n";
+  for (const Number& number : {Number{"experiment.displacement", 2e-3}, Number{"material.c2", 500}})
+    CHECK(gradient_of(run(scene, {}, {number.key}), "curve_error", number.key) ==
+          Approx(difference(scene, "curve_error", number, 1e-4)).epsilon(1e-6));
+}
+
 TEST_CASE("a number that is uncertain by more than first order holds for is a warning", "[derivatives]") {
   const std::string scene =
       kLattice + kSoft + "stiffness: lattice\nexperiment: {kind: tension, axis: z, force: 0.01 N}\nuncertainty: ";
