@@ -5,6 +5,7 @@
 #include "core/forces/floor.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/base/text.h"
+#include "elastin/core/model/parts.h"
 #include "lab/scene/parts.h"
 
 namespace elastin::lab {

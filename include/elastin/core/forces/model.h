@@ -73,6 +73,7 @@ class Model {
   /// Frees the molecules of supports number `first` to before `end`, but for what add_supports has fixed.
   void release_supports(std::size_t first, std::size_t end);
   /// Moves the supports: sets their displacements and velocities for a time [s]. Empty: they stay where they are.
+  /// Forces that it sets are those of that time: steppers call it for each at which they balance forces.
   std::function<void(double time, std::vector<Support>&)> drive;
 
   /// Of a body with Body::unstressed: makes a part of it count, 0 … 1, see Rest::part.

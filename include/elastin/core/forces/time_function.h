@@ -29,8 +29,8 @@ class TimeFunction {
 
   /// The first time after `time` [s] at which it jumps or has a kink; infinity where none comes.
   double next_corner(double time) const;
-  /// Longest step [s] between its corners that sees it: a fortieth of a period, with which the trapezoidal rule is right
-  /// to 0.2 %; infinity where it is straight.
+  /// Longest step [s] between its corners that sees it: a fortieth of a period, with which the trapezoidal rule is
+  /// right to 0.2 %; infinity where it is straight.
   double longest_step() const;
   /// Shortest time [s] in which it goes to and fro by more than a tenth of its range; infinity where it never does.
   double shortest_swing() const;
