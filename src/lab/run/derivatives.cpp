@@ -19,6 +19,7 @@ namespace elastin::lab {
 namespace {
 
 constexpr double kTolerance = 1e-11;  ///< of the linear solves
+constexpr double kFollows = 1e-9;     ///< a deviation from the material's curve below which it is rounding
 /// |f(p + h) − 2 f(p) + f(p − h)| / |f(p + h) − f(p − h)|: a difference is off by about its square.
 constexpr double kBend = 3e-5, kCalibratedBend = 1e-3;
 /// Of the displacements and reactions, over which measures are differenced: the most that leaves no error of fourth
@@ -115,11 +116,17 @@ std::string doubts_text(const std::string& key, const std::string& measures) {
   return "no derivatives by " + key + " of " + measures + ": they jump there, or too few of their digits are known";
 }
 
-double gradient_of(const Gradients& gradients, const std::string& measure, const std::string& key) {
-  for (const auto& [name, slopes] : gradients)
-    for (const auto& [by, slope] : slopes)
-      if (name == measure && by == key) return slope;
-  return std::numeric_limits<double>::quiet_NaN();
+/// Null: it has none.
+double* find_gradient(Gradients& gradients, const std::string& measure, const std::string& key) {
+  for (auto& [name, slopes] : gradients)
+    for (auto& [by, slope] : slopes)
+      if (name == measure && by == key) return &slope;
+  return nullptr;
+}
+
+double gradient_of(Gradients& gradients, const std::string& measure, const std::string& key) {
+  const double* slope = find_gradient(gradients, measure, key);
+  return slope ? *slope : std::numeric_limits<double>::quiet_NaN();
 }
 
 void put_gradient(Gradients& gradients, const std::string& measure, const std::string& key, double value) {
@@ -545,6 +552,21 @@ Gradients Derivatives::at(Model& model, const StaticExperiment& experiment, cons
         put_gradient(gradients, name, number.of.key, value + slope.value);
     }
     if (!without.empty()) doubts_.push_back(doubts_text(number.of.key, without));
+    if (!model.body().unstressed || number.start.size() == 0) continue;
+    // The energy before the load, along the start's own motion: a body that grows freely has none all along, and what a
+    // difference at fixed positions is off would be more than a small load adds.
+    double slope = gradient_of(gradients, "energy_increase", number.of.key);
+    for (const int side : {0, 1}) {
+      const Side& varied = *number.sides[side];
+      Model& its = *varied.held->model;
+      const double moved_by = (side ? 1 : -1) * number.of.step;
+      const Start from{its.body().rest + (start.positions - model.body().rest) + moved_by * number.start,
+                       start.reactions};
+      const Measures whole = read(its, *varied.problem.experiment->at_rest(), varied.rig(), from, found, 0);
+      slope += 0.5 / moved_by * (whole.get("energy") - whole.get("energy_increase"));
+    }
+    if (double* energy = find_gradient(gradients, "energy", number.of.key); energy && std::isfinite(slope))
+      *energy = slope;
   }
   return gradients;
 }
@@ -553,17 +575,18 @@ void Derivatives::add_curve_error(const MeasureList& list, Run& run) const {
   const std::string strain = list.named(MeasureRole::strain), stress = list.named(MeasureRole::stress);
   const auto given = [](const CurvePoint& point) { return point.measures.get("material_stress"); };
   const auto off = [&](const CurvePoint& point) { return point.measures.get(stress) - given(point); };
-  const auto largest = [&](const auto& what) -> const CurvePoint& {
+  const auto largest = [&](const auto& what) -> CurvePoint& {
     return *std::max_element(run.curve.begin(), run.curve.end(), [&](const CurvePoint& a, const CurvePoint& b) {
       return std::abs(what(a)) < std::abs(what(b));
     });
   };
-  const CurvePoint &worst = largest(off), &highest = largest(given);
+  CurvePoint &worst = largest(off), &highest = largest(given);
+  if (!(std::abs(off(worst)) > kFollows * std::abs(given(highest)))) return;
   for (const Number& number : numbers_) {
     const std::string& key = number.of.key;
     const double step = number.of.step;
     if (!number.sides[0]) continue;  // it was stopped
-    const auto slope_of_given = [&](const CurvePoint& point) {
+    const auto slope_of_given = [&](CurvePoint& point) {
       std::array<double, 2> at{};
       for (const int side : {0, 1}) {
         const VariedProblem& problem = number.sides[side]->problem;

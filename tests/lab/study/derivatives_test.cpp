@@ -416,6 +416,14 @@ TEST_CASE("derivatives beyond preload are those of whole runs, where a number ac
        "poissons_ratio",
        {"rest.swelling", 1.02},
        0.05},
+      {"a free body that swells, whose energy is of a small load alone",
+       "body: {lattice: {kind: cubic, molecules: [3, 3, 3], spacing: 0.01, order: 1}, jitter: {amount: 0.15, seed: "
+       "3}}\n"
+       "material: {youngs_modulus: 10000, poissons_ratio: 0.3}\nstiffness: neo_hookean\n"
+       "rest: {swelling: 1.02, factor: 1}\nexperiment: {kind: tension, axis: z, force: 0.0003}\n",
+       "energy",
+       {"rest.swelling", 1.02},
+       1e-4},
       {"free growth, where the springs' curve has a corner",
        jittered + curve("[-0.5, -10000], [-0.2, -2000]") + "rest: {growth: [1.02, 0.99, 1.03], factor: 1}\n" + weight,
        "poissons_ratio",
