@@ -62,7 +62,7 @@ class Derivatives {
   Gradients at(Model& model, const StaticExperiment& experiment, const StaticRig& rig, const Start& start,
                const State& state, const StaticResult& solved, double load_factor, bool last, const RunOptions& options,
                LastSolve& left);
-  /// Adds those of `curve_error`, from those of the load steps.
+  /// Adds those of `curve_error`, from those of the load steps; none where it is rounding alone.
   void add_curve_error(const MeasureList& list, Run& run) const;
   /// What at() has left out since the last call, a sentence each: where contact begins, ends or slides, or a
   /// measure jumps.
