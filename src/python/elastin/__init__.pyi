@@ -1169,7 +1169,8 @@ class Loads(Experiment):
     circumference and axis (direction; default: needed).
     read.around.through [m]: a point of the axis (vector; default: 0).
     moved: molecules that are moved, in addition to `supports`; an item adds its directions to those of the items
-    before it; `release` frees those with a displacement (list of maps; default: none).
+    before it, and a rigid body moves as a whole; `release` frees those with a displacement (list of maps; default:
+    none).
     moved.molecules: which molecules are moved (list of molecules, or [pick](#picked-molecules); default: needed).
     moved.displacement [m]: their displacement (vector; default: needed).
     moved.fix: perpendicular directions along which the displacement is prescribed; they are free along the others
