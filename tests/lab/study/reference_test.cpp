@@ -296,8 +296,8 @@ TEST_CASE("a reference that takes too long is given up, and one that is interrup
 
 TEST_CASE("a reference that was computed is read back equal, on whatever cells the body is made of",
           "[reference][slow]") {
-  const Written scene(block(kBar, kRubber, "displacement: 0.1 mm, " + kClamped,
-                            "reference: {computed: {uncertainty: 0.5 %}}\n"));
+  const Written scene(
+      block(kBar, kRubber, "displacement: 0.1 mm, " + kClamped, "reference: {computed: {uncertainty: 0.5 %}}\n"));
   ReferenceStore store(scene.folder.path("kept"));
   int solved = 0;
   const auto count = [&](const std::string&) { ++solved; };

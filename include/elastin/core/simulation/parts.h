@@ -23,8 +23,8 @@ bool states_own_law(const Material& material, const std::vector<Material>& mater
 /// and bending, the body's cables and ties. Throws InputError as they do.
 void add_companions(Model& model, const Strategy& strategy, const Material& material);
 
-/// Supports all molecules of the body's rigid parts in all directions: bone stays where it is unless something moves it,
-/// and along what a support leaves free it stays, too.
+/// Supports all molecules of the body's rigid parts in all directions: bone stays where it is unless something moves
+/// it, and along what a support leaves free it stays, too.
 void fix_rigid_parts(Model& model);
 
 }  // namespace elastin
