@@ -585,3 +585,39 @@ TEST_CASE("Poisson's ratio is that at mid height, however wide the cells are", "
     CHECK(run.measures.get("poissons_ratio") == Approx(-moments / spread / (-1e-5 / 0.007)).epsilon(1e-6));
   }
 }
+
+TEST_CASE("half of a body behind a plane of symmetry shows the Poisson's ratio of the whole", "[tension]") {
+  const auto ratio_of = [](std::array<int, 3> cells, const std::vector<int>& halved, bool turned) {
+    Specimen specimen;
+    specimen.material = {.youngs_modulus = 1e4, .poissons_ratio = 0.3};
+    Vector3 size(0.014, 0.014, 0.007);
+    for (const int axis : halved) size[axis] /= 2, cells[static_cast<std::size_t>(axis)] /= 2;
+    specimen.body = cell_box(cell_kind("hexahedron8"), cells, size, 0);
+    const Matrix3 turn = turned ? Eigen::AngleAxisd(0.7, Vector3(1, 2, 3).normalized()).toRotationMatrix()
+                                : Matrix3(Matrix3::Identity());
+    std::vector<Support> supports;
+    for (int molecule = 0; molecule < specimen.body.size(); ++molecule) {
+      Matrix3 free = Matrix3::Identity();
+      for (const int axis : halved)
+        if (specimen.body.rest(axis, molecule) < 1e-9) free -= turn.col(axis) * turn.col(axis).transpose();
+      if (free != Matrix3::Identity()) supports.push_back({molecule, free});
+    }
+    specimen.body.rest = turn * specimen.body.rest;
+    TensionSetup setup;
+    setup.axis = turn.col(2);
+    setup.displacement = -1e-5;
+    setup.fixed_grip = setup.loaded_grip = Grip::clamped;
+    const auto experiment = make_tension(specimen.body, setup);
+    experiment->set_further_supports(supports);
+    const Run run = run_strategy(specimen, *experiment, choose_strategy(kCatalog, "st_venant_kirchhoff"),
+                                 {.statics = {.linear = true}});
+    REQUIRE(run.outcome == Outcome::converged);
+    return run.measures.get("poissons_ratio");
+  };
+  const double whole = ratio_of({4, 4, 4}, {}, false);
+  for (const bool turned : {false, true})
+    for (const auto& halved : {std::vector<int>{0}, {1}, {0, 1}}) {
+      INFO(halved.size() << turned);
+      CHECK(ratio_of({4, 4, 4}, halved, turned) == Approx(whole).epsilon(1e-6));
+    }
+}

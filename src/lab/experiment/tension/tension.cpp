@@ -273,17 +273,84 @@ class Tension final : public StaticExperiment {
     return spread.trace() > 0 ? spread.determinant() / std::pow(spread.trace(), 2) : -1;
   }
 
-  /// Their places in the plane less their mean [m], and Σ w y yᵀ [m²].
-  std::pair<Eigen::MatrixX2d, Eigen::Matrix2d> spread_of_middle() const {
+  /// A plane along the axis to which the scene's supports hold all molecules that lie in it, at a side of the body,
+  /// which moves as half of a body with an image behind it.
+  struct Mirror {
+    Eigen::RowVector2d normal;  ///< in the plane across the axis
+    double distance;            ///< from the origin along it [m]
+  };
+
+  /// Their places in the plane less their mean [m], those of their images behind `mirrors` with them, and Σ w y yᵀ
+  /// [m²].
+  std::pair<Eigen::MatrixX2d, Eigen::Matrix2d> spread_of_middle(const std::vector<Mirror>& mirrors = {}) const {
     Eigen::MatrixX2d places(static_cast<Eigen::Index>(middle_.size()), 2);
     for (std::size_t i = 0; i < middle_.size(); ++i)
       places.row(static_cast<Eigen::Index>(i)) = body_.rest.col(middle_[i]).transpose() * plane_;
-    Eigen::RowVector2d mean = middle_weight_.transpose() * places;
+    places = with_images(std::move(places), mirrors, 1);
+    const VectorX weights = weights_of(places);
+    Eigen::RowVector2d mean = weights.transpose() * places;
     sum_over(body_, {mean.data(), 2});
-    places.rowwise() -= mean / sum_over(body_, middle_weight_.sum());
-    Eigen::Matrix2d spread = places.transpose() * middle_weight_.asDiagonal() * places;
+    places.rowwise() -= mean / sum_over(body_, weights.sum());
+    Eigen::Matrix2d spread = places.transpose() * weights.asDiagonal() * places;
     sum_over(body_, {spread.data(), 4});
     return {std::move(places), spread};
+  }
+
+  /// None where two are not at right angles: their images would have images.
+  std::vector<Mirror> mirrors() const {
+    constexpr std::size_t most = 8;
+    constexpr int size = 4;  // of a support that leaves one direction out: this direction, and where it lies along it
+    std::vector<double> own;
+    for (const Support& support : further_supports()) {
+      const Matrix3 fixed = Matrix3::Identity() - support.free;
+      if (std::abs(fixed.trace() - 1) > 1e-9 || (plane_.transpose() * fixed * plane_).trace() < 1 - 1e-9) continue;
+      Eigen::Index column = 0;
+      fixed.colwise().norm().maxCoeff(&column);
+      const Vector3 along = fixed.col(column).normalized();
+      bool known = own.size() >= size * most;
+      for (std::size_t i = 0; i < own.size(); i += size) known |= along.dot(Vector3(&own[i])) > 1 - 1e-9;
+      if (!known) own.insert(own.end(), {along[0], along[1], along[2], along.dot(body_.rest.col(support.molecule))});
+    }
+    const std::vector<double> all = gathered_over(body_, own);
+    std::vector<Mirror> found;
+    for (std::size_t i = 0; i < all.size(); i += size) {
+      const Vector3 along(&all[i]);
+      const Mirror mirror{along.transpose() * plane_, all[i + 3]};
+      const bool known = std::any_of(found.begin(), found.end(), [&](const Mirror& one) {
+        return std::abs(one.normal.dot(mirror.normal)) > 1 - 1e-9;
+      });
+      if (!known && holds_side(along, mirror.distance)) found.push_back(mirror);
+    }
+    const bool square =
+        found.size() < 2 || (found.size() == 2 && std::abs(found[0].normal.dot(found[1].normal)) < 1e-9);
+    return square ? found : std::vector<Mirror>{};
+  }
+
+  /// Whether the body lies on one side of a plane, and supports hold all molecules that lie in it along its normal.
+  bool holds_side(const Vector3& normal, double distance) const {
+    const VectorX heights = (body_.rest.transpose() * normal).array() - distance;
+    const double near = 1e-9 * (high_ - low_);
+    if (least_over(body_, heights.minCoeff()) < -near && largest_over(body_, heights.maxCoeff()) > near) return false;
+    std::vector<char> held(static_cast<std::size_t>(body_.size()));
+    for (const Support& support : further_supports()) held[support.molecule] = (support.free * normal).norm() < 1e-9;
+    bool slips = false;
+    for (int molecule = 0; molecule < owned_molecules(body_); ++molecule)
+      slips |= std::abs(heights[molecule]) <= near && !held[molecule];
+    return !any_over(body_, slips);
+  }
+
+  /// `values` of molecules in the plane, and those of their images: of places, or of motions with `part` 0.
+  static Eigen::MatrixX2d with_images(Eigen::MatrixX2d values, const std::vector<Mirror>& mirrors, double part) {
+    for (const auto& [normal, distance] : mirrors) {
+      const Eigen::Index count = values.rows();
+      values.conservativeResize(2 * count, 2);
+      const VectorX behind = (values.topRows(count) * normal.transpose()).array() - part * distance;
+      values.bottomRows(count) = values.topRows(count) - 2 * behind * normal;
+    }
+    return values;
+  }
+  VectorX weights_of(const Eigen::MatrixX2d& with_images) const {
+    return middle_weight_.replicate(middle_.empty() ? 1 : with_images.rows() / middle_weight_.size(), 1);
   }
 
   double mean_height(const std::vector<int>& molecules, const VectorX& weights) const {
@@ -325,11 +392,13 @@ class Tension final : public StaticExperiment {
   /// which sliding grips leave free, change it: with F = I + gradient, the stretches add up to √((F_xx + F_yy)² + (F_xy
   /// − F_yx)²).
   double lateral_strain(const Positions& motion, bool small) const {
-    const auto [places, spread] = spread_of_middle();
-    Eigen::MatrixX2d moves(places.rows(), 2);
+    const std::vector<Mirror> images = mirrors();
+    const auto [places, spread] = spread_of_middle(images);
+    Eigen::MatrixX2d moves(static_cast<Eigen::Index>(middle_.size()), 2);
     for (std::size_t i = 0; i < middle_.size(); ++i)
       moves.row(static_cast<Eigen::Index>(i)) = motion.col(middle_[i]).transpose() * plane_;
-    Eigen::Matrix2d moments = places.transpose() * middle_weight_.asDiagonal() * moves;
+    moves = with_images(std::move(moves), images, 0);
+    Eigen::Matrix2d moments = places.transpose() * weights_of(places).asDiagonal() * moves;
     sum_over(body_, {moments.data(), 4});
     if (!(spread.determinant() > 1e-12 * std::pow(spread.trace(), 2))) {  // a sheet: they lie in a line
       if (!(spread.trace() > 0)) return std::numeric_limits<double>::quiet_NaN();
