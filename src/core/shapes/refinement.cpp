@@ -149,7 +149,8 @@ void take_back(const CellBlock& block, std::vector<std::array<int, corners>>& ce
 double size_of(const Positions& rest, const std::array<int, 4>& cell) { return signed_volume(rest, cell); }
 double size_of(const Positions& rest, const std::array<int, 3>& cell) { return area_vector(rest, cell).norm(); }
 
-/// Lumped, of a body of cells [m³], [m²].
+}  // namespace
+
 VectorX volumes_of_molecules(const Body& body) {
   if (!body.blocks.empty()) return lumped_volumes(body, 1);
   if (body.tetrahedra.empty() && !body.cubes.empty()) {
@@ -159,8 +160,6 @@ VectorX volumes_of_molecules(const Body& body) {
   }
   return lumped_mass(body.rest, body.tetrahedra.empty() ? body.triangles : Cells<3>{}, body.tetrahedra, 1, 1);
 }
-
-}  // namespace
 
 void carry_matter(const Body& from, const std::vector<MoleculeBetween>& between, Body& to) {
   const auto carry = [&](const VectorX& values) {
@@ -176,9 +175,11 @@ void carry_matter(const Body& from, const std::vector<MoleculeBetween>& between,
   };
   if (from.radius.size()) to.radius = carry(from.radius);
   if (!from.mass.size()) return;
+  // Molecules without cells are of one mass where the density is one, however much of a lattice's boxes is theirs.
+  const bool shared = from.blocks.empty() && from.tetrahedra.empty() && from.triangles.empty();
   const VectorX before = volumes_of_molecules(from), after = volumes_of_molecules(to);
   VectorX densities(from.size());
-  for (int a = 0; a < from.size(); ++a) densities[a] = before[a] > 0 ? from.mass[a] / before[a] : 0;
+  for (int a = 0; a < from.size(); ++a) densities[a] = before[a] > 0 ? from.mass[a] / (shared ? 1 : before[a]) : 0;
   to.mass = after.cwiseProduct(carry(densities));
   for (int a = 0; a < from.size(); ++a)  // one that belongs to no cell
     if (!(before[a] > 0)) to.mass[a] = from.mass[a];

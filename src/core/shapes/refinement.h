@@ -16,6 +16,9 @@ namespace elastin {
 /// 1995]
 Body refined(const Body& body);
 
+/// What of the cells, or of a lattice's boxes, belongs to each molecule, lumped [m³]; of triangles their area [m²].
+VectorX volumes_of_molecules(const Body& body);
+
 /// Volume and its moments, which show whether two bodies of cells fill the same space: volume (or area) and, about the
 /// origin, its three first and six second moments, in SI units.
 std::array<double, 10> moments_of_cells(const Body& body);

@@ -45,11 +45,20 @@ std::string prescribed_of_parts(const Specimen& specimen) {
   return text;
 }
 
+/// What at rest a material bears of its moduli, g₀: less than 1 where these are instantaneous.
+double part_at_rest(const Scene& scene) {
+  const auto& relaxation = scene.specimen.material.relaxation;
+  return relaxation && scene.experiment->at_rest() ? relaxation->long_term() : 1;
+}
+
 std::string prescribed_text(const Scene& scene) {
   if (!scene.specimen.body.parts.empty()) return prescribed_of_parts(scene.specimen);
   const Material& material = scene.specimen.material;
   std::string text =
       fmt::format("E = {}, nu = {:g}", readable(material.youngs_modulus, dimension::pressure), material.poissons_ratio);
+  if (const double part = part_at_rest(scene); part < 1)
+    text += fmt::format(" (at rest {:.4g} of it, E = {})", part,
+                        readable(part * material.youngs_modulus, dimension::pressure));
   text += law_text(material);
   if (material.fibre)
     text +=
@@ -283,6 +292,10 @@ Record make_record(const Scene& scene, Run run) {
   for (MainMeasure& measure : record.main_measures)
     if (const double own = run.law.get(measure.name); std::isfinite(own) && std::isfinite(measure.prescribed))
       measure.prescribed = own, measure.strain = run.law_strain;
+  if (const double part = part_at_rest(scene); part < 1)
+    for (MainMeasure& measure : record.main_measures)
+      if (record.measure(measure.name).unit == dimension::pressure)
+        measure.prescribed = part > 0 ? part * measure.prescribed : std::nan("");
   for (const auto& [name, prescribed, strain] : record.main_measures) {
     const bool ratio = record.measure(name).unit == dimension::none;
     const double measured = run.measures.get(name);

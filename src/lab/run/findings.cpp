@@ -28,6 +28,8 @@ namespace shape = contact::shape;
 constexpr double kOverlap = 1e-3;
 /// Of a rebound's speed to that of the impact: what explicit steps near the longest stable one may do.
 constexpr double kRebound = 1.02;
+/// Part of a stress that is no isotropic material's.
+constexpr double kAnisotropic = 0.02;
 /// Of the kinetic to the elastic energy: driven motion errs by as much, an oscillation by its root.
 constexpr double kMoving = 2e-3;
 /// Of damping to what the laws bear; and of the energy by which a load grows within a frame.
@@ -228,6 +230,11 @@ std::vector<std::string> findings_at_end(const Specimen& specimen, const Measure
   if (const double restitution = run.measures.get("restitution"); restitution > kRebound)
     found.push_back("it rebounds " + number(restitution, 3) +
                     " times as fast as it came: the steps are too long for the contact");
+  if (const double off = run.measures.get("isotropy_error"); off > kAnisotropic)
+    found.push_back(
+        "the body is stiffer along one direction than along the other: the stresses of an isotropic "
+        "material with its modulus and Poisson's ratio differ from its own by up to " +
+        number(100 * off, 2) + " %");
   if (const auto& rest = specimen.body.unstressed; reads_stiffness && rest && run.time)
     found.emplace_back(
         "the modulus is of all forces, those of `rest` too; an experiment at rest with `factor: 1` has them before the "

@@ -32,7 +32,7 @@ namespace elastin::lab {
 namespace {
 
 /// Another method to compute a reference takes another number, so that older files are not read back.
-constexpr int kVersion = 5;
+constexpr int kVersion = 6;
 /// Of the unbalanced force: far below any uncertainty that a scene may request.
 constexpr double kTolerance = 1e-7;
 /// How much longer a body takes with twice as many cells along each side.
@@ -311,6 +311,8 @@ class Sequence {
       if (!filled_) break;
     }
     law_ = own_law(scene, catalog, body_);
+    const auto& relaxation = scene.specimen.material.relaxation;
+    if (relaxation && relaxation->long_term() < 1 && scene.computed.strategy.empty()) law_ = "prony:" + law_;
   }
   const Scene& first() const { return *first_; }
   const std::string& law() const { return law_; }

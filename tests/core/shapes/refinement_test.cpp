@@ -184,3 +184,11 @@ TEST_CASE("what has no cells, or more than cells, cannot be refined", "[refineme
   block.cables.push_back({0, 1});
   CHECK_THROWS_WITH(refined(block), Contains("cables"));
 }
+
+TEST_CASE("a lattice of equal molecules has one density once it has cells", "[order]") {
+  Body lattice = cubic_lattice({3, 3, 4}, 1e-3, {true, true, false});
+  set_matter(lattice, 5e-4, 1000, 0, 12e-9);
+  const Body cells = with_order(lattice, 2);
+  const VectorX even = 1000 * lumped_volumes(cells, 1);
+  CHECK((cells.mass - even).norm() < 1e-12 * even.norm());
+}

@@ -218,3 +218,18 @@ TEST_CASE("directions askew to the load have no one modulus, and along or across
                           "lambda_max: 1.07, direction: [1, 0, 1], bulk_modulus: 30 kPa}"));
   CHECK_THAT(law.no_reference, Contains("askew to the load") && Contains("Pa where they may tilt"));
 }
+
+TEST_CASE("at rest a material of instantaneous moduli is compared with what is left of them", "[targets]") {
+  const std::string material =
+      "{youngs_modulus: 120 kPa, poissons_ratio: 0.3, relaxation: {terms: [[0.5, 1 s]], moduli: instantaneous}}";
+  for (const char* strain : {"1e-6", "0.2"}) {
+    CAPTURE(strain);
+    const std::string experiment = std::string("{kind: tension, axis: x, load_steps: 5, strain: ") + strain + "}";
+    const Record relaxed = record_of(*scene_of(experiment, "\"prony:neo_hookean\"", material));
+    CHECK(std::abs(relaxed.error("effective_modulus")) < 1e-6);
+    const Record elastic = record_of(*scene_of(experiment, "neo_hookean", material));
+    CHECK(elastic.error("effective_modulus") == Approx(1).epsilon(1e-6));
+    CHECK(target_of(elastic, "poissons_ratio").prescribed == target_of(relaxed, "poissons_ratio").prescribed);
+    CHECK_THAT(relaxed.prescribed, Contains("at rest 0.5 of it, E = 60 kPa"));
+  }
+}

@@ -117,6 +117,17 @@ TEST_CASE("a lattice and the molecules of a packing have the domain that they fi
   CHECK((found[0].value > 5e3 && found[0].value < 1.2 * 5e3));
 }
 
+TEST_CASE("Poisson's ratio of a clamped lattice has the reference of the block that it fills", "[reference][slow]") {
+  const auto ratio = [](const std::string& lattice, const std::string& law) {
+    const Written scene("body: {lattice: {kind: cubic, molecules: [3, 3, 4], spacing: 3 mm, " + lattice +
+                        "}}\nmaterial: {youngs_modulus: 10 kPa, poissons_ratio: 0.25}\nstiffness: " + law +
+                        "\nexperiment: {kind: tension, axis: z, displacement: 1 um, " + kClamped + "}\n" + kSmall +
+                        "reference: computed\n");
+    return of(scene.compute(), "poissons_ratio").value;
+  };
+  CHECK(ratio("connections: [axis, face]", "lattice") == Approx(ratio("order: 2", "neo_hookean")).epsilon(1e-6));
+}
+
 TEST_CASE("a membrane is refined by its own law", "[reference]") {
   const ComputedReferences found =
       Written(

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <limits>
 #include <map>
 #include <utility>
@@ -33,10 +34,16 @@ const MeasureList& biaxial_measures() {
        {"stress", pressure, "nominal stress along the axis", Role::stress},
        {"strain", none, "nominal strain along the axis", Role::strain},
        {"stress_across", pressure, "nominal stress along the second direction"},
-       {"lateral_strain", none, "mean strain of the thickness", Role::history}},
+       {"lateral_strain", none, "mean strain of the thickness", Role::history},
+       {"isotropy_error", none,
+        "of strains up to 1 %: the largest difference of a stress to that of that material, over the larger stress",
+        Role::history}},
       {{"strain", "stress", true, "nominal stress"}, {"load", "strain"}}};
   return list;
 }
+
+/// Strains beyond which a law's own curve is no linear material's.
+constexpr double kSmall = 0.01;
 
 /// One of the two directions, with the molecules of its ends.
 struct Direction {
@@ -46,8 +53,9 @@ struct Direction {
 };
 
 /// Equibiaxial tension where both strains are one, planar tension (pure shear) where the second is 0. E and ν are those
-/// of a linear isotropic material that shows the same: with σ₃ = 0
-///     ν = −ε₃ / (ε₁ + ε₂ − ε₃),  E = σ₁ (1 − ν²) / (ε₁ + ν ε₂).              [Timoshenko & Goodier 1970, section 6]
+/// of a linear isotropic material with the same strain of the thickness and the same work: with σ₃ = 0
+///     ν = −ε₃ / (ε₁ + ε₂ − ε₃),  σ₁ ε₁ + σ₂ ε₂ = E (ε₁² + ε₂² + 2 ν ε₁ ε₂) / (1 − ν²).    [Timoshenko & Goodier 1970,
+/// section 6]
 /// Throws InputError where the body has no opposite ends along the two directions.
 class Biaxial final : public Driven {
  public:
@@ -111,8 +119,16 @@ class Biaxial final : public Driven {
                                              : (across * first - second) / (first - across * second);
     Measures measures;
     if (is_strained(first) || is_strained(second)) {
-      measures.set("effective_modulus", stress[0] * (1 - ratio * ratio) / (first + ratio * second));
+      const double modulus = (stress[0] * first + stress[1] * second) * (1 - ratio * ratio) /
+                             (first * first + second * second + 2 * ratio * first * second);
+      measures.set("effective_modulus", modulus);
       measures.set("poissons_ratio", ratio);
+      if (std::max(std::abs(first), std::abs(second)) <= kSmall) {
+        const double plane = modulus / (1 - ratio * ratio);
+        measures.set("isotropy_error", std::max(std::abs(stress[0] - plane * (first + ratio * second)),
+                                                std::abs(stress[1] - plane * (second + ratio * first))) /
+                                           std::max(std::abs(stress[0]), std::abs(stress[1])));
+      }
     }
     measures.set("force", force[0]);
     measures.set("stress", stress[0]);

@@ -8,6 +8,7 @@
 #include <numeric>
 
 #include "core/base/dense.h"
+#include "core/shapes/refinement.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/base/text.h"
 #include "elastin/core/model/parts.h"
@@ -234,8 +235,8 @@ class Tension final : public StaticExperiment {
   }
 
   /// Chooses the molecules about mid height (between the gauge planes, if any) whose motion shows the lateral strain
-  /// there. They count by their masses, and the less the further they lie from it: not at all at the mean rise of the
-  /// connections that cross it, or further where these are too few to span the section.
+  /// there. They count by what of the body is theirs, and the less the further they lie from it: not at all at the mean
+  /// rise of the connections that cross it, or further where these are too few to span the section.
   void choose_middle(double middle) {
     if (setup_.gauge) middle = low_ + ((*setup_.gauge)[0] + (*setup_.gauge)[1]) / 2;
     std::array<double, 2> rises{};  // their sum, and how many
@@ -247,11 +248,10 @@ class Tension final : public StaticExperiment {
         rises[0] += above - below, ++rises[1];
     }
     sum_over(body_, rises);
-    const bool heavy = body_.mass.size() == body_.size() && sum_over(body_, body_.mass.sum()) > 0;
-    const VectorX masses = heavy ? body_.mass : VectorX::Ones(body_.size());
+    const VectorX shares = shares_of_section();
     middle_.resize(static_cast<std::size_t>(owned_molecules(body_)));
     std::iota(middle_.begin(), middle_.end(), 0);
-    middle_weight_ = masses.head(owned_molecules(body_));
+    middle_weight_ = shares;
     const double spanned = roundness();
     const std::vector<int> all = std::move(middle_);
     for (double reach = rises[1] > 0 ? rises[0] / rises[1] : high_ - low_;; reach *= 2) {
@@ -261,9 +261,22 @@ class Tension final : public StaticExperiment {
       middle_weight_.resize(static_cast<Eigen::Index>(middle_.size()));
       for (std::size_t i = 0; i < middle_.size(); ++i)
         middle_weight_[static_cast<Eigen::Index>(i)] =
-            masses[middle_[i]] * (1 - std::abs(height_[middle_[i]] - middle) / reach);
+            shares[middle_[i]] * (1 - std::abs(height_[middle_[i]] - middle) / reach);
       if (roundness() >= 0.1 * spanned - 1e-9 || reach > high_ - low_) break;
     }
+  }
+
+  /// What of the body belongs to each owned molecule: of its cells, or without them by mass.
+  VectorX shares_of_section() const {
+    const int owned = owned_molecules(body_);
+    const bool cells =
+        !body_.blocks.empty() || !body_.cubes.empty() || !body_.tetrahedra.empty() || !body_.triangles.empty();
+    if (any_over(body_, cells)) {
+      const VectorX volumes = volumes_of_molecules(body_).head(owned);
+      if (least_over(body_, owned > 0 ? volumes.minCoeff() : 1) > 0) return volumes;
+    }
+    const bool heavy = body_.mass.size() == body_.size() && sum_over(body_, body_.mass.sum()) > 0;
+    return heavy ? VectorX(body_.mass.head(owned)) : VectorX(VectorX::Ones(owned));
   }
 
   /// Of the molecules at mid height, seen along the axis: determinant over squared trace of their spread, 0 where they
