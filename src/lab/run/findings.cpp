@@ -131,7 +131,9 @@ void measure_law(const Specimen& specimen, const Experiment& experiment, const S
     return;
   const std::optional<UniformTest> test = experiment.at_rest()->uniform(run.measures);
   if (!test || !(std::abs(test->strain) > no_strain)) return;
-  if (const auto found = measured_on_block(*test, specimen.body, law.strategy, specimen.material, law.values))
+  Material material = specimen.material;
+  if (material.relaxation) material.relaxation->instantaneous = false;  // the law itself, whether it relaxes or not
+  if (const auto found = measured_on_block(*test, specimen.body, law.strategy, material, law.values))
     run.law = *found, run.law_strain = test->strain;
 }
 

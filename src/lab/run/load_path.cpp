@@ -575,11 +575,12 @@ bool note_curve_error(const Experiment& experiment, const MeasureList& list, con
   const std::string strain = list.named(MeasureRole::strain), stress = list.named(MeasureRole::stress);
   double difference = 0, largest = 0;
   for (CurvePoint& point : run.curve) {
-    const auto given = axis ? uniaxial_stress(material, *axis, point.measures.get(strain)) : std::nullopt;
-    if (!given) return false;
-    point.measures.set("material_stress", *given);
-    difference = std::max(difference, std::abs(point.measures.get(stress) - *given));
-    largest = std::max(largest, std::abs(*given));
+    const auto of_law = axis ? uniaxial_stress(material, *axis, point.measures.get(strain)) : std::nullopt;
+    if (!of_law) return false;
+    const double given = material.relaxation ? material.relaxation->long_term() * *of_law : *of_law;
+    point.measures.set("material_stress", given);
+    difference = std::max(difference, std::abs(point.measures.get(stress) - given));
+    largest = std::max(largest, std::abs(given));
   }
   run.measures.set("curve_error", difference / largest);
   return true;

@@ -51,7 +51,14 @@ DirectionErrors measure_directions(const Scene& scene, const StrategyChoice& cho
   const auto& known = run.measures.stiffness_matrix;
   errors.trouble = unsuited(scene, known.has_value());
   if (!errors.measured()) return errors;
-  if (known) return direction_errors(*known, specimen.material);
+  Material target = specimen.material;
+  if (target.relaxation && (scene.experiment->at_rest() || choice.name.relaxed))
+    target.youngs_modulus *= target.relaxation->long_term();
+  if (!(target.youngs_modulus > 0)) {
+    errors.trouble = "at rest the material bears nothing";
+    return errors;
+  }
+  if (known) return direction_errors(*known, target);
   std::unique_ptr<StaticExperiment> strains;
   try {
     strains = six_strains(specimen.body, scene.rotation);
@@ -72,7 +79,7 @@ DirectionErrors measure_directions(const Scene& scene, const StrategyChoice& cho
     const auto rig = strains->static_rig(model);
     solve_load_curve(model, *strains, *rig, specimen.material, small, found);
   }
-  if (const auto& matrix = found.measures.stiffness_matrix) return direction_errors(*matrix, specimen.material);
+  if (const auto& matrix = found.measures.stiffness_matrix) return direction_errors(*matrix, target);
   errors.trouble = found.cause.empty() ? "nothing was measured" : found.cause;
   return errors;
 }
