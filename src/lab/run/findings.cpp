@@ -29,7 +29,7 @@ constexpr double kOverlap = 1e-3;
 /// Of a rebound's speed to that of the impact: what explicit steps near the longest stable one may do.
 constexpr double kRebound = 1.02;
 /// Part of a stress that is no isotropic material's.
-constexpr double kAnisotropic = 0.02;
+constexpr double kAnisotropic = 0.05;
 /// Of the kinetic to the elastic energy: driven motion errs by as much, an oscillation by its root.
 constexpr double kMoving = 2e-3;
 /// Of damping to what the laws bear; and of the energy by which a load grows within a frame.
