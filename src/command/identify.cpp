@@ -110,6 +110,7 @@ struct IdentifyCommand {
 
   void add_to(Options& options) {
     scene.add_to(options);
+    scene.identifies = true;
     options
         .add("--data", "FILE", into(request.data),
              "CSV file instead of the scene's own: FILE, or TEST=FILE. May be repeated")

@@ -1,5 +1,6 @@
 #include "command/row.h"
 
+#include <fmt/format.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -37,6 +38,21 @@ void SceneOptions::add_to(Options& options, bool several) {
   options.flag("--quiet", quiet, "Print nothing but errors");
 }
 
+namespace {
+
+/// Whether a scene of a folder is for the other commands: without `identify` for it, with that and no body for the
+/// rest. What cannot be read is for all, so that it is told why.
+bool is_for_others(const SceneSource& source, bool identifies) {
+  try {
+    config::Reader scene = config::open_scene(source, {}, 1);
+    return identifies ? !scene.has("identify") : scene.has("identify") && !scene.has("body") && !scene.has("bodies");
+  } catch (const InputError&) {
+    return false;
+  }
+}
+
+}  // namespace
+
 std::vector<SceneSource> SceneOptions::open() const {
   set_threads(threads);
   const SceneSource none;
@@ -51,7 +67,19 @@ std::vector<SceneSource> SceneOptions::open() const {
       if (entry.path().extension() == ".yaml") below.push_back(entry.path().string());
     if (below.empty()) throw InputError(path + ": this folder has no scene (.yaml)");
     std::sort(below.begin(), below.end());
-    for (const std::string& scene : below) sources.push_back(none.other(scene));
+    std::size_t left_out = 0;
+    for (const std::string& scene : below) {
+      SceneSource source = none.other(scene);
+      if (is_for_others(source, identifies))
+        ++left_out;
+      else
+        sources.push_back(std::move(source));
+    }
+    const std::string others = identifies ? "without `identify`" : "for `elastin identify`";
+    if (left_out == below.size()) throw InputError(path + ": this folder has no scene but those " + others);
+    if (left_out > 0 && !quiet)
+      fmt::print(stderr, "  {}: {} {} left out\n", path, counted(left_out, "scene"),
+                 others + (left_out > 1 ? " are" : " is"));
   }
   return sources;
 }

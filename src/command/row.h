@@ -45,6 +45,7 @@ struct SceneOptions {
   int threads = 0;
   bool quiet = false;
   bool takes_folders = false;  ///< which commands of several scenes do
+  bool identifies = false;     ///< of folders it takes the scenes with `identify`, others take those with a body
 
   void add_to(Options& options, bool several = true);
   /// Sets the number of threads. Every file is read once, even if several scenes name it; of a folder all scenes below.

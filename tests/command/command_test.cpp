@@ -559,3 +559,26 @@ TEST_CASE("each file of a folder of curves is an answer of its own", "[command][
   CHECK_THAT(numbers, Contains("\ntorn,,,") && Contains("has no unit"));
   CHECK_THAT(say("identify " + scene + " --each " + folder.path("out/none")).err, Contains("out/none"));
 }
+
+TEST_CASE("of a folder, scenes for other commands are left out", "[command]") {
+  const TemporaryFolder folder;
+  folder.write("curve.csv", "nominal strain,nominal stress [kPa]\n0.01,0.1\n0.02,0.2\n0.03,0.3\n");
+  const std::string fit =
+                        "material: {curve: {points: [[0, 0 Pa], [0.05, 1 kPa]]}, poissons_ratio: 0.3}\n"
+                        "identify: {tests: [{kind: uniaxial, file: curve.csv}]}\n",
+                    place = folder.path("");
+  folder.write("fit.yaml", fit);
+  CHECK_THAT(say("check " + place).err, Contains("this folder has no scene but those for `elastin identify`"));
+  folder.write("run.yaml",
+               "body: {lattice: {kind: cubic, molecules: [2, 2, 2], spacing: 1 mm}}\n"
+               "material: {youngs_modulus: 1 kPa}\nstiffness: standard\n"
+               "experiment: {kind: tension, displacement: 1 um}\n");
+  const Said checked = say("check " + place), fitted = say("identify " + place);
+  CHECK(checked.code == 0);
+  CHECK_THAT(checked.err, Contains("1 scene for `elastin identify` is left out"));
+  CHECK(fitted.code == 0);
+  CHECK_THAT(fitted.err, Contains("1 scene without `identify` is left out"));
+  CHECK(say("verify " + place + " --quiet").err.empty());
+  folder.write("run.yaml", "body: {lattice: [\n");  // is named, not left out
+  CHECK_THAT(say("check " + place).err, Contains("run.yaml:"));
+}
