@@ -318,9 +318,9 @@ std::optional<Run> run_of(const Drawn& drawn, const std::function<void(Body&)>& 
 
 /// Numbers that are rounding, errors, or counts that rounding may change.
 bool is_judged(const std::string& name) {
-  static const std::set<std::string> others{"energy_balance", "energy_drift",   "reaction_balance", "fit_misfit",
-                                            "cycle_change",   "sine_misfit",    "contacts",         "sticking",
-                                            "curve_error",    "pressure_spread"};
+  static const std::set<std::string> others{"energy_balance", "energy_drift",    "reaction_balance", "fit_misfit",
+                                            "cycle_change",   "sine_misfit",     "contacts",         "sticking",
+                                            "curve_error",    "pressure_spread", "isotropy_error"};
   return !others.contains(name);
 }
 
