@@ -143,15 +143,16 @@ VectorX constants_after_all_time(const Body& body, ElasticTerms springs) {
   return constants;
 }
 
+/// All that have a constant: sides of cells, too, where the rule gives them one.
 void set_connections(const Body& body, const VectorX& constants, ExportedBody& result) {
   const UnstressedLengths lengths = wanted_lengths(body);
   int without = 0;
-  for (int i = 0; i < std::min<int>(body.connections.proper(), static_cast<int>(constants.size())); ++i)
-    if (constants[i] == 0)
-      ++without;
-    else
+  for (int i = 0; i < constants.size(); ++i)
+    if (constants[i] != 0)
       result.connections.push_back(
           {body.connections.ends[i][0], body.connections.ends[i][1], lengths[i], constants[i]});
+    else
+      without += i < body.connections.proper();
   if (without > 0) result.notes.push_back(counted(without, "connection") + " without stiffness left out");
 }
 

@@ -349,6 +349,28 @@ TEST_CASE("Springs with a history are exported with what they are after all time
   }
 }
 
+TEST_CASE("Exported springs are those of the model that runs, sides of cells among them", "[export]") {
+  const TemporaryFolder folder;
+  for (const char* stiffness : {"van_gelder", "standard", "fitted:van_gelder", "van_gelder+volume"}) {
+    CAPTURE(stiffness);
+    const auto scene = Problem{"packing: {size: [10 mm, 10 mm, 10 mm], distance: 3 mm}, cells: delaunay",
+                               "{youngs_modulus: 5 kPa, poissons_ratio: 0.25}", stiffness, "{kind: material}"}
+                           .load(folder);
+    const ExportedBody body = exported_body(*scene, scene->stiffness);
+    Run run;
+    prepare(scene->specimen, scene->stiffness.strategy);
+    REQUIRE(make_model(scene->specimen, *scene->experiment, scene->stiffness, {scene->statics}, run));
+    double sum = 0;
+    for (const auto& one : body.connections) sum += one.stiffness;
+    CHECK(sum == Approx(run.constants.sum()).epsilon(1e-12));
+    CHECK(static_cast<Eigen::Index>(body.connections.size()) == (run.constants.array() != 0).count());
+    const Connections& all = scene->specimen.body.connections;
+    const bool by_cells = std::string(stiffness).find("van_gelder") != std::string::npos;
+    REQUIRE(all.cell_sides > 0);
+    CHECK((run.constants.tail(all.cell_sides).cwiseAbs().maxCoeff() > 0) == by_cells);
+  }
+}
+
 TEST_CASE("cells of several bodies have the density of their own body and region", "[export]") {
   const TemporaryFolder folder;
   const auto exported = [&](const std::string& cells, const std::string& more) {
