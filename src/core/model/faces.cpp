@@ -263,6 +263,59 @@ BoxSides find_box(const Body& body, const Matrix3& axes, double depth) {
   return box;
 }
 
+namespace {
+
+/// Directions of the lines between neighbours on the outline of the body as seen askew, the longest first: of a box six
+/// of its edges.
+std::vector<Vector3> outline_directions(const Body& body) {
+  constexpr std::size_t most = 12;
+  const auto plane = across(Vector3(0.3571, 0.6137, 0.7041).normalized());
+  const Points2 seen = plane.transpose() * body.rest, hull = convex_hull(seen);
+  std::vector<Vector3> lines, corners;
+  for (Eigen::Index corner = 0; corner < hull.cols(); ++corner) {
+    Eigen::Index molecule = 0;
+    (seen.colwise() - hull.col(corner)).colwise().squaredNorm().minCoeff(&molecule);
+    corners.emplace_back(body.rest.col(molecule));
+  }
+  for (std::size_t corner = 0; corner < corners.size(); ++corner)
+    lines.push_back(corners[(corner + 1) % corners.size()] - corners[corner]);
+  std::stable_sort(lines.begin(), lines.end(),
+                   [](const Vector3& a, const Vector3& b) { return a.squaredNorm() > b.squaredNorm(); });
+  if (lines.size() > most) lines.resize(most);
+  for (Vector3& line : lines) line.normalize();
+  return lines;
+}
+
+}  // namespace
+
+std::optional<Matrix3> box_axes(const Body& body) {
+  constexpr double square = 1e-3;  // what the cosine of a right angle may be, for rough edges
+  std::optional<Matrix3> rough;
+  const auto is_plane_box = [&](const Matrix3& axes) {
+    try {
+      const BoxSides box = find_box(body, axes, 0);
+      if (std::all_of(box.sides.begin(), box.sides.end(), [](const Face& side) { return side.tilted.isZero(0); }))
+        return true;
+      if (!rough) rough = axes;
+    } catch (const InputError&) {
+    }
+    return false;
+  };
+  if (is_plane_box(Matrix3::Identity())) return Matrix3::Identity();
+  if (body.share) return rough;
+  const std::vector<Vector3> lines = outline_directions(body);
+  for (std::size_t one = 0; one < lines.size(); ++one)
+    for (std::size_t other = one + 1; other < lines.size(); ++other) {
+      if (std::abs(lines[one].dot(lines[other])) > square) continue;
+      Matrix3 axes;
+      axes.col(0) = lines[one];
+      axes.col(2) = lines[one].cross(lines[other]).normalized();
+      axes.col(1) = axes.col(2).cross(axes.col(0));
+      if (is_plane_box(axes)) return axes;
+    }
+  return rough;
+}
+
 Surface find_surface(const Body& body, const Matrix3& axes, double depth) {
   Surface surface;
   std::vector<char> outside(body.size(), 0);

@@ -1,5 +1,6 @@
 #pragma once
 #include <array>
+#include <optional>
 #include <vector>
 
 #include "core/geometry/tributary.h"
@@ -58,6 +59,10 @@ struct BoxSides {
 /// The sides of a box along `axes` (orthonormal columns), each as end_face gives it. Throws InputError if the body is
 /// no box: if the molecules of a side span less than half of it.
 BoxSides find_box(const Body& body, const Matrix3& axes, double depth);
+
+/// Axes (orthonormal columns) of a body in the form of a box, however it is turned: x, y, z where its sides lie across
+/// them, else those of the longest straight lines between corners of its outline. Nothing where it is no box.
+std::optional<Matrix3> box_axes(const Body& body);
 
 /// What bounds a solid body.
 struct Surface {

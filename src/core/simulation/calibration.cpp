@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstdio>
 #include <numeric>
+#include <optional>
 #include <utility>
 
 #include "core/base/dense.h"
@@ -13,6 +14,7 @@
 #include "core/solve/responses.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/base/stop.h"
+#include "elastin/core/shapes/shapes.h"
 #include "elastin/core/simulation/catalog.h"
 #include "elastin/core/solve/homogenisation.h"
 
@@ -29,7 +31,7 @@ std::string calibrated_unsuited(const Strategy& rule, const Body& body) {
 
 /// Where molecules of a box lie behind its sides, as in a packing, those within half a mean connection belong to them.
 Surface outer_surface(const Body& body) {
-  const Matrix3 axes = Matrix3::Identity();
+  const Matrix3 axes = body.tetrahedra.empty() ? box_axes(body).value_or(Matrix3::Identity()) : Matrix3::Identity();
   try {
     return find_surface(body, axes, 0);
   } catch (const InputError&) {
@@ -84,7 +86,7 @@ FittedSprings scaled(const std::string& word, const Strategy& rule, const Body& 
 }
 
 constexpr int kMostSteps = 40;
-constexpr double kMet = 1e-3;     ///< relative, of every modulus: fitted
+constexpr double kMet = 1e-3;     ///< relative, of all moduli together: fitted
 constexpr double kSaid = 0.01;    ///< what is further off is said
 constexpr double kNear = 1e-6;    ///< weight of |ln k/k₀|², over that of the moduli
 constexpr double kBounds = 0.01;  ///< weight of the moduli under uniform stress, where tension is measured as well
@@ -245,15 +247,18 @@ ModuliOfBody::Misses ModuliOfBody::misses(const VectorX& constants, double volum
     found.values[row] = weight * value;
     found.slopes.row(row++) = weight * over_volume.cwiseProduct(one).cwiseProduct(other).transpose();
   };
-  /// ± (R M R − 1), M the stiffness or compliance and R the root of the target's other one.
+  /// ± (R M R − 1), M the stiffness or compliance and R the root of the target's other one: symmetric. Where no sides
+  /// say which directions are the body's own, what is off the diagonal counts twice: the sum of squares then is the
+  /// same in all directions.
+  const double off_diagonal = tension_.empty() ? std::sqrt(2) : 1;
   const auto add_matrix = [&](const LoadCases& cases, const MatrixX& root, double sign, double weight) {
     const Solved solved = solve(cases, constants, volume_modulus);
     const MatrixX over_target = product(product(root, solved.works), root),
                   elongations = product(solved.elongations, root);
     for (int i = 0; i < 6; ++i)
       for (int j = i; j < 6; ++j)
-        add(sign * ((over_target(i, j) + over_target(j, i)) / 2 - (i == j)), weight, elongations.col(i),
-            elongations.col(j));
+        add(sign * ((over_target(i, j) + over_target(j, i)) / 2 - (i == j)), weight * (i == j ? 1 : off_diagonal),
+            elongations.col(i), elongations.col(j));
   };
   add_matrix(strain_, compliance_root_, 1, 1);
   for (const LoadCases& tension : tension_) {
@@ -309,6 +314,14 @@ std::string cauchy_remains(const Strategy& rule, const Material& material) {
   return text;
 }
 
+/// A box with its sides across x, y and z, however it lies; other bodies as they are.
+Body laid_straight(const Body& body) {
+  const std::optional<Matrix3> axes = box_axes(body);
+  Body straight = body;
+  if (axes && !axes->isIdentity(0)) rotate(straight, axes->transpose());
+  return straight;
+}
+
 FittedSprings fitted_to_moduli(const Strategy& rule, const Body& body, const Material& material,
                                const ParameterValues& values) {
   const auto fail = [&](const std::string& cause) {
@@ -321,7 +334,8 @@ FittedSprings fitted_to_moduli(const Strategy& rule, const Body& body, const Mat
   const double least = 0.01 * k.head(proper).cwiseMax(0).mean();
   k.head(proper) = k.head(proper).cwiseMax(least);
   try {
-    ModuliOfBody moduli(body, rule, material);
+    const Body straight = laid_straight(body);
+    ModuliOfBody moduli(straight, rule, material);
     const VectorX start = k;
     VectorX change = VectorX::Zero(k.size());  // ln k/k₀
     ModuliOfBody::Misses now;
@@ -332,7 +346,7 @@ FittedSprings fitted_to_moduli(const Strategy& rule, const Body& body, const Mat
       now = moduli.misses(k, found.volume_modulus);
     }
     double damping = 1;
-    for (int step = 0; step < kMostSteps && now.values.head(moduli.wanted()).cwiseAbs().maxCoeff() > kMet; ++step) {
+    for (int step = 0; step < kMostSteps && now.values.head(moduli.wanted()).norm() > kMet; ++step) {
       // Least |g + J d|² + near |y + d|² + damping |d|²: as many equations as moduli.
       const MatrixX squares = product(now.slopes, now.slopes.transpose());
       const double size = squares.trace() / static_cast<double>(squares.rows()), near = kNear * size,
@@ -354,6 +368,8 @@ FittedSprings fitted_to_moduli(const Strategy& rule, const Body& body, const Mat
       }
     }
     found.remains = moduli.remains(k, found.volume_modulus);
+    if (!found.remains.empty() && straight.rest != body.rest)
+      found.remains += " (x, y, z across the sides of the body)";
   } catch (const InputError& error) {
     fail(error.what());
   }

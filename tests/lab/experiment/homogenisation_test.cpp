@@ -1,5 +1,7 @@
 #include "lab/experiment/homogenisation/homogenisation.h"
 
+#include <Eigen/Geometry>
+
 #include "elastin/core/base/error.h"
 #include "lab/experiment/tension/tension.h"
 #include "lab/run/section.h"
@@ -111,6 +113,36 @@ TEST_CASE("fitted springs are the isotropic stiffness on a jittered mesh, where 
           solve(specimen, *make_tension(specimen.body, setup), std::string("fitted:") + rule, {.linear = true});
       CHECK(pulled.measures.get("effective_modulus") == Approx(1e4).epsilon(met));
       CHECK(pulled.measures.get("poissons_ratio") == Approx(nu).margin(0.02));  // at mid height, not of the whole
+    }
+  }
+}
+
+TEST_CASE("a turned body has the same fitted springs, whether it is a box or not", "[material][fitted]") {
+  const Catalog catalog = built_in_catalog();
+  const auto tapered = [] {
+    Body body = jittered_block();
+    for (int molecule = 0; molecule < body.size(); ++molecule)
+      body.rest.col(molecule).tail<2>() *= 1 + 20 * body.rest(0, molecule);
+    set_present_lengths(body);
+    return body;
+  };
+  struct Case {
+    Body body;
+    const char* rule;
+  };
+  for (const auto& [given, rule] : {Case{jittered_block(), "van_gelder"},
+                                    {tapered(), "patch"},
+                                    {lattice({4, 3, 3}, {true, true, true}).body, "standard"}}) {
+    CAPTURE(rule);
+    const Strategy fitted = catalog.find(std::string("fitted:") + rule);
+    const FittedSprings upright = fitted.fit(given, {1e4}, {});
+    const Vector3 askew = Vector3(1, 2, 3).normalized();
+    for (const auto& [angle, axis] : {std::pair{0.9, askew}, {EIGEN_PI / 180, Vector3::UnitZ()}}) {
+      CAPTURE(angle);
+      Body turned = given;
+      rotate(turned, Eigen::AngleAxisd(angle, axis).toRotationMatrix());
+      const VectorX constants = fitted.fit(turned, {1e4}, {}).constants;
+      CHECK((constants - upright.constants).norm() < 1e-6 * upright.constants.norm());
     }
   }
 }
