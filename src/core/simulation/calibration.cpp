@@ -308,7 +308,7 @@ std::string cauchy_remains(const Strategy& rule, const Material& material) {
   char text[240];
   std::snprintf(text, sizeof text,
                 "springs alone have Poisson's ratio 0.25 (Cauchy), not %.4g: fitted to E, with G %+.1f %% off; "
-                "fitted:%s+volume has E, G and nu",
+                "fitted:%s+volume is fitted to E, G and nu",
                 material.poissons_ratio, 100 * ((1 + material.poissons_ratio) / 1.25 - 1),
                 StrategyName(rule.name).rule.c_str());
   return text;
@@ -374,7 +374,8 @@ FittedSprings fitted_to_moduli(const Strategy& rule, const Body& body, const Mat
     fail(error.what());
   }
   const std::string cauchy = cauchy_remains(rule, material);
-  if (!cauchy.empty()) found.remains = cauchy + (found.remains.empty() ? "" : "; " + found.remains);
+  // What stands behind a semicolon is left out where there is little space.
+  if (!cauchy.empty()) found.remains += (found.remains.empty() ? "" : "; ") + cauchy;
   return found;
 }
 
