@@ -52,8 +52,10 @@ void fail_calibration(Run& run, const std::string& cause) {
 }
 
 /// What one linear solve under a small load measures; nothing if it fails.
+/// @param unstable whether an equilibrium with directions of negative stiffness counts
 std::optional<Measures> measure_linear(const Specimen& specimen, const StaticExperiment& experiment,
-                                       ElasticTerms elasticity, const StaticOptions& options, Run& run) {
+                                       ElasticTerms elasticity, const StaticOptions& options, Run& run,
+                                       bool unstable = true) {
   Model model(specimen.body);
   model.add(std::move(elasticity));
   model.set_rest(0);
@@ -67,6 +69,7 @@ std::optional<Measures> measure_linear(const Specimen& specimen, const StaticExp
   Measures measures;
   if (solved.outcome == Outcome::converged) measures = rig->measure(rest, state, linear, solved);
   run.linear_iterations += solved.linear_iterations;
+  if (solved.unstable && !unstable) return std::nullopt;
   if (solved.outcome == Outcome::converged) return measures;
   run.outcome = solved.outcome;
   run.cause = "calibration: " + solved.cause;
@@ -154,16 +157,20 @@ void fit_springs_and_volume(const Specimen& specimen, const StaticExperiment& ex
                             const StaticOptions& options, Run& run) {
   const MeasureList list = experiment.measures();
   const auto fit = fit_volume(specimen.material, [&](double modulus) -> std::optional<std::pair<double, double>> {
-    const auto measures = measure_linear(specimen, experiment, assembled(specimen, choice, run, modulus), options, run);
-    if (note_mechanism(specimen.body, list, measures, run) || !measures) return std::nullopt;
+    Run trial;  // a negative term that leaves the body unstable ends no more than the search on that side
+    const auto measures =
+        measure_linear(specimen, experiment, assembled(specimen, choice, run, modulus), options, trial, modulus >= 0);
+    run.linear_iterations += trial.linear_iterations;
+    if (modulus >= 0 || trial.outcome == Outcome::interrupted) run.outcome = trial.outcome, run.cause = trial.cause;
+    if (!measures || (modulus >= 0 && note_mechanism(specimen.body, list, measures, run))) return std::nullopt;
     return std::pair{measures->get(list.named(MeasureRole::youngs_modulus)),
                      measures->get(list.named(MeasureRole::poissons_ratio))};
   });
-  if (!run.suited) return;
+  if (!run.suited || run.outcome == Outcome::interrupted) return;
   if (!fit) return fail_calibration(run, "the linear solves measure no positive E, or no Poisson's ratio");
   scale(run, choice, fit->spring_factor, fit->volume_modulus);
   warn_of_mean(specimen, run);
-  if (std::abs(fit->poissons_ratio - specimen.material.poissons_ratio) > 0.002)
+  if (!fit->met)
     run.warnings.push_back("calibration reaches no nearer Poisson's ratio than " + std::to_string(fit->poissons_ratio));
 }
 
