@@ -100,14 +100,14 @@ void find_rival_targets(Ranking& ranking) {
   ranking.rival_targets = info.label() + " " + text(*low) + " to " + text(*high);
 }
 
-/// Those that a plot of error against time has to the left of the best and below it.
+/// Those that a plot of error against time has to the left of the best and below it, by more than nothing.
 void find_passed_over(const std::vector<Record>& records, const std::function<bool(const Record&)>& false_elsewhere,
                       Ranking& ranking) {
   const Record& best = *ranking.best;
   for (const Record& record : records) {
     const bool tied = std::find(ranking.tied.begin(), ranking.tied.end(), &record) != ranking.tied.end();
-    if (&record == &best || tied || !solved(record) || !(ranking.error(record) < ranking.error(best)) ||
-        !(record.least_seconds() < best.least_seconds()))
+    const bool nearer = ranking.error(record) < ranking.error(best) - carried(record, best, ranking);
+    if (&record == &best || tied || !solved(record) || !nearer || !(record.least_seconds() < best.least_seconds()))
       continue;
     const std::string why = !has_own_error(record)         ? "it was calibrated to the reference itself"
                             : !record.run.warnings.empty() ? "it has a warning"
