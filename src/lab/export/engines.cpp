@@ -351,14 +351,6 @@ Files usd_files(const ExportedBody& body) {
   return {{"body.usda", std::move(text)}};
 }
 
-/// The largest time step of explicit integration: 2/ω with ω² below the largest Σ 2 k (1/m) of a molecule. [Gershgorin]
-double explicit_step(const ExportedBody& body) {
-  VectorX sums = VectorX::Zero(body.masses.size());
-  for (const auto& one : body.connections)
-    for (const int end : {one.a, one.b}) sums[end] += 2 * std::abs(one.stiffness) / body.masses[end];
-  return 2 / std::sqrt(sums.maxCoeff());
-}
-
 std::string readme(const ExportFormat& format, const ExportedBody& body) {
   double stiffness = 0, strongest = 0;
   for (const auto& one : body.connections) {
@@ -379,7 +371,7 @@ std::string readme(const ExportFormat& format, const ExportedBody& body) {
         "* Time steps: explicit integration is stable below {:.3g} s. A position-based solver delivers the constants "
         "only where its iterations converge: k dt^2 (1/m_a + 1/m_b) is up to {:.3g} at 1/60 s; far above 1 use "
         "smaller steps before more iterations.\n",
-        explicit_step(body), strongest / 3600);
+        body.explicit_step, strongest / 3600);
   }
   text("* Solver: {}\n", format.advice);
   text(

@@ -7,6 +7,7 @@
 
 #include "core/forces/unstressed_lengths.h"
 #include "core/shapes/orders.h"
+#include "core/solve/stable_step.h"
 #include "elastin/core/base/text.h"
 #include "elastin/core/forces/tangent.h"
 #include "elastin/core/model/parts.h"
@@ -156,6 +157,14 @@ void set_connections(const Body& body, const VectorX& constants, ExportedBody& r
   if (without > 0) result.notes.push_back(counted(without, "connection") + " without stiffness left out");
 }
 
+/// The longest step of explicit integration [s], whatever an engine fixes: supports make it longer alone.
+double explicit_step(const Body& body, const VectorX& constants) {
+  if (constants.size() == 0) return INFINITY;
+  Model model(body);
+  model.add(make_springs(body, constants));
+  return find_stable_step(model, state_at_rest(body)).step;
+}
+
 /// Leaves out what supports hold in directions askew to x, y and z.
 void leave_out_askew(ExportedBody& result) {
   const auto is_free = [](const Support& support, int axis) {
@@ -278,6 +287,7 @@ ExportedBody exported_body(const Scene& scene, const StrategyChoice& choice) {
   result.thickness = mean_thickness(specimen.body, specimen.material.thickness);
   result.notes = run.warnings;
   set_connections(specimen.body, run.constants, result);
+  result.explicit_step = explicit_step(specimen.body, run.constants);
   set_cells(specimen, result);
   set_test(scene, result);
   leave_out_askew(result);

@@ -1,4 +1,5 @@
 #pragma once
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -25,7 +26,8 @@ struct ExportedBody {
   VectorX masses, radii;  ///< [kg], [m]
   /// Those with a constant; none where the strategy is a law of cells.
   std::vector<Connection> connections;
-  std::vector<Cell> cells;  ///< as the body has them
+  double explicit_step = INFINITY;  ///< the longest that is stable without supports, by these connections [s]
+  std::vector<Cell> cells;          ///< as the body has them
   std::vector<Cell>
       tetrahedra;        ///< of four nodes, that fill the same; none of a body without cells of three dimensions
   double thickness = 0;  ///< of triangles and quadrilaterals [m]

@@ -3,6 +3,8 @@
 
 #include "lab/export/formats.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cstdlib>
@@ -10,6 +12,7 @@
 #include <fstream>
 #include <iterator>
 
+#include "core/solve/stable_step.h"
 #include "elastin/mesh/mesh_file.h"
 #include "lab/export/problem.h"
 #include "lab/export/process.h"
@@ -369,6 +372,20 @@ TEST_CASE("Exported springs are those of the model that runs, sides of cells amo
     REQUIRE(all.cell_sides > 0);
     CHECK((run.constants.tail(all.cell_sides).cwiseAbs().maxCoeff() > 0) == by_cells);
   }
+}
+
+TEST_CASE("The folder for an engine has the longest step that `check` has", "[export]") {
+  const TemporaryFolder folder;
+  const auto scene = Problem{"lattice: {kind: cubic, molecules: [4, 3, 5], spacing: 3 mm, connections: [axis, face]}",
+                             "{youngs_modulus: 10 kPa, poissons_ratio: 0.25}", "standard", "{kind: motion}",
+                             "{}\ninitial: {velocity: [1 mm/s, 0 m/s, 0 m/s]}\ntime: {duration: 0.5 s}"}
+                         .load(folder);
+  Run run;
+  const auto held = make_model(scene->specimen, *scene->experiment, scene->stiffness, {}, run);
+  REQUIRE(held);
+  const double step = find_stable_step(*held->model, state_at_rest(scene->specimen.body)).step;
+  CHECK_THAT(engine_files(*export_formats().find("json"), exported_body(*scene, scene->stiffness)).back().text,
+             Contains(fmt::format("explicit integration is stable below {:.3g} s", step)));
 }
 
 TEST_CASE("cells of several bodies have the density of their own body and region", "[export]") {
