@@ -188,6 +188,16 @@ std::vector<std::pair<double, double>> values_by_spacing(const std::vector<Recor
   return rows;
 }
 
+/// Whether all runs have the same value, as what the experiment prescribes: it shows no strategy's error.
+bool is_prescribed(const std::vector<Record*>& records, const std::string& measure) {
+  constexpr double same = 1e-9;
+  double low = INFINITY, high = -INFINITY;
+  for (const Record* record : records)
+    if (const double value = record->run.measures.get(measure); solved(*record) && std::isfinite(value))
+      low = std::min(low, value), high = std::max(high, value);
+  return high - low <= same * std::max(std::abs(low), std::abs(high));
+}
+
 }  // namespace
 
 std::string refer_to_own(std::vector<Record>& records, const std::string& strategy) {
@@ -199,6 +209,7 @@ std::string refer_to_own(std::vector<Record>& records, const std::string& strate
   for (const std::vector<Record*>& problem : problems) {
     std::vector<Reference> references;
     for (const MainMeasure& measure : problem.front()->main_measures) try {
+        if (is_prescribed(problem, measure.name)) continue;
         const auto rows = values_by_spacing(problem, strategy, measure.name);
         if (rows.empty()) continue;
         const Extrapolation found = extrapolate(rows);

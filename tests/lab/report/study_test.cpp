@@ -112,6 +112,16 @@ TEST_CASE("rows that differ in the body are one curve; a reference of their own 
   CHECK(refer_to_own(records, "standard").find("cannot be extrapolated") != std::string::npos);
 }
 
+TEST_CASE("a measure that the experiment prescribes has no reference of its own, and nothing to say", "[study]") {
+  std::vector<Record> records;
+  for (const double h : {1., 0.5, 0.25}) {
+    records.push_back(row("neo_hookean", std::to_string(h), h, 100, 0.01));
+    records.push_back(row("standard", std::to_string(h), h, 100 * (1 + 1e-12), 0.01));
+  }
+  CHECK(refer_to_own(records, "neo_hookean").empty());
+  for (const Record& record : records) CHECK(record.references.empty());
+}
+
 TEST_CASE("bodies of one problem alone are extrapolated together", "[study]") {
   std::vector<Record> records;
   for (const double h : {1., 0.5, 0.25})
