@@ -111,6 +111,7 @@ class ContactForce final : public Contact {
   bool update_multipliers(State& state) const override;
   bool has_multipliers() const override { return options_.penetration > 0; }
   double max_step_fraction(const State& from, const State& to) const override;
+  bool bodies_may_pass(const State& from, const State& to) const;
   double square_frequency(const State& state, double ahead) const override;
 
   ContactReport report(const State& state) const override;
@@ -145,6 +146,8 @@ class ContactForce final : public Contact {
   Pose pose_of(const Obstacle& obstacle, double time) const;
   void set_poses(double time) const;
   double farthest(const Positions& from, const Positions& to) const;
+  /// Of the sample against where it is nearest to on a body [m].
+  Vector3 displacement_on_body(const ContactPoint& contact_point, const State& from, const State& to) const;
   double obstacle_displacement(const Positions& positions, const std::vector<Pose>& from,
                                const std::vector<Pose>& to) const;
   /// Makes `at` the anchor of a contact point: a position that moves with the target.

@@ -35,6 +35,29 @@ double ContactForce::obstacle_displacement(const Positions& positions, const std
   return longest;
 }
 
+Vector3 ContactForce::displacement_on_body(const ContactPoint& contact_point, const State& from,
+                                           const State& to) const {
+  const auto of_target = [&](const State& state) {
+    return position_of(contact_point.molecules, contact_point.weights, contact_point.count, state.positions);
+  };
+  return sample_position(to, contact_point.sample) - sample_position(from, contact_point.sample) -
+         (of_target(to) - of_target(from));
+}
+
+bool ContactForce::bodies_may_pass(const State& from, const State& to) const {
+  const double deep = mean_size_ / 2, reach = 2 * farthest(from.positions, to.positions);
+  if (!(options_.self || pieces_ > 1) || reach <= deep) return false;
+  set_poses(from.time);
+  search_.find(from.positions, poses_, reach, found_);
+  return std::any_of(found_.begin(), found_.end(), [&](const ContactPoint& point) {
+    return point.count > 0 && -point.normal.dot(displacement_on_body(point, from, to)) > std::max(point.gap, 0.) + deep;
+  });
+}
+
+bool bodies_may_pass(const Contact& contact, const State& from, const State& to) {
+  return dynamic_cast<const ContactForce&>(contact).bodies_may_pass(from, to);
+}
+
 double ContactForce::max_step_fraction(const State& from, const State& to) const {
   const std::vector<Sample>& samples = search_.samples();
   set_poses(from.time);
@@ -57,13 +80,10 @@ double ContactForce::max_step_fraction(const State& from, const State& to) const
   double fraction = 1;
   for (const ContactPoint& contact_point : found_) {
     const Sample& sample = samples[contact_point.sample];
-    Vector3 displacement = sample_position(to, contact_point.sample) - sample_position(from, contact_point.sample);
+    Vector3 displacement = displacement_on_body(contact_point, from, to);
     if (contact_point.count == 0) {
       const Vector3 own = begin_[contact_point.target].to_own(contact_point.position);
       displacement -= poses_[contact_point.target].to_world(own) - contact_point.position;
-    } else {
-      displacement -= position_of(contact_point.molecules, contact_point.weights, contact_point.count, to.positions) -
-                      position_of(contact_point.molecules, contact_point.weights, contact_point.count, from.positions);
     }
     const double depth = depth_into(contact_point);
     const bool flat = contact_point.turning.isZero(0) && contact_point.gap < sample.radius + depth;

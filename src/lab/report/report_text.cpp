@@ -209,8 +209,9 @@ std::string run_text(const Record& record, bool colours, bool whole_curve) {
     out += fmt::format("  volume term: {}\n", readable(run.volume_modulus, dimension::pressure, 6));
   if (run.identified) out += "  " + identified_text(*run.identified) + "\n";
   if (run.bisected_load_steps)
-    out += "  " + counted(run.bisected_load_steps, "load step") +
-           " bisected: a cell would have inverted, or no equilibrium was found\n";
+    out +=
+        "  " + counted(run.bisected_load_steps, "load step") +
+        " bisected: a cell would have inverted, bodies have passed through each other, or no equilibrium was found\n";
   for (const std::string& note : record.notes) out += "  " + note + "\n";
   for (const std::string& warning : run.warnings)
     out += "  " + painted("warning: " + warning, Tone::poor, colours) + "\n";

@@ -26,6 +26,8 @@ namespace shape = contact::shape;
 
 /// Depth at the start above which something overlaps, in molecules' diameters.
 constexpr double kOverlap = 1e-3;
+/// Depth above which bodies are far into each other: of molecules' diameters, or of the thinnest body.
+constexpr double kDeep = 0.25;
 /// Of a rebound's speed to that of the impact: what explicit steps near the longest stable one may do.
 constexpr double kRebound = 1.02;
 /// Part of a stress that is no isotropic material's.
@@ -63,6 +65,33 @@ std::string length_text(double meters) { return number(1e3 * meters, 3) + " mm";
 double passing_depth(const Specimen& specimen, const Obstacle& obstacle) {
   const bool spheres = specimen.contact->surface == contact::ContactSurface::spheres;
   return contact::half_thickness(obstacle.shape) + (spheres ? specimen.body.radius.mean() : 0);
+}
+
+/// The least extent along an axis of any piece that has three of them [m]; the largest number, if none has.
+double thinnest_piece(const Body& body) {
+  const BodyFindings findings = inspect(body);
+  constexpr double most = std::numeric_limits<double>::max();
+  std::vector<Vector3> low(findings.pieces, Vector3::Constant(most)), high(findings.pieces, Vector3::Constant(-most));
+  for (int molecule = 0; molecule < body.size(); ++molecule) {
+    const int piece = findings.piece_of[molecule];
+    low[piece] = low[piece].cwiseMin(body.rest.col(molecule));
+    high[piece] = high[piece].cwiseMax(body.rest.col(molecule));
+  }
+  double least = most;
+  for (int piece = 0; piece < findings.pieces; ++piece)
+    if (const double thin = (high[piece] - low[piece]).minCoeff(); thin > 0) least = std::min(least, thin);
+  return least;
+}
+
+/// That what touches is pressed in further than is right for molecules and bodies of this size, or "".
+std::string deep_text(const Body& body, double deepest) {
+  if (!(deepest > 0)) return "";
+  const double apart = 2 * body.radius.mean(), thinnest = thinnest_piece(body);
+  if (!(deepest > kDeep * std::min(apart, thinnest))) return "";
+  return "what touches is pressed in by up to " + length_text(deepest) + ", " +
+         (thinnest < apart ? "and the thinnest body is " + length_text(thinnest) + " thick"
+                           : "and molecules are " + length_text(apart) + " wide") +
+         ": a larger `stiffness` of the contact, or a bound of the `penetration`, brings it nearer to the surface";
 }
 
 }  // namespace
@@ -269,6 +298,7 @@ std::vector<std::string> findings_at_end(const Specimen& specimen, const Measure
     if (const double depth = row.measures.get("largest_penetration"); depth > deepest) deepest = depth;
     if (const double now = row.measures.get("speed"); now > speed) speed = now;
   }
+  if (std::string deep = deep_text(specimen.body, deepest); !deep.empty()) found.push_back(std::move(deep));
   // A molecule of mass m on an area A comes to rest at a depth of v √(m/(k A)).
   double slowest = std::numeric_limits<double>::infinity();
   for (int i = 0; i < specimen.body.size(); ++i)

@@ -12,6 +12,7 @@
 #include "core/linear/rigid_motions.h"
 #include "core/model/faces.h"
 #include "core/solve/modes.h"
+#include "elastin/contact/contact_points.h"
 #include "elastin/core/base/stop.h"
 #include "elastin/core/base/text.h"
 #include "elastin/core/linear/linear_solver.h"
@@ -41,6 +42,11 @@ void add_cost(StaticResult& result, const StaticResult& cost) {
   result.linear_iterations += cost.linear_iterations;
   result.cut_steps += cost.cut_steps;
   result.left_saddle |= cost.left_saddle;
+}
+
+bool bodies_may_pass(const Model& model, const State& from, const State& to) {
+  const contact::Contact* contact = contact_of(model);
+  return contact && contact::bodies_may_pass(*contact, from, to);
 }
 
 }  // namespace
@@ -177,7 +183,10 @@ StaticResult LoadPath::advance(double factor, double smallest) {
   }
   const bool balanced = solved.outcome == Outcome::converged;
   adjust_load(model_, rig_, options, next, solved);
-  if (solved.outcome == Outcome::converged) {
+  const bool found = solved.outcome == Outcome::converged,
+             may_pass = found && !options_.linear && bodies_may_pass(model_, state_, next);
+  if (found && !(may_pass && can_be_halved)) {
+    may_have_passed_ |= may_pass;
     model_.commit_step(next);
     displacement_ = next.positions - state_.positions;
     last_gain_ = model_.elastic_energy(next.positions) - model_.elastic_energy(state_.positions);
@@ -186,8 +195,9 @@ StaticResult LoadPath::advance(double factor, double smallest) {
     factor_ = factor;
     return solved;
   }
+  if (found) solved.left_saddle = false;  // on its way to a state that is dropped
   const bool shorter_helps =
-      (balanced && solved.outcome == Outcome::limit_reached) || solved.outcome == Outcome::inverted ||
+      found || (balanced && solved.outcome == Outcome::limit_reached) || solved.outcome == Outcome::inverted ||
       solved.outcome == Outcome::diverged ||
       (solved.outcome == Outcome::limit_reached && solved.newton_iterations >= options.newton_limit);
   if (!shorter_helps || !can_be_halved) return solved;
@@ -748,6 +758,11 @@ void follow_load_curve(Model& model, const StaticExperiment& experiment, StaticR
       if (run.contact && run.contact->pairs == 0 && solved.residual > kBalanced) loaded = false;  // nothing is touched
     }
     run.bisected_load_steps = path.halvings();
+    if (path.may_have_passed())
+      warn_once(
+          "something may have passed through what it touches within a load step, which was halved as far as can be: "
+          "more `load_steps` help",
+          run);
     if (!note_solve(solved, where, run)) {
       if (run.outcome != Outcome::interrupted && !options.statics.linear && jumps_at_rest(material))
         run.cause +=

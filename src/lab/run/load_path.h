@@ -28,12 +28,15 @@ class LoadPath {
 
   /// Brings the load to `factor` (0 … 1; less than before: the body is unloaded). Where that would invert a cell, or
   /// finds no equilibrium, the step is bisected, repeatedly, down to 1/64 of it. An obstacle goes no further in one
-  /// part than an eighth of its thickness, or what it meets would leave it by its back. The state stays at the last
-  /// equilibrium if that fails. The result is that of the last part, with the iterations of all.
+  /// part than an eighth of its thickness, or what it meets would leave it by its back; an equilibrium on the way to
+  /// which bodies may have passed through each other is sought in halves, too. The state stays at the last equilibrium
+  /// if that fails. The result is that of the last part, with the iterations of all.
   StaticResult advance(double factor);
 
   const State& state() const { return state_; }
   int halvings() const { return halvings_; }  ///< parts of the load that had to be halved, so far
+  /// Whether what touches may have passed through something in a part of the load that was not halved any more.
+  bool may_have_passed() const { return may_have_passed_; }
 
  private:
   StaticResult advance(double factor, double smallest);
@@ -50,6 +53,7 @@ class LoadPath {
   double factor_ = 0, last_step_ = 0;  // of the load: now, and how much the last part added
   double last_gain_ = 0;               // of the elastic energy [J], by that part
   int halvings_ = 0;
+  bool may_have_passed_ = false;
 };
 
 /// The load curve of one body with one material after the other: each equilibrium is sought from the one that the

@@ -126,3 +126,16 @@ TEST_CASE("force control follows a stiffening resistance", "[press]") {
     CHECK(resistance(control.displacement()) == Approx(8 * part).epsilon(1e-6));
   }
 }
+
+TEST_CASE("a plate that goes further in one load step than it is thick does not pass through the block", "[press]") {
+  const auto run = [](const std::string& load_steps) {
+    return run_of(
+        "{name: soft, tetrahedra: {kind: body_centred, cubes: [3, 3, 3], size: [2 cm, 2 cm, 2 cm]}}, {name: top, "
+        "rigid: true, at: [-1 cm, -1 cm, 2.01 cm], tetrahedra: {kind: body_centred, cubes: [1, 1, 1], size: [4 cm, 4 "
+        "cm, 3 mm]}}",
+        "move: top, fix: {side: -z, body: soft}, displacement: 6 mm, load_steps: " + load_steps);
+  };
+  const Run once = run("1"), often = run("8");
+  CHECK(once.bisected_load_steps > 0);
+  CHECK(once.measures.get("force") == Approx(often.measures.get("force")).epsilon(1e-5));
+}

@@ -82,6 +82,11 @@ TEST_CASE("an obstacle that is too soft for its thickness is said", "[findings]"
   CHECK(warnings_of(falling("6 mm", "10 m/s", kPlane, "0.01 ms"), "passed through") == 0);
 }
 
+TEST_CASE("what is pressed in by a large part of a molecule is said", "[findings]") {
+  CHECK(warnings_of(falling("6 mm", "10 m/s", kPlane, "0.01 ms"), "and molecules are 10 mm wide") == 1);
+  CHECK(warnings_of(falling("6 mm", "1 m/s", kPlane, "0.01 ms"), "is pressed in by") == 0);
+}
+
 TEST_CASE("a rebound that is faster than the impact is said", "[findings]") {
   const Body body;
   const Model model(body);
