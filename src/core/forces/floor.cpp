@@ -16,6 +16,14 @@ class HalfSpace {
   }
   /// Depth over which the resistance sets in.
   double onset(int molecule) const { return 0.1 * body_.radius[molecule]; }
+  /// The least mass of what touches within the next `ahead` [s]; infinite of nothing.
+  double least_mass(const State& state, double ahead) const {
+    double least = std::numeric_limits<double>::infinity();
+    for (int molecule = 0; molecule < body_.size(); ++molecule)
+      if (depth(state, molecule) + 1.5 * ahead * state.velocities.col(molecule).norm() > 0)
+        least = std::min(least, body_.mass[molecule]);
+    return least;
+  }
 
  protected:
   const Body& body_;
@@ -52,11 +60,7 @@ class FloorPenalty final : public Load, private HalfSpace {
         visit(molecule, molecule, k * floor_.normal * floor_.normal.transpose());
   }
   double square_frequency(const State& state, double ahead) const override {
-    double least = std::numeric_limits<double>::infinity();  // mass of what touches by then
-    for (int molecule = 0; molecule < body_.size(); ++molecule)
-      if (depth(state, molecule) + 1.5 * ahead * state.velocities.col(molecule).norm() > 0)
-        least = std::min(least, body_.mass[molecule]);
-    return floor_.stiffness / least;
+    return floor_.stiffness / least_mass(state, ahead);
   }
 
  private:
@@ -85,6 +89,10 @@ class FloorDamping final : public Load, private HalfSpace {
         visit(molecule, molecule, velocity_weight * c * floor_.normal * floor_.normal.transpose());
   }
   bool acts_at_rest() const override { return false; }
+  double square_frequency(const State& state, double ahead) const override {
+    const double rate = floor_.damping / least_mass(state, ahead);
+    return rate * rate;
+  }
 
  private:
   double factor(const State& state, int molecule) const {

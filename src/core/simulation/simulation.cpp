@@ -170,6 +170,7 @@ double Simulation::Impl::longest_substep() {
   // waits for the next step.
   const double square = frequency * frequency + stiffest + own.added_square,
                rate = own.damping_rate + most_damped + own.added_rate;
+  if (auto* shared = dynamic_cast<SharedStep*>(stepper.get())) shared->set_own(square, rate);
   const double sum = std::sqrt(square + rate * rate) + rate;
   return sum > 0 ? options.safety * 2 / sum : std::numeric_limits<double>::infinity();
 }

@@ -29,11 +29,14 @@ void set_accelerations(const Model& model, const State& state, Positions& accele
 }
 
 /// Passes over the molecules are bound by memory: each array is read and written as seldom as can be.
-class Explicit final : public Stepper, public FrequencyWatch, public TransposedStep {
+class Explicit final : public Stepper, public FrequencyWatch, public SharedStep, public TransposedStep {
  public:
   explicit Explicit(bool verlet) : verlet_(verlet) {}
   void watch(const SeenFrequency& before) override { watches_ = true, seen_ = before; }
   const SeenFrequency& seen() const override { return seen_; }
+  void set_own(double square_frequency, double damping_rate) override {
+    own_square_ = square_frequency, own_rate_ = damping_rate;
+  }
 
   /// In substeps where a stiffness sets in that the step is too long for, or something would be passed through.
   StepResult advance(Model& model, State& state, double dt) override {
@@ -42,7 +45,7 @@ class Explicit final : public Stepper, public FrequencyWatch, public TransposedS
       model.begin_step(state, state.time);  // the first forces are those of the history that begins here
     }
     model.declare_history(state);
-    const double substeps = std::max(1., std::ceil(dt * std::sqrt(model.square_frequency(state, dt))));
+    const double substeps = substeps_for(model, dt, dt * std::sqrt(model.square_frequency(state, dt)));
     if (!(substeps > 1)) return step(model, state, dt);
     before_ = state;
     StepResult result = in_substeps(model, state, dt, std::min(substeps, kMaxSubsteps));
@@ -84,6 +87,26 @@ class Explicit final : public Stepper, public FrequencyWatch, public TransposedS
   }
 
  private:
+  /// The limit of a mass on a spring and a dashpot, where a step turns positions and velocities round (λ = −1), is
+  /// (ω Δt)²/4 + c Δt = 1, c the damping rate; with half of c where the forces are of the step's start (Euler). Of what
+  /// acts together these shares add up: the largest eigenvalue of a sum is at most the sum of both.
+  double own_share(double dt) const { return own_square_ * dt * dt / 4 + (verlet_ ? 1. : 0.5) * own_rate_ * dt; }
+
+  /// So many that what sets in, of the `frequency` [rad] a step, has its room next to the body's own share. Frequencies
+  /// count what damps them so that 1 is stable: the share of a damped one is then at most the frequency.
+  double substeps_for(const Model& model, double dt, double frequency) const {
+    if (!(frequency > 0)) return 1;
+    const bool damped =
+        std::any_of(model.loads().begin(), model.loads().end(), [](const auto& load) { return load->resists(); });
+    const auto share = [&](double substeps) {
+      const double part = frequency / substeps;
+      return damped ? (verlet_ ? 1. : 0.5) * part : part * part / 4;
+    };
+    double substeps = std::max(1., std::ceil(frequency));
+    while (substeps < kMaxSubsteps && own_share(dt / substeps) + share(substeps) > 1) ++substeps;
+    return substeps;
+  }
+
   static void go_back(Model& model, State& state, const State& before) {
     state = before;
     if (model.drive) model.drive(state.time, model.supports);
@@ -330,6 +353,7 @@ class Explicit final : public Stepper, public FrequencyWatch, public TransposedS
   bool verlet_, watches_ = false;
   const Body* sized_ = nullptr;
   double size_ = 0;  // of that body
+  double own_square_ = 0, own_rate_ = 0;
   SeenFrequency seen_;
   std::vector<Point> points_;  // forces on single molecules, each molecule once
   State next_, before_;

@@ -21,6 +21,14 @@ class FrequencyWatch {
   virtual const SeenFrequency& seen() const = 0;
 };
 
+/// A stepper that goes in substeps where a stiffness sets in: as short as the body's own allows for in addition.
+class SharedStep {
+ public:
+  virtual ~SharedStep() = default;
+  /// Of what does not set in: the square of the fastest vibration's frequency [1/s²], and the damping rate [1/s].
+  virtual void set_own(double square_frequency, double damping_rate) = 0;
+};
+
 /// "cell 3 is flat or inverted", or the same without a number where no single cell is.
 std::string inverted_text(const Body& body, const Positions& positions);
 /// The same where any of the processes that share the body finds it; they call it together.

@@ -129,6 +129,8 @@ StepControl::StepControl(Model& model, const State& start, const TimeOptions& op
     const StableStep found = explained_stable_step(model, start);
     memory.critical = found.step;
     memory.frequency = found.frequency;
+    if (auto* shared = dynamic_cast<SharedStep*>(stepper_.get()))
+      shared->set_own(found.frequency * found.frequency, found.damping_rate);
     if (watched_) {
       memory.stable = kSafety * found.step;
       memory.first_bound = found.bound;

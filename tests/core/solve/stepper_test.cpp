@@ -6,6 +6,7 @@
 
 #include "core/solve/energies.h"
 #include "core/solve/stable_step.h"
+#include "core/solve/steppers.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/parallel/threads.h"
 #include "elastin/core/simulation/catalog.h"
@@ -324,6 +325,47 @@ TEST_CASE("just below the stable step a run stays, just above it does not", "[st
         if (part < 1) CHECK(stays);
         if (part > 1 && damping == 0) CHECK(!stays);
       }
+}
+
+namespace {
+
+/// A spring of 150 N/m and a dashpot of a fifth of the critical damping on the second molecule, of 0.5 kg, that set in.
+struct SetsIn final : Load {
+  static constexpr double kStiffness = 150, kMass = 0.5, kRatio = 0.2;
+  void add_forces(const State& state, Positions& forces) const override {
+    const double damping = 2 * kRatio * std::sqrt(kStiffness * kMass);
+    forces(0, 1) -= kStiffness * (state.positions(0, 1) - 1) + damping * state.velocities(0, 1);
+  }
+  bool changes() const override { return true; }
+  bool resists() const override { return true; }
+  double square_frequency(const State&, double) const override {
+    return kStiffness / kMass * std::pow(std::sqrt(1 + kRatio * kRatio) + kRatio, 2);
+  }
+};
+
+}  // namespace
+
+TEST_CASE("a damped stiffness that sets in has its room next to a body that steps at its own limit", "[stepper]") {
+  for (const StepperMethod method : {"symplectic_euler", "velocity_verlet"})
+    for (const double damping : {0., 10.}) {
+      Oscillator oscillator;
+      if (damping > 0) oscillator.model->add(make_damping(damping));
+      const StableStep own = find_stable_step(*oscillator.model, oscillator.state);
+      oscillator.model->add(std::make_unique<SetsIn>());
+      oscillator.state.positions(0, 1) = 1 + 1e-9;
+      const auto stepper = make_stepper({.method = method});
+      dynamic_cast<SharedStep&>(*stepper).set_own(own.frequency * own.frequency, own.damping_rate);
+      INFO(method->name << ", b = " << damping);
+      int substeps = 0;
+      for (int step = 0; step < 2000; ++step) {
+        const StepResult result = stepper->advance(*oscillator.model, oscillator.state, 0.98 * own.step);
+        REQUIRE(result.outcome == Outcome::converged);
+        REQUIRE(std::abs(oscillator.state.positions(0, 1) - 1) < 1e-8);
+        substeps = result.substeps;
+      }
+      CHECK(substeps <= (damping > 0 ? 2 : 6));
+      CHECK(std::abs(oscillator.state.positions(0, 1) - 1) < 1e-12);
+    }
 }
 
 TEST_CASE("a step that cannot be taken leaves the state as it was, and says why", "[stepper]") {
