@@ -16,6 +16,9 @@ constexpr double kInfinite = std::numeric_limits<double>::infinity();
 /// Number of boxes or molecules from which several threads handle them.
 constexpr int kManyBoxes = 20000;
 
+/// Of a radius: what lies nearer to each other at rest is what a cut has split, and has no side on which it is.
+constexpr double kOnePlace = 1e-9;
+
 Rows neighbours_of(const Body& body) {
   std::vector<int> from, to;
   for (const auto& [a, b] : body.connections.ends) {
@@ -261,12 +264,13 @@ void BroadPhase::add_triangle(int s, int triangle, double within) {
 void BroadPhase::add_spheres(int first, int second) {
   const Sample& one = geometry_.samples[first];
   const Sample& two = geometry_.samples[second];
-  if (one.piece == two.piece) {
-    const Positions& rest = geometry_.body.rest;
+  const Positions& rest = geometry_.body.rest;
+  const double apart = (geometry_.position_of(one, rest) - geometry_.position_of(two, rest)).norm();
+  if (apart < kOnePlace * one.radius) return;
+  if (one.piece == two.piece)
     if (!geometry_.self || joined(one, {two.molecules.data(), static_cast<std::size_t>(two.count)}) ||
-        (geometry_.position_of(one, rest) - geometry_.position_of(two, rest)).norm() < one.radius + two.radius)
+        apart < one.radius + two.radius)
       return;
-  }
   candidates_.push_back({first, geometry_.first_sphere() + second, 0});
 }
 

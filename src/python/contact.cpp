@@ -171,7 +171,7 @@ void add_contact(MovingClass& simulation) {
           "Each obstacle is a dict: shape 'plane' (z < 0), 'box' (x, y, z), 'sphere' (radius), 'cylinder' or 'capsule' "
           "(radius, length), 'convex' (points, their hull) or 'mesh' (points, closed triangles) [m]; where it is: "
           "tool, or position and turn; friction and name if one likes. surface: "
-          "'triangles', or 'spheres' of the molecules, which push the parts of a cut apart.")
+          "'triangles', or 'spheres' of the molecules, which a cut leaves without a force.")
       .def("contact_forces", by_obstacle(&contact::forces_on_obstacles),
            "Force of the body on each obstacle by its name [N].")
       .def("contact_torques", by_obstacle(&contact::torques_on_obstacles),

@@ -345,7 +345,7 @@ typedef struct elastin_obstacle {
 
 typedef struct elastin_contact {
   size_t size;        /* sizeof(elastin_contact) */
-  int spheres;        /* 1: of its molecules' spheres, which pushes parts of a cut apart; 0: of its surface */
+  int spheres;        /* 1: of its molecules' spheres, which a cut leaves without a force; 0: of its surface */
   double stiffness;   /* pressure over depth [Pa/m]; 0: ten times E over a molecule's diameter */
   double friction;    /* Coulomb's, >= 0 */
   double restitution; /* 0.01 to 1; 0 = 1, no damping */

@@ -390,7 +390,7 @@ class Simulation:
         Each obstacle is a dict: shape 'plane' (z < 0), 'box' (x, y, z), 'sphere' (radius), 'cylinder' or 'capsule'
         (radius, length), 'convex' (points, their hull) or 'mesh' (points, closed triangles) [m]; where it is: tool,
         or position and turn; friction and name if one likes. surface: 'triangles', or 'spheres' of the molecules,
-        which push the parts of a cut apart."""
+        which a cut leaves without a force."""
     def contact_torques(self) -> dict[str, Floats]:
         """Torque of the body on each obstacle by its name [N m], about where the obstacle, or its tool, is now."""
     def contact_points(self) -> dict[str, Any]:

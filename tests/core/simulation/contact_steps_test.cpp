@@ -105,3 +105,23 @@ TEST_CASE("simulation: any number of sweeps makes no energy where damped contact
       }
     }
 }
+
+TEST_CASE("simulation: the halves of a cut, touched as spheres, stay where the cut leaves them") {
+  for (const StepperMethod method : {"symplectic_euler", "velocity_verlet", "backward_euler"}) {
+    INFO(method->name);
+    Simulation tissue = simulation_of(tissue_cube(4), method);
+    ContactOptions touch;
+    touch.stiffness = default_contact_stiffness(tissue.body(), kTissue.youngs_modulus);
+    touch.friction = 0.4, touch.restitution = 0.5;
+    tissue.add([&](Model& model) { model.add(make_contact(model.body(), touch)); });
+    REQUIRE(tissue.step(1e-4).outcome == Outcome::converged);
+    const double middle = tissue.body().rest.row(0).mean();
+    REQUIRE(tissue.cut(CutSurface::plane({middle, 0, 0}, {1, 0, 0})).split_molecules > 0);
+    for (int step = 0; step < 20; ++step) {
+      const StepResult result = tissue.step(1e-4);
+      REQUIRE(result.outcome == Outcome::converged);
+      CHECK(result.newton_iterations < 5);
+    }
+    CHECK(tissue.velocities().cwiseAbs().maxCoeff() < 1e-6);
+  }
+}
