@@ -448,7 +448,7 @@ void check_balance(const StaticResult& solved, const Measures& measures, double 
   } else if (left > 1e-6) {
     warn_once("the reactions balance the loads to " + number(left, 2) + " only", run);
   }
-  if (solved.residual > std::max(1e-8, 10 * tolerance))
+  if (run.outcome == Outcome::converged && solved.residual > std::max(1e-8, 10 * tolerance))
     warn_once("the unbalanced force is " + number(solved.residual, 2) + " of the load, above the tolerance of " +
                   number(tolerance, 2) + ": rounding allows no less",
               run);
@@ -675,15 +675,15 @@ Measures measure_step(const Model& model, const StaticExperiment& experiment, co
 namespace {
 
 /// "the supports leave 3 rigid motions of the body free", or "": those that forces at this state do not resist, either.
-/// Asked where displacements in space are measured, and no contact holds the body.
+/// Asked where displacements in space are measured.
 std::string free_motions_text(const Model& model, const StaticExperiment& experiment, const State& state) {
-  if (experiment.calibration() || experiment.leaves_out_rigid_motions() || model.body().share || contact_of(model))
-    return "";
+  if (experiment.calibration() || experiment.leaves_out_rigid_motions() || model.body().share) return "";
   Positions motions, forces;
   const int free = RigidMotions(Tangent(model, state), model.supports, motions, forces).count();
   return free == 0 ? ""
-                   : "the supports leave " + counted(free, "rigid motion") + " of the " +
-                         (model.body().parts.empty() ? "body" : "bodies") + " free";
+                   : std::string("the supports") + (contact_of(model) ? " and what touches leave " : " leave ") +
+                         counted(free, "rigid motion") + " of the " + (model.body().parts.empty() ? "body" : "bodies") +
+                         " free";
 }
 
 /// What may be the reason that there is no equilibrium, for the end of the cause; or "".
@@ -824,8 +824,11 @@ void follow_load_curve(Model& model, const StaticExperiment& experiment, StaticR
   if (const contact::Contact* contact = contact_of(model); contact && run.contact && run.contact->pairs == 0)
     if (const std::string gap = gap_text(*contact, model.body(), path.state()); !gap.empty())
       run.remark = (run.remark.empty() ? "nothing touches" : run.remark) + ": " + gap;
+  // What touches at the end of a load holds as long as it is pressed.
   if (const std::string free =
-          free_motions_text(model, experiment, options.statics.linear ? state_at_rest(model.body()) : path.state());
+          contact_of(model) ? ""
+                            : free_motions_text(model, experiment,
+                                                options.statics.linear ? state_at_rest(model.body()) : path.state());
       !free.empty())
     run.warnings.push_back(free + ", any of which may be in its displacements: hold more of " +
                            (model.body().parts.empty() ? "it" : "them"));

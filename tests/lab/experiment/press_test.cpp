@@ -139,3 +139,23 @@ TEST_CASE("a plate that goes further in one load step than it is thick does not 
   CHECK(once.bisected_load_steps > 0);
   CHECK(once.measures.get("force") == Approx(often.measures.get("force")).epsilon(1e-5));
 }
+
+TEST_CASE("a block between two plates that touches one of them alone is said to be free", "[press]") {
+  const TemporaryFolder folder;
+  const auto scene = load_scene(
+      folder.write(
+          "scene.yaml",
+          "bodies: [{name: soft, tetrahedra: {kind: body_centred, cubes: [4, 4, 4], size: [2 cm, 2 cm, 2 "
+          "cm]}}, {name: top, rigid: true, at: [-1 cm, -1 cm, 2.01 cm], tetrahedra: {kind: body_centred, cubes: [1, "
+          "1, 1], size: [4 cm, 4 cm, 1 cm]}}, {name: low, rigid: true, at: [-1 cm, -1 cm, -1.01 cm], "
+          "tetrahedra: {kind: body_centred, cubes: [1, 1, 1], size: [4 cm, 4 cm, 1 cm]}}]\n"
+          "material: {youngs_modulus: 10 kPa, poissons_ratio: 0.3}\nstiffness: neo_hookean\n"
+          "experiment: {kind: press, move: top, fix: low, displacement: 2.2 mm, load_steps: 12}\n"
+          "contact: {friction: 0}\n"),
+      kCatalog);
+  const Run run = run_strategy(scene->specimen, *scene->experiment, scene->stiffness, {.statics = scene->statics});
+  CHECK(run.outcome != Outcome::converged);
+  CHECK_THAT(run.cause, Catch::Matchers::Contains("the supports and what touches leave 6 rigid motions"));
+  for (const std::string& warning : run.warnings)
+    CHECK_THAT(warning, !Catch::Matchers::Contains("rounding allows no less"));
+}
