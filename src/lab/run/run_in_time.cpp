@@ -232,8 +232,8 @@ class TimedRun {
 
   void fail(Outcome outcome, const std::string& cause) {
     run_.outcome = outcome;
-    run_.cause = cause + " (at t = " + number(state_.time, 4) + " s, after " + std::to_string(control_.memory.steps) +
-                 " steps of at most " + number(control_.memory.last, 4) + " s" +
+    run_.cause = cause + " (at t = " + number(state_.time, 4) + " s, after " + counted(control_.memory.steps, "step") +
+                 ", in one of " + number(control_.memory.last, 4) + " s" +
                  (control_.memory.critical > 0 && std::isfinite(control_.memory.critical)
                       ? "; the longest stable one was " + number(control_.memory.critical, 4) + " s"
                       : "") +

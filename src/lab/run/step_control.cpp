@@ -172,6 +172,7 @@ StepResult StepControl::one_step(Model& model, State& state, double until) {
     if (!(state.time + dt > state.time))
       return {Outcome::diverged, "the step has become too short for the clock", 0, 0, 1, 0};
     const State before = by_error_ ? state : State{};
+    memory.last = dt;
     StepResult result = paced_ ? paced_->advance(model, state, dt) : stepper_->advance(model, state, dt);
     if (result.outcome != Outcome::converged) return result;
     if (by_error_) {
@@ -196,7 +197,6 @@ StepResult StepControl::one_step(Model& model, State& state, double until) {
       if (model.drive) model.drive(end, model.supports);
     }
     ++memory.steps;
-    memory.last = dt;
     memory.shortest = memory.shortest > 0 ? std::min(memory.shortest, dt) : dt;
     return result;
   }

@@ -79,7 +79,8 @@ class StepControl {
     double first_bound = 0;              ///< of frequencies, where the watch began [rad/s]
     double stable = 0;                   ///< longest step that is stable, with safety [s]
     double critical = 0, frequency = 0;  ///< of explicit steppers at the start: longest stable step [s], ω_max [rad/s]
-    double shortest = 0, last = 0;       ///< steps taken [s]
+    double shortest = 0;                 ///< step taken [s]
+    double last = 0;                     ///< step, taken or tried [s]
     double motion = 0;                   ///< largest displacement so far [m]; of steps by error alone
     int steps = 0, rejected = 0;
   };

@@ -979,6 +979,12 @@ TEST_CASE("a step far above the stable one ends with its cause and keeps the fra
     for (const auto& [name, value] : row.measures.all()) CHECK(std::abs(value) < 1e6);
 }
 
+TEST_CASE("the first step that fails is named by its length", "[time]") {
+  const Run run = run_of(kRelease + "time: {duration: 2e5 s, frames: 1, step: 2e5 s, stepper: velocity_verlet}\n");
+  CHECK(run.outcome == Outcome::diverged);
+  CHECK_THAT(run.cause, Contains("(at t = 0 s, after 0 steps, in one of 2e+05 s; the longest stable one was 0.2 s)"));
+}
+
 TEST_CASE("St Venant-Kirchhoff inverts where neo_hookean holds", "[time]") {
   const std::string text =
       "body: {tetrahedra: {kind: body_centred, cubes: [2, 2, 2], size: [10 cm, 10 cm, 10 cm]}}\n"
