@@ -56,6 +56,7 @@ class BroadPhase {
   struct Candidate {
     int sample, target;
     int item;  ///< the triangle of a piece
+    // NOLINTNEXTLINE(modernize-use-nullptr): clang-tidy 14 takes the comparison's own code for one
     auto operator<=>(const Candidate&) const = default;
   };
   explicit BroadPhase(const ContactGeometry& geometry);
