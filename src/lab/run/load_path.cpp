@@ -147,7 +147,22 @@ int LoadPath::parts_for_obstacles(double factor) {
   return static_cast<int>(std::ceil(std::min(most, kMostObstacleParts) - 1e-9));
 }
 
-StaticResult LoadPath::advance(double factor) {
+/// Takes an equilibrium as the path's next.
+void LoadPath::keep(State found, double factor) {
+  model_.commit_step(found);
+  displacement_ = found.positions - state_.positions;
+  last_gain_ = model_.elastic_energy(found.positions) - model_.elastic_energy(state_.positions);
+  last_step_ = factor - factor_;
+  if (steepest_)
+    if (const double slope = displacement_.colwise().norm().maxCoeff() / std::abs(last_step_);
+        std::isfinite(slope) && slope > steepest_->slope)
+      *steepest_ = {factor_, factor, std::move(state_), found, slope};
+  state_ = std::move(found);
+  factor_ = factor;
+}
+
+StaticResult LoadPath::advance(double factor, LoadPart* steepest) {
+  steepest_ = steepest;
   const double change = factor - factor_;
   const int parts = options_.linear
                         ? 1
@@ -187,12 +202,7 @@ StaticResult LoadPath::advance(double factor, double smallest) {
              may_pass = found && !options_.linear && bodies_may_pass(model_, state_, next);
   if (found && !(may_pass && can_be_halved)) {
     may_have_passed_ |= may_pass;
-    model_.commit_step(next);
-    displacement_ = next.positions - state_.positions;
-    last_gain_ = model_.elastic_energy(next.positions) - model_.elastic_energy(state_.positions);
-    state_ = std::move(next);
-    last_step_ = factor - factor_;
-    factor_ = factor;
+    keep(std::move(next), factor);
     return solved;
   }
   if (found) solved.left_saddle = false;  // on its way to a state that is dropped
@@ -383,17 +393,18 @@ Pull pull_along(const Model& model, const State& from, const State& to) {
   return pull;
 }
 
-/// Where in a load step the body jumps, as a warning; or "". Found by bisection: the half with more motion, down to
-/// where a path would move next to nothing.
-std::string jump_within(Model& model, StaticRig& rig, StaticOptions options, double before, State from, double factor,
+/// Where in a part of the load the body jumps, as a warning; or "". Found by bisection: the half with more motion, down
+/// to where a path would move next to nothing. Leaves the model at the load `factor`, where `reached` was found.
+std::string jump_within(Model& model, StaticRig& rig, StaticOptions options, LoadPart part, double factor,
                         const State& reached, bool strays) {
   options.probe = rig.leaves_saddles();
   const auto distance = [](const State& a, const State& b) {
     return (b.positions - a.positions).colwise().norm().maxCoeff();
   };
-  State to = reached;
+  auto& [low, high, from, to, slope] = part;
   const double whole = distance(from, to);
-  double low = before, high = factor, least = 1;
+  double least = 1;
+  set_load(model, rig, high);
   const Pull pull = pull_along(model, from, to);
   bool jumps = pull.grows(1.01) && (strays || !pull.resists());
   for (int bisection = 0; jumps && bisection < kJumpBisections; ++bisection) {
@@ -401,6 +412,10 @@ std::string jump_within(Model& model, StaticRig& rig, StaticOptions options, dou
     set_load(model, rig, middle);
     State between = from;
     jumps = solve_static(model, between, options).outcome == Outcome::converged;
+    if (!jumps) {  // from where the path ends the way beyond may lead through inverted cells: not from the other side
+      between = to;
+      jumps = solve_static(model, between, options).outcome == Outcome::converged;
+    }
     if (!jumps) break;
     if (distance(from, between) < distance(between, to))
       from = std::move(between), low = middle;
@@ -417,8 +432,8 @@ std::string jump_within(Model& model, StaticRig& rig, StaticOptions options, dou
   if (!jumps || low == 0 || stop_requested() || (options.stop && options.stop())) return "";
   return "the body snaps through at " + number(50 * (low + high), 3) +
          " % of the load: there its path of equilibria turns back, and the one found beyond lies " +
-         number(1e3 * distance(from, to), 3) +
-         " mm away, on another; prescribe the displacement to follow the path, or "
+         number(1e3 * distance(from, to), 3) + " mm away, on another; " +
+         (is_displaced(model, reached) ? "" : "prescribe the displacement to follow the path, or ") +
          "run the load in time (`kind: motion`) to see where the body comes to rest";
 }
 
@@ -744,8 +759,8 @@ void follow_load_curve(Model& model, const StaticExperiment& experiment, StaticR
     }
     if (options.progress) options.progress(which.empty() ? "solving" : which);
     const double load_factor = experiment.load_factor(step);
-    const std::optional<State> last_state = may_jump ? std::optional(path.state()) : std::nullopt;
-    StaticResult solved = path.advance(load_factor);
+    LoadPart steepest;
+    StaticResult solved = path.advance(load_factor, may_jump ? &steepest : nullptr);
     // Without a load there is nothing to balance, and rounding decides about motions that nothing resists.
     bool loaded = load_factor != 0;
     if (!loaded) solved.unstable = false;
@@ -802,9 +817,9 @@ void follow_load_curve(Model& model, const StaticExperiment& experiment, StaticR
       return;
     }
     if (buckled) warn_once(kBuckled, run);
-    if (last_state && !known && !buckled && !jumped && !solved.unstable) {
-      const std::string text = jump_within(model, rig, options.statics, step > 1 ? experiment.load_factor(step - 1) : 0,
-                                           *last_state, load_factor, path.state(), strays);
+    if (steepest.slope >= 0 && !known && !buckled && !jumped && !solved.unstable) {
+      const std::string text =
+          jump_within(model, rig, options.statics, std::move(steepest), load_factor, path.state(), strays);
       jumped = !text.empty();
       if (jumped) run.warnings.push_back(text);
     }

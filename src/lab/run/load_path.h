@@ -19,6 +19,13 @@ void set_load(Model& model, StaticRig& rig, double factor);
 /// Solves again, from the equilibrium that was found, as long as the rig seeks its load.
 void adjust_load(Model& model, StaticRig& rig, const StaticOptions& options, State& state, StaticResult& solved);
 
+/// One solve's part of the load, between two equilibria.
+struct LoadPart {
+  double before = 0, after = 0;  ///< the load
+  State from, to;
+  double slope = -1;  ///< the largest displacement of a molecule over the part of the load [m]; < 0: none yet
+};
+
 /// Load continuation: one equilibrium after the other, each solve starts from the extrapolated path.
 class LoadPath {
  public:
@@ -31,7 +38,8 @@ class LoadPath {
   /// part than an eighth of its thickness, or what it meets would leave it by its back; an equilibrium on the way to
   /// which bodies may have passed through each other is sought in halves, too. The state stays at the last equilibrium
   /// if that fails. The result is that of the last part, with the iterations of all.
-  StaticResult advance(double factor);
+  /// @param steepest gets the part in which the body moved most for its load; null: none is kept
+  StaticResult advance(double factor, LoadPart* steepest = nullptr);
 
   const State& state() const { return state_; }
   int halvings() const { return halvings_; }  ///< parts of the load that had to be halved, so far
@@ -43,6 +51,7 @@ class LoadPath {
   StaticResult solve(State& state, const StaticOptions& options);
   int parts_for_obstacles(double factor);
   State start_of(double factor) const;
+  void keep(State found, double factor);
 
   Model& model_;
   StaticRig& rig_;
@@ -53,6 +62,7 @@ class LoadPath {
   double factor_ = 0, last_step_ = 0;  // of the load: now, and how much the last part added
   double last_gain_ = 0;               // of the elastic energy [J], by that part
   int halvings_ = 0;
+  LoadPart* steepest_ = nullptr;
   bool may_have_passed_ = false;
 };
 

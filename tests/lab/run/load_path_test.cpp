@@ -342,6 +342,25 @@ TEST_CASE("a body that snaps through says so, and where", "[statics][load_path]"
   for (const std::string& warning : run(-5, 1, "0, 0, 0").warnings) CHECK_THAT(warning, !Contains("snaps"));
 }
 
+// The load steps are halved on the way, and the jump lies in a small part of one.
+TEST_CASE("a bar that snaps through as it is twisted says so in long load steps", "[statics][load_path]") {
+  for (const int steps : {5, 12, 36}) {
+    INFO(steps << " load steps");
+    const auto scene = load_scene(
+        SceneSource::of_text("a.yaml",
+                             "body: {tetrahedra: {kind: body_centred, cubes: [1, 1, 4], size: [1 cm, 1 cm, 6 cm]}}\n"
+                             "material: {youngs_modulus: 10 kPa, poissons_ratio: 0.3, density: 1000 kg/m3}\n"
+                             "stiffness: neo_hookean\n"
+                             "experiment: {kind: torsion, axis: z, angle: 1080 deg, load_steps: " +
+                                 std::to_string(steps) + "}\n"),
+        built_in_catalog());
+    const Run snapped =
+        run_strategy(scene->specimen, *scene->experiment, scene->stiffness, {.statics = scene->statics});
+    REQUIRE(snapped.warnings.size() == 1);
+    CHECK_THAT(snapped.warnings.front(), Contains("the body snaps through at 57.7 %") && !Contains("prescribe"));
+  }
+}
+
 // With nu = 0 nothing moves across: the nominal stress is mu (l - 1/l), and that of the fibres T f(l)/l, f = 1 - 4 (1 -
 // l)^2.
 TEST_CASE("a muscle at work bears stress before the load, and the modulus is of what the load adds",
