@@ -179,7 +179,7 @@ Strategy wrapped(bool StrategyName::*property, const Strategy& strategy) {
   result.name = renamed(strategy, property);
   result.constants = nullptr, result.constants_at = nullptr, result.calibrates = nullptr;
   result.fit = nullptr;
-  result.make_without_volume = nullptr, result.make_without_compression = nullptr, result.make_mixed = nullptr;
+  result.make_without_compression = nullptr;
   result.has_history = true;
   return result;
 }

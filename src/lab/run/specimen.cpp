@@ -198,7 +198,7 @@ std::vector<StrategyChoice> all_strategies(const Catalog& catalog, const Specime
 }
 
 StrategyChoice without_locking(const Catalog& catalog, StrategyChoice choice, const Specimen& specimen) {
-  if (!may_lock(specimen.body, materials_of(specimen), choice.strategy) || choice.strategy.has_history) return choice;
+  if (!may_lock(specimen.body, materials_of(specimen), choice.strategy)) return choice;
   return applicable_with_volume(catalog, choice, specimen.body, materials_of(specimen)).value_or(choice);
 }
 
