@@ -30,10 +30,13 @@ const BdfCell bdf_cells[] = {
     {"CQUADR", 4, 4, {0, CellUse::face, 4, "CQUADR"}, {0, CellUse::face, 4, "CQUADR"}},
     {"CQUAD8", 4, 8, {0, CellUse::face, 4, "CQUAD8"}, {0, CellUse::face, 8, "CQUAD8"}},
 };
-constexpr std::string_view kRefused[] = {"CPYRAM", "CQUAD"};
-/// What begins with these letters stands next to the cells: bars, springs, masses, couplings.
-constexpr std::string_view kLeftOut[] = {"CBAR", "CBEAM",  "CBUSH", "CDAMP", "CELAS", "CGAP", "CMASS",
-                                         "CONM", "CONROD", "CROD",  "CTUBE", "MPC",   "RB",   "RROD"};
+/// What begins with these letters stands next to the cells: bars, springs, masses, couplings, panels of shear, faces
+/// that take heat.
+constexpr std::string_view kLeftOut[] = {"CBAR",   "CBEAM", "CBEND", "CBUSH", "CDAMP",  "CELAS", "CFAST",
+                                         "CGAP",   "CHBDY", "CMASS", "CONM",  "CONROD", "CROD",  "CSEAM",
+                                         "CSHEAR", "CTUBE", "CVISC", "CWELD", "MPC",    "RB",    "RROD"};
+/// What begins with these letters names nodes as elements do, and is none.
+constexpr std::string_view kNoElements[] = {"CAERO", "CONCT", "CONV", "CSET", "CSUP", "CYAX", "CYJOIN", "CYSUP"};
 
 /// One entry: its name and the fields behind it, with those of the lines that continue it.
 struct Entry {
@@ -50,6 +53,7 @@ class BdfReader {
     end_entry();
     // Nodes may stand before their coordinate systems, and cells before their nodes.
     for (const Entry& entry : grid_) add_node(entry);
+    for (const Entry& entry : others_) refuse_element(entry);
     for (const Entry& entry : cells_) add_cell(entry);
   }
 
@@ -126,13 +130,25 @@ class BdfReader {
       if (entry.fields.size() > 1) usual_system_ = entry.fields[1];
       return;
     }
-    for (const std::string_view refused : kRefused)
-      if (entry.name == refused && !entry.fields.empty())
-        fail(entry.at, entry.name + " is not used; allowed: CTETRA, CHEXA, CPENTA, CTRIA3, CTRIA6");
     for (const BdfCell& cell : bdf_cells)
-      if (entry.name == cell.name) cells_.push_back(entry);
+      if (entry.name == cell.name) return cells_.push_back(std::move(entry));
     for (const std::string_view left_out : kLeftOut)
       if (entry.name.starts_with(left_out)) return mesh_.leave_out(entry.name);
+    for (const std::string_view none : kNoElements)
+      if (entry.name.starts_with(none)) return;
+    if (entry.name.starts_with('C')) others_.push_back(std::move(entry));
+  }
+
+  /// What has a number, a property and three nodes or more is an element: programs have many of their own.
+  void refuse_element(const Entry& entry) const {
+    std::size_t nodes = 0;
+    for (std::size_t i = 2; i < entry.fields.size() && !entry.fields[i].empty(); ++i) {
+      const auto node = whole_number(entry.fields[i]);
+      if (!node || !nodes_.contains(*node)) break;
+      ++nodes;
+    }
+    if (nodes >= 3 && whole_number(entry.fields[0]))
+      fail(entry.at, entry.name + " is not used; allowed: CTETRA, CHEXA, CPENTA, CTRIA3, CTRIA6");
   }
 
   long long whole(std::string_view field, const char* what) const {
@@ -220,6 +236,12 @@ class BdfReader {
       points.push_back(found->second);
     }
     const std::string_view at = entry.fields.empty() ? entry.at : entry.fields[0];
+    if (kind->first.use != CellUse::triangle && kind->first.use != CellUse::face && points.size() == kind->all)
+      for (std::size_t i = 2 + kind->all; i < entry.fields.size(); ++i)
+        if (whole_number(entry.fields[i]))
+          fail(entry.fields[i], "cell " + std::to_string(name) + ": behind the " + std::to_string(kind->all) +
+                                    " nodes of its " + entry.name +
+                                    " stand more: is the line of the next one missing?");
     if (kind->first.use == CellUse::face && points.size() > kind->corners)
       points.resize(kind->corners);  // some of its middles may be missing
     const CellType& type = points.size() == kind->corners ? kind->first : kind->second;
@@ -241,8 +263,8 @@ class BdfReader {
   Sources sources_;
   bool bulk_ = false, ended_ = false;
   Entry entry_;
-  std::vector<Entry> grid_, cells_;
-  std::string_view usual_system_;  ///< of nodes that name none
+  std::vector<Entry> grid_, cells_, others_;  ///< others: perhaps elements
+  std::string_view usual_system_;             ///< of nodes that name none
   std::map<long long, System> systems_;
   std::map<long long, int> nodes_;
 };

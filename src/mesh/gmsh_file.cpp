@@ -217,13 +217,22 @@ void read_group_names(Cursor& in, Groups& groups) {
   }
 }
 
-void read_entities(Cursor& in, const Format& format, Groups& groups) {
+/// Those of a mesh in parts have a section of their own, each with the entity that it is a part of.
+void read_entities(Cursor& in, const Format& format, bool in_parts, Groups& groups) {
   begin_data(in, format);
+  if (in_parts) {
+    in.skip_numbers(1, uint64);  // the number of parts
+    in.skip_numbers(2 * in.count("the number of ghost entities", uint64), int32);
+  }
   std::array<std::size_t, 4> counts{};
   for (std::size_t& count : counts) count = in.count("the number of entities", uint64);
   for (long long dimension = 0; dimension < 4; ++dimension)
     for (std::size_t entity = 0; entity < counts[dimension]; ++entity) {
       const long long tag = in.integer("the number of an entity");
+      if (in_parts) {
+        in.skip_numbers(2, int32);  // the entity that this is a part of
+        in.skip_numbers(in.count("the number of an entity's parts", uint64), int32);
+      }
       in.skip_numbers(dimension == 0 ? 3 : 6, float64);  // where it lies
       const std::size_t physical = in.count("the number of groups", uint64);
       for (std::size_t i = 0; i < physical; ++i)
@@ -231,7 +240,7 @@ void read_entities(Cursor& in, const Format& format, Groups& groups) {
       if (dimension > 0) in.skip_numbers(in.count("the number of bounding entities", uint64), int32);
     }
   in.begin_text();
-  in.expect("$EndEntities");
+  in.expect(in_parts ? "$EndPartitionedEntities" : "$EndEntities");
 }
 
 /// Cells by the number that the file gives them.
@@ -411,8 +420,9 @@ void read_gmsh(Cursor in, MeshBuilder& mesh) {
       read_group_names(in, groups);
       in.expect("$EndPhysicalNames");
       continue;
-    } else if (section == "$Entities" && format.is_4) {
-      read_entities(in, format, groups);
+    } else if (const bool in_parts = section == "$PartitionedEntities";
+               (in_parts || section == "$Entities") && format.is_4) {
+      read_entities(in, format, in_parts, groups);
       continue;
     } else if (section[0] != '$' || section == "$Nodes" || section == "$Elements") {
       in.fail(at, std::string("expected ") + (have_points ? "$Elements" : "$Nodes") + ", found " + quoted(section));

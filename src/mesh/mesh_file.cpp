@@ -495,6 +495,10 @@ const Converter kConverters[] = {
     {{".geo", ".step", ".stp", ".brep"}, "gmsh -3 -o > <", ".msh"},
     {{".feb"}, "elastin export < --to gmsh --out >", ".msh"}};
 
+/// Of other kinds of files: no slips of the endings that are read.
+constexpr std::string_view kOthers[] = {".3mf", ".cdb", ".csv", ".diff", ".iges", ".igs",
+                                        ".k",   ".key", ".pcd", ".txt",  ".xyz"};
+
 /// With its dot, in small letters; "" where the name has none.
 std::string ending_of(const std::string& path) {
   const std::string name = path.substr(path.find_last_of('/') + 1);
@@ -522,7 +526,9 @@ const KnownFormat& format_of(const std::string& path) {
   for (const char* image : {".nii", ".gz", ".nrrd", ".nhdr", ".mha", ".mhd", ".dcm", ".ima", ".tif", ".tiff"})
     if (ending == image)
       throw InputError(SourceLocation{path, 0, 0}, "is an image, no mesh: give it as `body: {image: …}`");
-  throw InputError(SourceLocation{path, 0, 0}, "unknown ending " + quoted(ending) + suggestion(ending, allowed));
+  const bool other = std::find(std::begin(kOthers), std::end(kOthers), ending) != std::end(kOthers);
+  throw InputError(SourceLocation{path, 0, 0},
+                   "unknown ending " + quoted(ending) + suggestion(other ? "" : ending, allowed));
 }
 
 }  // namespace

@@ -74,6 +74,9 @@ void read_binary_stl(Cursor in, MeshBuilder& mesh) {
     const auto last = static_cast<int>(all.corners.size());
     all.faces.push_back({last - 3, last - 2, last - 1});
   }
+  if (in.left() >= size && in.left() % size == 0)
+    in.fail(header, "expected the number of triangles, but there are " + std::to_string(in.left() / size) +
+                        " more than " + std::to_string(count));
   all.hand_over(mesh);
 }
 
@@ -184,6 +187,7 @@ void read_off(Cursor in, MeshBuilder& mesh) {
     }
     in.line();
   }
+  if (more_than_comments(in)) in.expect_end("faces");
   all.hand_over(mesh);
 }
 

@@ -69,7 +69,8 @@ std::string upper_case(std::string_view text) {
 std::vector<std::string_view> comma_fields(std::string_view line) {
   std::vector<std::string_view> all;
   for (std::size_t from = 0; from <= line.size();) {
-    const std::size_t to = std::min(line.find(',', from), line.size());
+    std::size_t to = from;
+    for (bool within = false; to < line.size() && (within || line[to] != ','); ++to) within ^= line[to] == '"';
     all.push_back(trimmed(line.substr(from, to - from)));
     from = to + 1;
   }

@@ -127,7 +127,7 @@ std::string_view trimmed(std::string_view text);
 /// ASCII letters in capitals.
 std::string upper_case(std::string_view text);
 
-/// The fields between commas, without blanks around them.
+/// The fields between commas that stand in no double quotes, without blanks around them.
 std::vector<std::string_view> comma_fields(std::string_view line);
 
 /// A finite number as Fortran writes it: "1.5", "+1.5E-3", "1.5D-3", "1.5-3". None where the text is something else.

@@ -223,6 +223,7 @@ TEST_CASE("Abaqus files: what a solid stands next to is named, what would change
   CHECK(inp("*HEADING\na bar\n" + whole + "*TIE, NAME=T\nA, B\n*MATERIAL, NAME=M\n*ELASTIC\n1, 0.3\n*STEP\n*STATIC\n")
             .comment == "the keywords *TIE, *MATERIAL, *ELASTIC and *STEP left out");
   CHECK(inp(whole + "*NSET, NSET=A, GENERATE\n1, 9, 4\n").comment == "2 missing set members left out");
+  CHECK(inp(whole + "*NSET, NSET=\"left, face\"\n1, 2\n").sets.at("left, face") == std::vector{0, 1});
   const Mesh round = inp("*NODE, SYSTEM=C\n1,0,0,0\n2,2,0,0\n3,2,90,0\n4,0,0,1\n" + kTissue);
   CHECK((round.points.col(2) - Vector3(0, 2, 0)).norm() < 1e-15);
   CHECK(inp(whole + "*ELSET, ELSET=E\n7\n*NSET, NSET=N, ELSET=E\n").sets.at("N").size() == 4);
@@ -281,10 +282,35 @@ TEST_CASE("groups without names go by their numbers", "[brought]") {
   CHECK(mesh.sets.at("8") == std::vector{0, 1, 3});
   CHECK(mesh.sets.size() == 3);
   const std::string grid = "GRID,1,,0.,0.,0.\nGRID,2,,1.,0.,0.\nGRID,3,,0.,1.,0.\nGRID,4,,0.,0.,1.\n";
-  const Mesh nastran = format::read_mesh(
-      {"a.bdf", grid + "CTETRA,9,5,1,2,3,4\nCQUAD4,10,6,1,2,3,4\nRBE2,11,1,123,2,3\nCBAR,12,7,1,2\n"});
+  const Mesh nastran = format::read_mesh({"a.bdf", grid + "CTETRA,9,5,1,2,3,4\nCQUAD4,10,6,1,2,3,4\nRBE2,11,1,123,2,"
+                                                          "3\nCBAR,12,7,1,2\nCWELD,13,7,1,,2\nCSET1,123,1,2,3,4\n"});
   CHECK(nastran.sets.at("5").size() == 4);
-  CHECK(nastran.comment == "1 CBAR, 1 RBE2 and 1 quadrangle left out");
+  CHECK(nastran.comment == "1 CBAR, 1 CWELD, 1 RBE2 and 1 quadrangle left out");
+}
+
+// The parts of a mesh that is divided, with the ghost of one, as Gmsh 4.11 writes them.
+TEST_CASE("Gmsh: the parts of a divided mesh are in the groups of what they are parts of", "[brought]") {
+  const Mesh mesh = format::read_mesh(
+      {"a.msh",
+       "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$PhysicalNames\n2\n2 1 \"LEFT\"\n3 2 \"SOFT\"\n$EndPhysicalNames\n"
+       "$Entities\n0 0 1 1\n1 0 0 0 1 1 1 1 1 0\n1 0 0 0 1 1 1 1 2 1 1\n$EndEntities\n"
+       "$PartitionedEntities\n2\n1\n9 1\n0 0 1 1\n7 2 1 2 1 2 0 0 0 1 1 1 1 1 0\n8 3 1 1 1 0 0 0 1 1 1 1 2 1 7\n"
+       "$EndPartitionedEntities\n$Nodes\n1 4 1 4\n3 8 0 4\n1\n2\n3\n4\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n$EndNodes\n"
+       "$Elements\n2 2 1 2\n2 7 2 1\n1 1 2 3\n3 8 4 1\n2 1 2 3 4\n$EndElements\n"});
+  CHECK(mesh.sets.at("LEFT") == std::vector{0, 1, 2});
+  CHECK(mesh.sets.at("SOFT").size() == 4);
+}
+
+TEST_CASE("more faces than a file of triangles announces are none that it can lose", "[brought]") {
+  const std::string off = "OFF\n4 3 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 1 2\n3 0 1 3\n3 1 2 3\n";
+  CHECK(format::read_mesh({"a.off", off + "# the end\n\n"}).triangles.size() == 3);
+  CHECK_THAT(answer({"a.off", off + "3 0 2 3\n"}), StartsWith("a.off:10:1: expected no more faces here"));
+  std::string stl(84, ' ');
+  stl.replace(80, 4, std::string("\1\0\0\0", 4));
+  const float corners[12] = {0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0};
+  const std::string one = std::string(reinterpret_cast<const char*>(corners), sizeof corners) + std::string(2, '\0');
+  CHECK(format::read_mesh({"a.stl", stl + one + "\n"}).triangles.size() == 1);
+  CHECK_THAT(answer({"a.stl", stl + one + one}), Contains("but there are 1 more than 1"));
 }
 
 TEST_CASE("files that are not read are answered by the command that converts them", "[brought]") {

@@ -264,6 +264,10 @@ TEST_CASE("Nastran and I-DEAS files: what is wrong is reported by line and colum
            {nodes + "CTETRA,9,1,1,2,3,5\n", "a.bdf:5:18: cell 9 uses node 5, which no GRID has"},
            {nodes + "CTETRA,9,1,1,2,3\n", "a.bdf:5:8: CTETRA: expected 4 or 10 nodes, found 3"},
            {nodes + "CQUAD4,9,1,1,2,3,4\n", "a.bdf:5:8: CQUAD4 is not used; allowed: CTETRA"},
+           {nodes + "CPYRA,9,1,1,2,3,4\n", "a.bdf:5:1: CPYRA is not used; allowed: CTETRA"},
+           {nodes + "CTETRA,9,1,1,2,3,4\nCHEXX,10,1,1,2,3,4\n", "a.bdf:6:1: CHEXX is not used; allowed: CTETRA"},
+           {nodes + "CTETRA,9,1,1,2,3,4,1,2\n,3,4,1,2,4,3,2,1\n",
+            "a.bdf:6:10: cell 9: behind the 10 nodes of its CTETRA stand more: is the line of the next one missing?"},
            {nodes + "GRID,4,,0.,0.,2.\n", "a.bdf:5:6: node 4 stands here a second time"},
            {"GRID,1,,O.,0.,0.\n", "a.bdf:1:9: expected a coordinate, a finite number, found 'O.'"},
            {"GRID,1,3,0.,0.,0.\n", "a.bdf:1:8: there is no coordinate system '3'"},
@@ -350,6 +354,7 @@ TEST_CASE("a file that can't be opened is reported by name", "[mesh_file]") {
   REQUIRE(mkfifo(pipe.c_str(), 0600) == 0);
   CHECK_THROWS_WITH(load_mesh(pipe), Catch::Contains("is no regular file"));  // and does not wait for a writer
   CHECK_THROWS_WITH(load_mesh("some.vtp"), Catch::StartsWith("some.vtp: unknown ending '.vtp'; did you mean '.vtk'?"));
+  CHECK_THROWS_WITH(load_mesh("some.key"), Catch::StartsWith("some.key: unknown ending '.key'; allowed: .msh"));
   CHECK_THROWS_WITH(load_mesh("dir.msh/name"), Catch::StartsWith("dir.msh/name: unknown ending ''; allowed: .msh"));
 }
 

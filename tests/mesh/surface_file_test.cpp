@@ -217,6 +217,7 @@ TEST_CASE("a surface file that is broken is refused by its name", "[surface_file
     }
     return "";
   };
+  CHECK_THAT(refusal("more.ply", binary_ply(std::endian::little) + "abc"), Contains("expected no more numbers here"));
   CHECK_THAT(refusal("short.stl", binary_stl().substr(0, 150)),
              Contains("byte 80: expected 4 triangles of 50 bytes, but what is left has room for 1"));
   CHECK_THAT(refusal("named.stl", "solid" + binary_stl().substr(5, 145)),

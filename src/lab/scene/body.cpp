@@ -207,7 +207,10 @@ Shape mesh_shape() {
                  if (setup.join)
                    setup.join_place->located([&] {
                      const int taken = mesh::join_points(mesh, *setup.join);
-                     mesh.repairs.push_back(counted(taken, "point") + " joined to others");
+                     if (taken > 0)
+                       mesh.repairs.push_back(counted(taken, "point") + " joined to others");
+                     else
+                       context.remarks.notes.push_back("`join`: no two points lie within this distance");
                    });
                  warn_of_reoriented(mesh, setup.place->path(), context.remarks.warnings);
                  note_contents(mesh, setup.file->text(), context.remarks.notes);
