@@ -25,6 +25,10 @@ Matrix3 positive_inverse(const Matrix3& block) {
   return eigen.vectors * inverse.asDiagonal() * eigen.vectors.transpose();
 }
 
+/// Of a block, what slanted supports leave of it where it resists in none of the directions that they leave free. As a
+/// stiffness that would move a molecule where it is held: a corner of a flat sheet, both of whose sides are pulled.
+constexpr double kRounding = 1e-13;
+
 template <class BlockOf>
 void BlockInverses::set(double scale, int count, BlockOf&& block_of, const std::vector<Support>& supports) {
   flexibility_ = 1 / scale;
@@ -35,8 +39,11 @@ void BlockInverses::set(double scale, int count, BlockOf&& block_of, const std::
   };
   parallel_for(
       count, [&](int molecule) { set(molecule, block_of(molecule)); }, kMoleculeThreshold);
-  for (const Support& support : supports)
-    set(support.molecule, support.free * block_of(support.molecule) * support.free);
+  for (const Support& support : supports) {
+    const Matrix3 block = block_of(support.molecule), left = support.free * block * support.free;
+    const bool rounding = left.cwiseAbs().maxCoeff() < kRounding * block.cwiseAbs().maxCoeff();
+    set(support.molecule, rounding ? Matrix3(Matrix3::Zero()) : left);
+  }
 }
 
 void BlockInverses::compute(const Tangent& tangent, const std::vector<Support>& supports) {

@@ -91,6 +91,23 @@ TEST_CASE("a sheet at constant width shows E and nu of its material", "[biaxial]
   CHECK(sheet.get("stress_across") == Approx(0.4 * sheet.get("stress")).epsilon(1e-9));
 }
 
+// Corners are held along both directions, and the flat sheet resists nothing across its plane.
+TEST_CASE("a sheet of a law without an energy is the same wherever it lies", "[biaxial]") {
+  const auto pulled = [](const std::string& law, const std::string& turn) {
+    return measured(kSheet + "material: {youngs_modulus: 5 kPa, poissons_ratio: 0.1, thickness: 0.5 mm}\nstiffness: " +
+                    law + "\nexperiment: {kind: biaxial, strain: [0.06, 0.03]}\nrotate: " + turn + "\n");
+  };
+  for (const char* law : {"hencky_membrane", "two_parameter"}) {
+    const Measures straight = pulled(law, "{axis: z, angle: 0 deg}");
+    for (const char* turn : {"{axis: z, angle: 17 deg}", "{axis: [1, 2, -0.5], angle: 50 deg}"}) {
+      INFO(law << " turned by " << turn);
+      const Measures turned = pulled(law, turn);
+      for (const char* measure : {"effective_modulus", "poissons_ratio", "stress_across"})
+        CHECK(turned.get(measure) == Approx(straight.get(measure)).epsilon(1e-8));
+    }
+  }
+}
+
 TEST_CASE("a sheet that is stretched alike in both directions shows no Poisson's ratio", "[biaxial]") {
   for (const std::string strains : {"[1 %, 1 %]", "[3 %, 3 %]", "[5 %, 5 %]", "[5 %, -5 %]"}) {
     INFO(strains);
