@@ -70,7 +70,7 @@ struct Preconditioner {
     SharedModel& model = tangent.model();
     for (const Support& support : model.supports()) {
       const auto molecule = static_cast<std::size_t>(support.molecule);
-      inverses[molecule] = positive_inverse(support.free * tangent.diagonal()[molecule] * support.free);
+      inverses[molecule] = positive_inverse(tangent.diagonal()[molecule], support.free);
     }
     if (hierarchy) boxes = std::make_unique<BoxCycle>(*hierarchy, tangent.local(), model.local().supports);
   }

@@ -25,25 +25,27 @@ Matrix3 positive_inverse(const Matrix3& block) {
   return eigen.vectors * inverse.asDiagonal() * eigen.vectors.transpose();
 }
 
-/// Of a block, what slanted supports leave of it where it resists in none of the directions that they leave free. As a
-/// stiffness that would move a molecule where it is held: a corner of a flat sheet, both of whose sides are pulled.
-constexpr double kRounding = 1e-13;
+Matrix3 positive_inverse(const Matrix3& block, const Matrix3& free) {
+  // What a slanted support leaves where the block resists in none of its free directions. As a stiffness it would move
+  // a molecule where that is held: a corner of a flat sheet, both of whose sides are pulled.
+  constexpr double rounding = 1e-13;
+  const Matrix3 left = free * block * free;
+  return left.cwiseAbs().maxCoeff() > rounding * block.cwiseAbs().maxCoeff() ? positive_inverse(left)
+                                                                             : Matrix3(Matrix3::Zero());
+}
 
 template <class BlockOf>
 void BlockInverses::set(double scale, int count, BlockOf&& block_of, const std::vector<Support>& supports) {
   flexibility_ = 1 / scale;
   blocks_.resize(count);
-  const auto set = [&](int molecule, const Matrix3& block) {
-    const Eigen::Matrix3f inverse = (positive_inverse(block) / flexibility_).cast<float>();
+  const auto set = [&](int molecule, const Matrix3& flexibility) {
+    const Eigen::Matrix3f inverse = (flexibility / flexibility_).cast<float>();
     blocks_[molecule] = {inverse(0, 0), inverse(0, 1), inverse(0, 2), inverse(1, 1), inverse(1, 2), inverse(2, 2)};
   };
   parallel_for(
-      count, [&](int molecule) { set(molecule, block_of(molecule)); }, kMoleculeThreshold);
-  for (const Support& support : supports) {
-    const Matrix3 block = block_of(support.molecule), left = support.free * block * support.free;
-    const bool rounding = left.cwiseAbs().maxCoeff() < kRounding * block.cwiseAbs().maxCoeff();
-    set(support.molecule, rounding ? Matrix3(Matrix3::Zero()) : left);
-  }
+      count, [&](int molecule) { set(molecule, positive_inverse(block_of(molecule))); }, kMoleculeThreshold);
+  for (const Support& support : supports)
+    set(support.molecule, positive_inverse(block_of(support.molecule), support.free));
 }
 
 void BlockInverses::compute(const Tangent& tangent, const std::vector<Support>& supports) {

@@ -9,6 +9,8 @@ namespace elastin {
 /// Inverse of a symmetric block on the directions where it has stiffness, zero on the others. Blocks of negative
 /// stiffness are taken by size, which keeps a preconditioner positive.
 Matrix3 positive_inverse(const Matrix3& block);
+/// That of what a support leaves free of it, a projector.
+Matrix3 positive_inverse(const Matrix3& block, const Matrix3& free);
 
 /// The inverse of each molecule's own block in its free directions, in single precision, to precondition with.
 class BlockInverses {

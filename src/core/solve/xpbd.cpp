@@ -150,8 +150,7 @@ class Xpbd final : public Implicit {
       Matrix3 block = weight * mass[support.molecule] * Matrix3::Identity();
       if (outer_.vary()) block += outer_.block(support.molecule);
       const Matrix3 free = support.free;
-      inverses_[support.molecule] =
-          free.isZero(0) ? Matrix3(Matrix3::Zero()) : Matrix3(weight * positive_inverse(free * block * free));
+      inverses_[support.molecule] = weight * positive_inverse(block, free);
     }
     mass_ = &mass;
   }
