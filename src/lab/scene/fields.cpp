@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "core/base/named.h"
-#include "core/geometry/box_tree.h"
+#include "core/model/solid_cells.h"
 #include "elastin/core/base/text.h"
 #include "elastin/core/laws/material_law.h"
 #include "elastin/mesh/mesh_file.h"
@@ -241,9 +241,8 @@ void read_constants(const Reader& constants, const MaterialLaw& law, const Mater
   }
 }
 
-void multiply_stiffness(const ValueAt& factor, Body& body, bool of_cubes = false) {
-  change_stiffness(
-      body, [&](const auto& members, double& own) { own *= factor(middle_of(body, members)); }, of_cubes);
+void multiply_stiffness(const ValueAt& factor, Body& body) {
+  change_stiffness(body, [&](const auto& members, double& own) { own *= factor(middle_of(body, members)); });
 }
 
 /// What the material is in some cells.
@@ -281,18 +280,21 @@ class MaterialRegions : public Regions<RegionSetup> {
   void set_masses(double density, Body& body) const {
     VectorX volumes = VectorX::Zero(body.size()), masses = volumes;
     const auto add = [&](const auto& cell, double volume) {
-      const int region = region_of(cell);
-      const double own = region < 0 ? density : setups()[region].density.value_or(density);
+      const RegionSetup* region = of(cell);
+      const double own = region ? region->density.value_or(density) : density;
       for (const int molecule : cell) volumes[molecule] += volume, masses[molecule] += volume * own / density;
     };
-    for (const auto& cell : body.tetrahedra) add(cell, std::abs(signed_volume(body.rest, cell)));
-    if (body.tetrahedra.empty())
+    const std::vector<SolidCell> solids = solid_cells_of(body);
+    for (const SolidCell& cell : solids) add(cell.nodes, std::abs(volume_of(cell, body.rest)));
+    if (solids.empty())
       for (const auto& cell : body.triangles) {
         const Vector3 first = body.rest.col(cell[1]) - body.rest.col(cell[0]);
         add(cell, first.cross(Vector3(body.rest.col(cell[2]) - body.rest.col(cell[0]))).norm());
       }
-    for (int molecule = 0; molecule < body.size(); ++molecule)
-      if (volumes[molecule] > 0) body.mass[molecule] *= masses[molecule] / volumes[molecule];
+    for (int molecule = 0; molecule < body.size(); ++molecule) {
+      if (volumes[molecule] == 0) add(std::array{molecule}, 1);  // of a body without cells
+      body.mass[molecule] *= masses[molecule] / volumes[molecule];
+    }
   }
 };
 
@@ -328,12 +330,13 @@ void add_regions(const Reader& list, const MaterialLaw* law, const Material& mat
       constants[&setup].numbers[key] = value.quantity(info->unit, {info->low, info->high, info->above_low});
     }
   }
-  multiply_stiffness(
-      [&](const Vector3& place) {
-        const RegionSetup* own = regions->at(place);
-        return own && own->youngs_modulus ? *own->youngs_modulus / material.youngs_modulus : 1.;
+  change_stiffness(
+      body,
+      [&](const auto& members, double& stiffness) {
+        const RegionSetup* own = regions->of(members);
+        if (own && own->youngs_modulus) stiffness *= *own->youngs_modulus / material.youngs_modulus;
       },
-      body, true);
+      true);
   regions->set_masses(material.density, body);
   setters.push_back([regions, constants](Material& own, const Vector3& place) {
     const RegionSetup* region = regions->at(place);

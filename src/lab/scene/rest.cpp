@@ -197,12 +197,22 @@ void set_rest(const Reader& reader, Specimen& specimen) {
     const RestSetup* own = regions ? regions->at(middle) : nullptr;
     return rest_metric(own ? *own : setup, material, place, middle);
   };
+  if (regions)
+    rest.length = [setup, regions, material](const Vector3& first, const Vector3& second) {
+      const RestSetup* own = regions->at(first, second);
+      const Vector3 middle = (first + second) / 2;
+      return (rest_metric(own ? *own : setup, material, middle, middle) * (second - first)).norm() /
+             (second - first).norm();
+    };
   if (setup.factor) rest.part = [function = part_function(*setup.factor)](double at) { return function.value(at); };
   const auto check_at = [&](const auto& members) {  // what is out of range is said here
     const Vector3 middle = middle_of(body, members);
     rest.metric(middle, middle);
   };
-  for (const auto& ends : body.connections.ends) check_at(ends);
+  for (const auto& [a, b] : body.connections.ends) {
+    if (rest.length && body.rest.col(a) != body.rest.col(b)) rest.length(body.rest.col(a), body.rest.col(b));
+    check_at(std::array{a, b});
+  }
   for (const CellBlock& block : body.blocks)
     for (int cell = 0; cell < block.size(); ++cell) check_at(block.cell(cell));
   for (const auto& cell : body.tetrahedra) check_at(cell);
