@@ -634,8 +634,11 @@ namespace {
 void note_preload(const Model& model, const MeasureList& list, const StaticRig& rig, const Start& start,
                   const State& state, const RunOptions& options, StaticResult solved, double copies,
                   Measures& measures) {
+  constexpr double rounding = 1e-12;  // of what there is under the load
   const Positions& rest = model.body().rest;
-  if (!any_over(model.body(), start.positions != rest || !start.reactions.isZero(0))) return;
+  const bool displaced =
+      (start.positions - rest).norm() > rounding * std::max((state.positions - rest).norm(), rounding * rest.norm());
+  if (!any_over(model.body(), displaced || start.reactions.norm() > rounding * solved.reactions.norm())) return;
   measures.set("preload_strain", largest_strain(model, start.positions));
   if (std::isfinite(measures.get("energy"))) {
     const double part = model.rest_part();  // the start is without what of the rest comes with the load

@@ -179,6 +179,23 @@ TEST_CASE("springs are as stiff and molecules as heavy as the material is where 
   }
 }
 
+TEST_CASE("a region's density is that of its cells of any kind, or of its molecules", "[scene][fields]") {
+  const TemporaryFolder folder;
+  const std::string half = "{molecules: {box: {from: [-1 m, -1 m, -1 m], to: [1 m, 1 m, 10.001 mm]}}, density: ";
+  for (const char* body : {"tetrahedra: {kind: kuhn, cubes: [2, 2, 4], size: [1 cm, 1 cm, 2 cm], order: 2}",
+                           "lattice: {kind: cubic, molecules: [3, 3, 5], spacing: 5 mm, order: 2}",
+                           "lattice: {kind: cubic, molecules: [3, 3, 5], spacing: 5 mm, connections: [axis, face]}"}) {
+    INFO(body);
+    const auto mass = [&](const std::string& fields) {
+      return scene_of(folder, bar_of(body, "youngs_modulus: 10 kPa, density: 1000 kg/m3" + fields, "standard"))
+          ->specimen.body.mass;
+    };
+    const VectorX even = mass(""), other = mass(", fields: {regions: [" + half + "3000 kg/m3}]}");
+    CHECK(other.sum() == Approx(2 * even.sum()).epsilon(1e-9));
+    CHECK(other.maxCoeff() <= 3.0000001 * even.maxCoeff());
+  }
+}
+
 TEST_CASE("springs on the border of two materials have the mean of the cells around them", "[scene][fields]") {
   // Two layers side by side: (10 + 40)/2 of what the homogeneous piece has, however the scene says it.
   const TemporaryFolder folder;

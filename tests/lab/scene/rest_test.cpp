@@ -397,6 +397,36 @@ TEST_CASE("what supports bear alone is no load, in a turned scene either", "[res
   }
 }
 
+// Connections within a cell of second order have their middle where the cell has it.
+TEST_CASE("what grows in a region are the cells all of whose molecules are in it", "[scene][rest]") {
+  const double radius = 10.1e-3;
+  const std::string text =
+      bar("regions: [{molecules: {sphere: {centre: [0, 0, 0], radius: 10.1 mm}}, growth: 0.97}]", "displacement: 0 mm",
+          "tetrahedra: {kind: body_centred, cubes: [2, 2, 2], size: [16 mm, 12 mm, 16 mm], order: 2}");
+  const TemporaryFolder folder;
+  const auto scene = load_scene(folder.write("scene.yaml", text), kCatalog);
+  const Body& body = scene->specimen.body;
+  int grown = 0;
+  for (int cell = 0; cell < body.blocks.at(0).size(); ++cell) {
+    Vector3 middle = Vector3::Zero();
+    bool within = true;
+    for (const int node : body.blocks[0].cell(cell)) {
+      middle += body.rest.col(node) / 10;
+      within &= body.rest.col(node).norm() <= radius;
+    }
+    CHECK(body.unstressed->metric(middle, middle)(0, 0) == (within ? 0.97 : 1));
+    grown += within;
+  }
+  CHECK(grown > 0);
+  for (int c = 0; c < body.connections.size(); ++c) {
+    const auto& [a, b] = body.connections.ends[c];
+    const Vector3 first = body.rest.col(a), second = body.rest.col(b);
+    const bool within = first.norm() <= radius && second.norm() <= radius;
+    CHECK(body.unstressed->length(first, second) == Approx(within ? 0.97 : 1).epsilon(1e-12));
+  }
+  CHECK(force_of(text + "rotate: {axis: [1, 2, 0], angle: 20 deg}\n") == Approx(force_of(text)).epsilon(1e-7));
+}
+
 TEST_CASE("under a rest that was there before, an experiment's measures are what it adds", "[scene][rest]") {
   const auto measures = [](const std::string& experiment, const std::string& rest, const std::string& more = "") {
     const Run run =
