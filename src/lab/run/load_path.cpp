@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "contact/distance.h"
+#include "core/base/dense.h"
 #include "core/linear/rigid_motions.h"
 #include "core/model/faces.h"
 #include "core/solve/modes.h"
@@ -494,6 +495,42 @@ StaticResult restart_from_rest(Model& model, const RunOptions& options, double b
   return from_rest;
 }
 
+/// What pushes the body as a whole where nothing holds it, however far it goes, as the cause of a failure; or "". Then
+/// there is no equilibrium, and the search for one would take its time.
+std::string pushed_away(const Model& model, const State& state) {
+  constexpr double part = 1e-4, far = 10;
+  const auto remembers = [](const auto& load) { return !load->history().empty(); };  // contact, or inertia
+  if (model.body().share || std::any_of(model.loads().begin(), model.loads().end(), remembers)) return "";
+  Matrix3 held = Matrix3::Zero();
+  for (const Support& support : model.supports) held += Matrix3::Identity() - support.free;
+  const SymmetricEigen3 directions = symmetric_eigen3(held);
+  Matrix3 free = Matrix3::Zero();
+  for (int k = 0; k < 3; ++k)
+    if (directions.values[k] <= 1e-9 * std::max(1., directions.values.maxCoeff()))
+      free += directions.vectors.col(k) * directions.vectors.col(k).transpose();
+  const Positions &rest = state.positions, loads = model.load_forces(state);
+  const Vector3 force = free * loads.rowwise().sum(), along = force.normalized();
+  if (!(force.norm() > part * loads.colwise().norm().sum())) return "";
+  State away = state;
+  away.positions.colwise() += far * (rest.rowwise().maxCoeff() - rest.rowwise().minCoeff()).norm() * along;
+  const Positions change = model.load_forces(away) - loads + model.elastic_forces(away.positions) -
+                           model.elastic_forces(rest);  // of what holds it, as springs to the ground
+  if (!((free * change.rowwise().sum()).norm() <= part * force.norm())) return "";
+  const auto component = [&](int k) { return number(std::abs(along[k]) < 1e-9 ? 0 : along[k], 3); };
+  return "nothing holds the " + std::string(model.body().parts.empty() ? "body" : "bodies") + " against " +
+         number(force.norm(), 3) + " N of its loads along (" + component(0) + ", " + component(1) + ", " +
+         component(2) + ")";
+}
+
+/// Ends a run whose body is pushed away; returns whether it is not.
+bool is_held(const Model& model, const State& state, const std::string& where, Run& run) {
+  const std::string away = pushed_away(model, state);
+  if (away.empty()) return true;
+  run.outcome = Outcome::mechanism;
+  run.cause = away + where;
+  return false;
+}
+
 /// Without what the rig brings to the body's surface.
 bool find_start_alone(Model& model, StaticRig& rig, const RunOptions& options, bool at_rest, State& state, Start& start,
                       Run& run) {
@@ -502,12 +539,13 @@ bool find_start_alone(Model& model, StaticRig& rig, const RunOptions& options, b
   model.measure_rest_force();
   if (at_rest && model.rest_force() == 0 && !any_over(model.body(), !model.load_forces(state).isZero(0))) return true;
   if (options.progress) options.progress(at_rest ? "the scene's own loads" : "the scene's start");
+  constexpr const char* own = " (under what acts without the experiment's load)";
+  if (at_rest && !is_held(model, state, own, run)) return false;
   const double before = total_energy(model, state);
   StaticResult solved = solve_static(model, state, options.statics);
   if (!at_rest) solved = restart_from_rest(model, options, before, std::move(solved), state, run);
   start = {state.positions, solved.reactions, state.contact_history};
-  return note_solve(solved, at_rest ? " (under what acts without the experiment's load)" : " (from the scene's start)",
-                    run);
+  return note_solve(solved, at_rest ? own : " (from the scene's start)", run);
 }
 
 /// The body before the experiment's load: at rest, or in equilibrium with the scene's other loads, or where it comes to
@@ -762,6 +800,10 @@ void follow_load_curve(Model& model, const StaticExperiment& experiment, StaticR
     }
     if (options.progress) options.progress(which.empty() ? "solving" : which);
     const double load_factor = experiment.load_factor(step);
+    if (step == 1 && !rig.seeks_load()) {
+      set_load(model, rig, load_factor);
+      if (!is_held(model, path.state(), where, run)) return;
+    }
     LoadPart steepest;
     StaticResult solved = path.advance(load_factor, may_jump ? &steepest : nullptr);
     // Without a load there is nothing to balance, and rounding decides about motions that nothing resists.

@@ -342,6 +342,30 @@ TEST_CASE("a body that snaps through says so, and where", "[statics][load_path]"
   for (const std::string& warning : run(-5, 1, "0, 0, 0").warnings) CHECK_THAT(warning, !Contains("snaps"));
 }
 
+TEST_CASE("what pushes a body away that nothing holds is named, and what holds it by a spring is solved",
+          "[statics][load_path]") {
+  const auto run = [](const std::string& more) {
+    const auto scene = load_scene(
+        SceneSource::of_text("a.yaml",
+                             "body: {tetrahedra: {kind: kuhn, cubes: [1, 1, 2], size: [1 cm, 1 cm, 2 cm]}}\n"
+                             "material: {youngs_modulus: 10 kPa, poissons_ratio: 0.3}\nstiffness: neo_hookean\n" +
+                                 more),
+        built_in_catalog());
+    return run_strategy(scene->specimen, *scene->experiment, scene->stiffness, {.statics = scene->statics});
+  };
+  const std::string pulled = "experiment: {kind: tension, axis: z, force: 1 mN}\n";
+  for (const std::string load :
+       {"{pressure: {pressure: 10 Pa, on: {side: x}}}", "{face: {side: y, traction: [-10 Pa, 0 Pa, 0 Pa]}}"}) {
+    const Run away = run(pulled + "loads: [" + load + "]\n");
+    CHECK(away.outcome == Outcome::mechanism);
+    CHECK_THAT(away.cause, Contains("nothing holds the body against 0.002 N of its loads along (-1, 0, 0)"));
+  }
+  CHECK(run(pulled + "loads: [{face: {side: z, traction: [0 Pa, 0 Pa, 10 Pa]}}]\n").outcome == Outcome::converged);
+  CHECK(run("experiment: {kind: loads}\nloads: [{gravity: {acceleration: [0 m/s2, 0 m/s2, -9.81 m/s2]}}, "
+            "{floor: {point: [0 m, 0 m, -1 mm], normal: [0, 0, 1]}}]\n")
+            .cause.find("nothing holds") == std::string::npos);
+}
+
 // The load steps are halved on the way, and the jump lies in a small part of one.
 TEST_CASE("a bar that snaps through as it is twisted says so in long load steps", "[statics][load_path]") {
   for (const int steps : {5, 12, 36}) {
