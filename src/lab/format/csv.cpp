@@ -66,13 +66,18 @@ std::size_t Csv::column(const std::string& name) const {
 
 bool Csv::has(const std::string& name) const { return std::find(head.begin(), head.end(), name) != head.end(); }
 
+const std::string& Csv::text(std::size_t row, std::size_t column) const {
+  static const std::string nothing;
+  return column < rows[row].size() ? rows[row][column] : nothing;
+}
+
 double Csv::number(std::size_t row, std::size_t column) const {
-  const std::string& text = rows[row][column];
-  if (text.empty()) return std::nan("");
+  const std::string& given = text(row, column);
+  if (given.empty()) return std::nan("");
   double value = 0;
-  const auto [end, problem] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (problem != std::errc() || end != text.data() + text.size())
-    throw InputError(location(places[row][column]), head[column] + ": '" + text + "' is no number");
+  const auto [end, problem] = std::from_chars(given.data(), given.data() + given.size(), value);
+  if (problem != std::errc() || end != given.data() + given.size())
+    throw InputError(location(places[row][column]), head[column] + ": '" + given + "' is no number");
   return value;
 }
 

@@ -22,6 +22,8 @@ struct Csv {
   /// Number of the column; throws InputError with the nearest name.
   std::size_t column(const std::string& name) const;
   bool has(const std::string& name) const;
+  /// The text that stands there; "" where the row ends before this column.
+  const std::string& text(std::size_t row, std::size_t column) const;
   /// The number that stands there; NaN where nothing does. Throws InputError naming line and column.
   double number(std::size_t row, std::size_t column) const;
 };

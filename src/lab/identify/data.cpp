@@ -102,19 +102,18 @@ class DataFile {
     return found ? *found : *longest;
   }
 
-  bool is_empty(std::size_t row, const Column& column) const {
-    return column.number >= table_->rows[row].size() || table_->rows[row][column.number].empty();
-  }
+  const std::string& text(std::size_t row, const Column& column) const { return table_->text(row, column.number); }
+  bool is_empty(std::size_t row, const Column& column) const { return text(row, column).empty(); }
   /// Whether both columns have ended, where other columns of the file go on.
   bool is_behind(std::size_t row) const { return is_empty(row, columns_.along) && is_empty(row, columns_.up); }
 
   /// Whether a name stands in the place of a reading, as that of a mean or a largest value.
   bool is_named(std::size_t row) const {
     if (is_empty(row, columns_.along)) return false;
-    const std::string& text = table_->rows[row][columns_.along.number];
+    const std::string& given = text(row, columns_.along);
     double number = 0;
-    return std::isalpha(static_cast<unsigned char>(text.front())) &&
-           std::from_chars(text.data(), text.data() + text.size(), number).ec == std::errc::invalid_argument;
+    return std::isalpha(static_cast<unsigned char>(given.front())) &&
+           std::from_chars(given.data(), given.data() + given.size(), number).ec == std::errc::invalid_argument;
   }
 
   bool chosen(std::size_t row) const {
@@ -122,10 +121,8 @@ class DataFile {
     if (fields != table_->head.size() && !is_behind(row))
       throw InputError(table_->location(table_->places[row][std::min(fields, table_->head.size()) - 1]),
                        std::to_string(fields) + " fields; the head has " + std::to_string(table_->head.size()));
-    return std::all_of(test_.rows.begin(), test_.rows.end(), [&](const auto& rule) {
-      const std::size_t field = column(rule.first);
-      return field < fields && table_->rows[row][field] == rule.second;
-    });
+    return std::all_of(test_.rows.begin(), test_.rows.end(),
+                       [&](const auto& rule) { return table_->text(row, column(rule.first)) == rule.second; });
   }
   std::size_t column(const std::string& name) const {
     const auto found = find_column(*table_, name);
@@ -134,25 +131,26 @@ class DataFile {
   [[noreturn]] void fail_at_rows() const {
     const auto& [name, text] = test_.rows.back();
     std::vector<std::string> words;
-    for (const auto& fields : table_->rows)
-      if (const std::string& word = fields[column(name)]; std::find(words.begin(), words.end(), word) == words.end())
+    for (std::size_t row = 0; row < table_->rows.size(); ++row)
+      if (const std::string& word = table_->text(row, column(name));
+          std::find(words.begin(), words.end(), word) == words.end())
         words.push_back(word);
     test_.fail("rows: no row of " + table_->path + " has '" + text + "' as its " + name + suggestion(text, words));
     throw InputError(table_->path);
   }
 
   double value(std::size_t row, const Column& column) const {
-    const std::string& text = table_->rows[row][column.number];
+    const std::string& given = text(row, column);
     const std::string& name = table_->head[column.number];
-    if (text.empty())
+    if (given.empty())
       fail_at(table_->line(row), name + ": nothing stands there; leave the row out, or give its number");
     double number = NAN;
-    const char *begin = text.data() + (text.front() == '+'), *end = text.data() + text.size();
+    const char *begin = given.data() + (given.front() == '+'), *end = given.data() + given.size();
     const auto [read, problem] = std::from_chars(begin, end, number);
     if (read != end || (problem != std::errc() && problem != std::errc::result_out_of_range))
-      fail_at(table_->line(row), name + ": '" + text + "' is no number");
+      fail_at(table_->line(row), name + ": '" + given + "' is no number");
     if (!std::isfinite(number))
-      fail_at(table_->line(row), name + ": '" + text + "' is no measured value; leave the row out");
+      fail_at(table_->line(row), name + ": '" + given + "' is no measured value; leave the row out");
     return number * *column.factor;
   }
 

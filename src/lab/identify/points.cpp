@@ -73,7 +73,7 @@ MeasuredData load_points(const DataTest& test) {
     for (std::size_t row = 0; motions[axis] && row < table.rows.size(); ++row) {
       const bool counts = std::all_of(test.rows.begin(), test.rows.end(), [&](const auto& rule) {
         const auto named = find_column(table, rule.first);
-        return table.rows[row].at(named ? *named : table.column(rule.first)) == rule.second;
+        return table.text(row, named ? *named : table.column(rule.first)) == rule.second;
       });
       if (!counts) continue;
       const auto value = [&](const std::optional<NamedColumn>& column, double otherwise) {

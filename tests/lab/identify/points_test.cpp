@@ -160,6 +160,7 @@ TEST_CASE("files of points that cannot be meant are named with their line", "[id
   refused("x [mm],y [mm],z [mm]\n1,1,1\n", "no column says how the points moved");
   refused("x [m],y [m],z [m],uz [mm]\n1,1,1,0.1\n", "points.csv:2: this point lies");
   refused("x [mm],y [mm],z [mm],uz [mm]\n1,1,1,0.1\n2,2,2,0.1\n", "has 2 displacements at the load 1");
+  refused("x [mm],y [mm],z [mm],uz [mm]\n1,1,1,0.1\n3\n2,2,2,0.1\n", "has 2 displacements at the load 1");
   refused("load_factor,x [mm],y [mm],z [mm],uz [mm]\n2,1,1,1,0.1\n", "load_factor 2 is no part of the scene's load",
           bar("youngs_modulus: 10 kPa, poissons_ratio: 0.3", "[poissons_ratio]", ", frame: fixed"));
   refused("x [mm],y [mm],z [mm],uz [mm],sigma [mm]\n1,1,1,0.1,0\n", "points.csv:2: sigma must be above 0");
