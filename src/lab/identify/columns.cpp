@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <numbers>
 #include <string_view>
 
@@ -124,6 +125,33 @@ Head split(const std::string& head) {
 /// Whether a frequency of this name is 2 π periods a time.
 bool is_angular(const std::string& name) { return is_among(simplified(split(name).name), kAngularFrequency); }
 
+/// What makes numbers with this unit SI. An angular frequency is stated by its unit, else by its name.
+std::optional<double> factor_of(const std::string& unit, const DataQuantity& quantity, const std::string& name) {
+  std::optional<double> factor = machine_unit(unit, quantity.unit);
+  if (quantity.name == "frequency" && factor &&
+      (unit.starts_with("rad") || (is_angular(name) && !unit.ends_with("Hz"))))
+    *factor /= 2 * std::numbers::pi;
+  return factor;
+}
+
+std::string unit_below(const MachineTable& table, std::size_t number) {
+  return number < table.units.size() ? table.units[number] : "";
+}
+
+/// Refuses a row below the names whose unit is another than that in the name.
+/// @param factor, below of either
+void check_unit_below(const MachineTable& table, std::size_t number, const std::string& unit, double factor,
+                      std::optional<double> below, const std::string& quantity) {
+  const std::string other = unit_below(table, number);
+  if (other.empty() || other == "-" || (below ? std::abs(*below - factor) <= 1e-9 * factor : !is_machine_unit(other)))
+    return;
+  const std::string& head = table.head[number];
+  throw InputError(SourceLocation{table.path, table.units_line},
+                   "column '" + head + "': the unit '" + other + "' here is another than '" + unit +
+                       "' in its name; state the one that counts: columns: {\"" + head + "\": '" + quantity + " [" +
+                       (below ? unit + "]' or '" + quantity + " [" + other : unit) + "]'}");
+}
+
 std::string shown(const DataQuantity& quantity) {
   const std::string examples = unit_examples(quantity.unit), unit = examples.substr(examples.find(' ') + 1);
   return quantity.ratio
@@ -229,14 +257,10 @@ class TableColumns {
     if (!quantity) return unsaid_.emplace_back(table_.head[number], meaning->quantity), void();
     Column column{quantity, stated ? text : table_.head[number],      head.unit,        {},
                   number,   stated ? Source::scene : meaning->source, meaning->pressing};
-    const std::string below = number < table_.units.size() ? table_.units[number] : "";
+    const std::string below = unit_below(table_, number);
     if (!below.empty() && (column.unit.empty() || !machine_unit(column.unit, quantity->unit))) column.unit = below;
     if (!column.unit.empty() || (quantity->ratio && quantity->name != "angle"))
-      column.factor = machine_unit(column.unit, quantity->unit);
-    // An angular frequency is stated by its unit, else by its name.
-    if (quantity->name == "frequency" && column.factor &&
-        (column.unit.starts_with("rad") || (is_angular(head.name) && !column.unit.ends_with("Hz"))))
-      *column.factor /= 2 * std::numbers::pi;
+      column.factor = factor_of(column.unit, *quantity, head.name);
     known_.push_back(std::move(column));
   }
 
@@ -258,7 +282,13 @@ class TableColumns {
   }
 
   void check_unit(const Column& column) const {
-    if (column.factor) return;
+    if (column.factor) {
+      if (column.source != Source::scene && !column.unit.empty())
+        check_unit_below(table_, column.number, column.unit, *column.factor,
+                         factor_of(unit_below(table_, column.number), *column.quantity, column.name),
+                         column.quantity->name);
+      return;
+    }
     // Periods a second would be another meaning of what the column's name says.
     const std::string own =
         column.quantity->name == "frequency" && is_angular(column.name) ? "frequency [rad/s]"
@@ -286,8 +316,7 @@ class TableColumns {
   /// " [unit]" of a column, if it is one of such a quantity.
   std::string unit_behind(const std::string& head, const Dimension& dimension) const {
     std::string unit = split(head).unit;
-    if (const auto number = find_column(table_, head); unit.empty() && number && *number < table_.units.size())
-      unit = table_.units[*number];
+    if (const auto number = find_column(table_, head); unit.empty() && number) unit = unit_below(table_, *number);
     return unit.empty() || !machine_unit(unit, dimension) ? "" : " [" + unit + "]";
   }
 
@@ -322,8 +351,7 @@ std::optional<NamedColumn> find_column(const MachineTable& table, const DataTest
       if (find_column(table, head) == i) text = meaning;
     const Head head = split(text);
     if (std::find(names.begin(), names.end(), simplified(head.name)) == names.end()) continue;
-    const std::string below = i < table.units.size() ? table.units[i] : "",
-                      &own = head.unit.empty() ? below : head.unit;
+    const std::string below = unit_below(table, i), &own = head.unit.empty() ? below : head.unit;
     if (own.empty() && unit == dimension::none) return NamedColumn{i, 1};
     const auto factor = machine_unit(own, unit);
     if (!factor)
@@ -332,6 +360,7 @@ std::optional<NamedColumn> find_column(const MachineTable& table, const DataTest
                            (own.empty() ? "has no unit" : ": '" + own + "' is no unit of it") +
                            "; write for example '" + head.name + " [" +
                            (unit == dimension::length ? "mm" : unit_examples(unit).substr(2)) + "]'");
+    if (text == table.head[i]) check_unit_below(table, i, own, *factor, machine_unit(below, unit), head.name);
     return NamedColumn{i, *factor};
   }
   return std::nullopt;

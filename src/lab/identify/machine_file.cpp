@@ -239,18 +239,10 @@ std::string without_brackets(const std::string& text) {
   return text;
 }
 
-bool is_unit(const std::string& text) {
-  bool found = false;
-  for (const Dimension& dimension : {dimension::none, dimension::length, dimension::time, dimension::force,
-                                     dimension::pressure, dimension::energy, dimension::velocity})
-    found |= !text.empty() && text != "-" && machine_unit(text, dimension).has_value();
-  return found;
-}
-
 /// "0.02 N"
 bool is_number_with_unit(const std::string& text) {
   const std::size_t unit = text.find_first_not_of("+-.,0123456789eE ");
-  return unit != std::string::npos && is_number(trimmed(text.substr(0, unit))) && is_unit(text.substr(unit));
+  return unit != std::string::npos && is_number(trimmed(text.substr(0, unit))) && is_machine_unit(text.substr(unit));
 }
 
 /// Whether at least half of the cells that are not empty are units.
@@ -259,7 +251,7 @@ bool is_units_row(const Line& line) {
   int known = 0;
   for (const Cell& cell : line.cells) {
     const std::string unit = without_brackets(cell.text);
-    known += is_unit(unit) || (unit == "-" && cell.text != unit);
+    known += is_machine_unit(unit) || (unit == "-" && cell.text != unit);
   }
   return known > 0 && 2 * known >= line.filled;
 }
@@ -321,6 +313,7 @@ class Blocks {
     table.preceded = head > free;
     set_head(table, lines_[table.named ? head : begin], width);
     if (table.named && head + 2 == begin) {
+      table.units_line = lines_[head + 1].number;
       for (const Cell& cell : lines_[head + 1].cells) table.units.push_back(without_brackets(cell.text));
       table.units.resize(table.head.size());
     }
@@ -429,6 +422,14 @@ std::optional<double> machine_unit(const std::string& unit, const Dimension& dim
   } catch (const InputError&) {
     return std::nullopt;
   }
+}
+
+bool is_machine_unit(const std::string& unit) {
+  bool found = false;
+  for (const Dimension& dimension : {dimension::none, dimension::length, dimension::time, dimension::force,
+                                     dimension::pressure, dimension::energy, dimension::velocity})
+    found |= !unit.empty() && unit != "-" && machine_unit(unit, dimension).has_value();
+  return found;
 }
 
 }  // namespace elastin::lab

@@ -12,6 +12,7 @@ namespace elastin::lab {
 /// no blanks around them. Rows may be of other lengths than the head.
 struct MachineTable : Csv {
   std::vector<std::string> units;  ///< of the row below the names, one a column; empty: there is no such row
+  int units_line = 0;              ///< where that row stands
   bool preceded = false;           ///< whether lines that are neither blank nor remarks stand above it
   bool named = true;               ///< false: there are no names, and the columns are called by their numbers
 };
@@ -38,5 +39,7 @@ MachineFile load_machine_file(const std::string& path, char decimal = 0);
 /// The SI value of 1 of a unit as machines write it ("sec", "mm/mm", "lbf", "N/mm²"); none if it is no unit of that
 /// dimension.
 std::optional<double> machine_unit(const std::string& unit, const Dimension& dimension);
+/// Whether this is a unit of any dimension that columns have; a "-" is none.
+bool is_machine_unit(const std::string& unit);
 
 }  // namespace elastin::lab

@@ -42,6 +42,12 @@ const std::vector<Broken> kBroken{
     {"a mass for a force", "displacement [mm],Force (kg)\n1.1,1\n1.2,2\n", 1,
      "'kg' is no unit of force; write for example 'force [kgf]'"},
     {"unit of something else", "stretch,nominal_stress [mm]\n1.1,1\n1.2,2\n", 1, "'mm' is no unit of nominal_stress"},
+    {"a unit in the name and another below", "stretch,nominal_stress [kPa]\n-,Pa\n1.1,1\n1.2,2\n", 2,
+     "column 'nominal_stress [kPa]': the unit 'Pa' here is another than 'kPa' in its name; state the one that counts: "
+     "columns: {\"nominal_stress [kPa]\": 'nominal_stress [kPa]' or 'nominal_stress [Pa]'}"},
+    {"a strain in per cent over a ratio", "Tensile strain [%],nominal_stress\nmm/mm,Pa\n1.1,1\n1.2,2\n", 2,
+     "'mm/mm' here is another than '%'"},
+    {"a unit of something else below", "stretch,nominal_stress [Pa]\n-,mm\n1.1,1\n1.2,2\n", 2, "the unit 'mm' here"},
     {"nominal or true unsaid", "stretch,stress [kPa]\n1.1,1\n1.2,2\n", 1,
      "nominal_stress (force over section at rest) or true_stress"},
     {"which strain unsaid", "strain,nominal_stress [kPa]\n0.1,1\n0.2,2\n", 1, "nominal_strain, true_strain or stretch"},
@@ -162,6 +168,9 @@ TEST_CASE("columns in any unit and spelling of their heads are the same data", "
        ", columns: {3: 'displacement [mm]', 4: 'force [N]'}, length: 40 mm, cross_section: 40 mm2"},
       {"# a remark\nstretch,nominal_stress_kPa\n1.1,1\n1.25,2\n", ""},
       {"nominal_strain [%],nominal_stress (kPa)\r\n10,1\r\n25,2\r\n", ""},
+      // The same unit in the name and below, in any spelling; of another one the scene says which counts.
+      {"nominal_strain [%];nominal_stress (N/mm2)\n(%);[MPa]\n10;0.001\n25;0.002\n", ""},
+      {"nominal_strain [%];nominal_stress (MPa)\n%;kPa\n10;1\n25;2\n", ", columns: {2: 'nominal_stress [kPa]'}"},
       {"\xEF\xBB\xBFnominal_stress / MPa,true_strain\n0.001,0.0953101798\n0.002,0.22314355131\n", ""},
       {"stretch;nominal_stress [kPa]\n1,1;1\n1,25;2\n", ""},
       {"stretch\tnominal_stress [Pa]\n1.1\t1,000\n1.25\t2,000\n", ""},

@@ -156,6 +156,7 @@ TEST_CASE("files of points that cannot be meant are named with their line", "[id
     CHECK_THROWS_WITH(answer_of(folder, own.empty() ? scene : own, data), Contains(message));
   };
   refused("x,y,z,ux\n1,1,1,0.1\n", "points.csv:1: column 'x' has no unit; write for example 'x [mm]'");
+  refused("x [mm],y [mm],ux [mm]\nmm,mm,um\n1,1,0.1\n", "points.csv:2: column 'ux [mm]': the unit 'um' here");
   refused("a [mm],b [mm]\n1,1\n", "no columns 'x [mm]' and 'y [mm]'");
   refused("x [mm],y [mm],z [mm]\n1,1,1\n", "no column says how the points moved");
   refused("x [m],y [m],z [m],uz [mm]\n1,1,1,0.1\n", "points.csv:2: this point lies");
