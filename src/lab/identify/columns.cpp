@@ -17,7 +17,8 @@ using Source = Column::Source;
 struct MachineNames {
   const char *quantity, *names;
   bool pressing = false, position = false;
-  bool shear = false;  ///< of tests in shear alone, where a stress is nominal and true alike
+  bool shear = false;                        ///< of tests in shear alone, where a stress is nominal and true alike
+  std::optional<HomogeneousTest> held = {};  ///< of a modulus: the state that it is of
 };
 /// Of frequencies that are 2 π periods a time.
 constexpr const char* kAngularFrequency =
@@ -52,8 +53,12 @@ constexpr std::array kMachineNames{
     MachineNames{"stretch",
                  "stretch ratio|principal stretch|axial stretch|extension ratio|lambda|lambda1|λ|λ1|streckung"},
     MachineNames{"frequency", "freq|f|frequenz|fréquence|频率"}, MachineNames{"frequency", kAngularFrequency},
-    MachineNames{"storage_modulus", "e'|g'|e′|g′|speichermodul|module de conservation|储能模量"},
-    MachineNames{"loss_modulus", "e''|g''|e\"|g\"|e″|g″|verlustmodul|module de perte|损耗模量"},
+    MachineNames{"storage_modulus", "speichermodul|module de conservation|储能模量"},
+    MachineNames{"storage_modulus", "e'|e′", false, false, false, HomogeneousTest::uniaxial},
+    MachineNames{"storage_modulus", "g'|g′", false, false, false, HomogeneousTest::shear},
+    MachineNames{"loss_modulus", "verlustmodul|module de perte|损耗模量"},
+    MachineNames{"loss_modulus", "e''|e\"|e″", false, false, false, HomogeneousTest::uniaxial},
+    MachineNames{"loss_modulus", "g''|g\"|g″", false, false, false, HomogeneousTest::shear},
     MachineNames{"loss_tangent", "tan delta|tan|tan δ|loss factor|verlustfaktor|损耗因子"},
     MachineNames{"torque", "axial torque|drehmoment|扭矩"},
     MachineNames{"angle", "rotation|twist|rotary position|drehwinkel|转角"}, MachineNames{"pressure", "druck"},
@@ -88,6 +93,7 @@ struct Meaning {
   std::string quantity;
   Source source;
   bool pressing = false, shear = false;
+  std::optional<HomogeneousTest> held = {};
 };
 
 std::optional<Meaning> meaning_of(const std::string& name) {
@@ -99,7 +105,8 @@ std::optional<Meaning> meaning_of(const std::string& name) {
   if (is_own("stress") || is_own("strain")) return Meaning{simple, Source::own_name};
   for (const MachineNames& row : kMachineNames)
     if (is_among(simple, row.names))
-      return Meaning{row.quantity, row.position ? Source::position : Source::machine_name, row.pressing, row.shear};
+      return Meaning{row.quantity, row.position ? Source::position : Source::machine_name, row.pressing, row.shear,
+                     row.held};
   return std::nullopt;
 }
 
@@ -255,8 +262,8 @@ class TableColumns {
     if (meaning->shear && !in_shear()) return;
     const DataQuantity* quantity = find_quantity(meaning->quantity);
     if (!quantity) return unsaid_.emplace_back(table_.head[number], meaning->quantity), void();
-    Column column{quantity, stated ? text : table_.head[number],      head.unit,        {},
-                  number,   stated ? Source::scene : meaning->source, meaning->pressing};
+    Column column{quantity, stated ? text : table_.head[number],      head.unit,         {},
+                  number,   stated ? Source::scene : meaning->source, meaning->pressing, meaning->held};
     const std::string below = unit_below(table_, number);
     if (!below.empty() && (column.unit.empty() || !machine_unit(column.unit, quantity->unit))) column.unit = below;
     if (!column.unit.empty() || (quantity->ratio && quantity->name != "angle"))
@@ -377,6 +384,12 @@ ChosenColumns choose_columns(const MachineTable& table, const DataTest& test) {
       test.fail("columns: " + table.path + " has no column '" + head + "'" + suggestion(head, table.head));
   const TableColumns columns(table, test);
   const Column along = columns.choose(test.kind->along, "is prescribed"), up = columns.choose(test.kind->up, "answers");
+  if (up.source != Source::scene && up.held && *up.held != test.held)
+    throw InputError(SourceLocation{table.path, table.head_places.front().line},
+                     "column '" + up.name + "' has the name of a modulus in a " + name_of(*up.held) +
+                         " test, and this one has held: " + name_of(test.held) + "; write held: " + name_of(*up.held) +
+                         ", or, if the name is wrong, columns: {\"" + up.name + "\": '" + up.quantity->name + " [" +
+                         up.unit + "]'}");
   return {along.number == up.number
               ? columns.choose(test.kind->along, "is prescribed", static_cast<std::ptrdiff_t>(up.number))
               : along,

@@ -18,7 +18,8 @@ struct Column {
   /// How sure it is what it holds: by the scene, by the quantity's own name, by a name that machines use, by such a
   /// name of a position, whose first value is subtracted.
   enum class Source { scene, own_name, machine_name, position } source = Source::scene;
-  bool pressing = false;  ///< whether its name says that it counts compression
+  bool pressing = false;                     ///< whether its name says that it counts compression
+  std::optional<HomogeneousTest> held = {};  ///< the state that its name says a modulus is of
 };
 
 struct ChosenColumns {
