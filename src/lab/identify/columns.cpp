@@ -378,6 +378,11 @@ bool suits(const MachineTable& table, const DataTest& test) {
   return !columns.candidates(test.kind->along).empty() && !columns.candidates(test.kind->up).empty();
 }
 
+bool has_meaning(const MachineTable& table) {
+  return std::any_of(table.head.begin(), table.head.end(),
+                     [](const std::string& head) { return meaning_of(split(head).name).has_value(); });
+}
+
 ChosenColumns choose_columns(const MachineTable& table, const DataTest& test) {
   for (const auto& [head, meaning] : test.columns)
     if (!find_column(table, head))

@@ -33,6 +33,9 @@ ChosenColumns choose_columns(const MachineTable& table, const DataTest& test);
 /// Whether the table has columns for both, whatever their units.
 bool suits(const MachineTable& table, const DataTest& test);
 
+/// Whether the name of any of its columns is known.
+bool has_meaning(const MachineTable& table);
+
 /// The number of a column by its name, with or without its unit, or by its number from 1; none if there is no such
 /// column.
 std::optional<std::size_t> find_column(const MachineTable& table, const std::string& name);

@@ -97,9 +97,30 @@ class DataFile {
       throw InputError(
           SourceLocation{test_.file, found->head_places.front().line},
           "several blocks have the columns of this test: " + blocks + "; choose one, for example block: 1");
+    if (found) check_behind(static_cast<std::size_t>(found - tables.data()));
     const auto longest =
         std::max_element(tables.begin(), tables.end(), [](auto& a, auto& b) { return a.rows.size() < b.rows.size(); });
     return found ? *found : *longest;
+  }
+
+  /// Asks where rows behind the block may be its own: they have as many columns, and no names that mean anything.
+  void check_behind(std::size_t block) const {
+    constexpr std::size_t few = 10;  // times as many rows as a table of results has
+    const MachineTable& own = file_.tables[block];
+    for (std::size_t i = block + 1; i < file_.tables.size(); ++i) {
+      const MachineTable& other = file_.tables[i];
+      if (other.head.size() != own.head.size() || few * other.rows.size() < own.rows.size() || has_meaning(other))
+        continue;
+      throw InputError(
+          SourceLocation{test_.file, other.line(0)},
+          fmt::format("{} rows from here on have as many columns as block {}, but {}: block: {} takes the {} rows "
+                      "before alone; delete what stands between if the rows go on",
+                      other.rows.size(), block + 1,
+                      other.named ? "the names '" + other.head.front() + "' … in line " +
+                                        std::to_string(other.head_places.front().line)
+                                  : "no names",
+                      block + 1, own.rows.size()));
+    }
   }
 
   const std::string& text(std::size_t row, const Column& column) const { return table_->text(row, column.number); }

@@ -6,9 +6,13 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <cmath>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+
+#include "elastin/core/base/text.h"
 
 namespace elastin::lab {
 namespace {
@@ -318,7 +322,14 @@ class Blocks {
       table.units.resize(table.head.size());
     }
     std::size_t end = begin;
-    for (; end < lines_.size() && belongs(lines_[end], lines_[begin]); ++end) add_row(table, lines_[end]);
+    for (std::size_t next = begin; next < lines_.size(); ++next) {
+      if (belongs(lines_[next], lines_[begin])) {
+        for (; end < next; ++end) table.passed.push_back(lines_[end].number);
+        add_row(table, lines_[end++]);
+      } else if (!is_words(lines_[next], width) || (next == end && !goes_on(begin, end, width))) {
+        break;
+      }
+    }
     file_.tables.push_back(std::move(table));
     return end;
   }
@@ -338,6 +349,30 @@ class Blocks {
       return std::all_of(line.cells.begin(), line.cells.end(), [](const Cell& cell) { return is_gap(cell.text); });
     return line.cells.size() == first.cells.size() || is_number(line.cells.front().text) ||
            !is_number(first.cells.front().text);
+  }
+
+  /// Whether a line is no head: it has one text, or words and numbers in another count of fields than rows have.
+  static bool is_words(const Line& line, std::size_t width) {
+    return (line.numbers == 0 && line.filled <= 1) ||
+           (line.numbers > 0 && line.cells.size() != width && !is_number(line.cells.front().text));
+  }
+
+  /// Whether rows behind words go on from the row before these, and do not begin again as the block began.
+  bool goes_on(std::size_t begin, std::size_t end, std::size_t width) const {
+    std::size_t next = end;
+    while (next < lines_.size() && is_words(lines_[next], width)) ++next;
+    if (next == lines_.size() || lines_[next].numbers < 2 || lines_[next].cells.size() != width) return false;
+    int onward = 0;
+    for (std::size_t i = 0; i < width; ++i) {
+      const auto number = [&](const Line& line) {
+        const auto plain = i < line.cells.size() ? plain_number(line.cells[i].text, file_.decimal) : std::nullopt;
+        return plain ? std::strtod(plain->c_str(), nullptr) : NAN;
+      };
+      const double at = number(lines_[next]), again = std::abs(at - number(lines_[begin])),
+                   on = std::abs(at - number(lines_[end - 1]));
+      onward += on < again, onward -= again < on;
+    }
+    return onward >= 0;
   }
 
   void add_row(MachineTable& table, Line& line) {
@@ -371,6 +406,9 @@ std::string MachineFile::recognised(const MachineTable& used) const {
   if (thousands) found.emplace_back("marks between thousands");
   if (used.preceded) found.push_back(fmt::format("names of columns in line {}", used.head_places.front().line));
   if (!used.units.empty()) found.emplace_back("units in the line below the names");
+  if (!used.passed.empty())
+    found.push_back(fmt::format("{} of words between the rows passed over, the first in line {}",
+                                counted(std::ssize(used.passed), "line"), used.passed.front()));
   if (tables.size() > 1) found.push_back(fmt::format("block {} of {}", &used - tables.data() + 1, tables.size()));
   return fmt::format("{}", fmt::join(found, ", "));
 }

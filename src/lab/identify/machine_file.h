@@ -13,6 +13,7 @@ namespace elastin::lab {
 struct MachineTable : Csv {
   std::vector<std::string> units;  ///< of the row below the names, one a column; empty: there is no such row
   int units_line = 0;              ///< where that row stands
+  std::vector<int> passed;         ///< lines of words between its rows, as that of a new page
   bool preceded = false;           ///< whether lines that are neither blank nor remarks stand above it
   bool named = true;               ///< false: there are no names, and the columns are called by their numbers
 };

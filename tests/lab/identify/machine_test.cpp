@@ -375,6 +375,38 @@ TEST_CASE("powers of ten are read as Fortran writes them, too", "[identify][mach
   CHECK(fortran.numbers.front().value == plain.numbers.front().value);
 }
 
+TEST_CASE("rows that go on behind a line of words belong to their block", "[identify][machines]") {
+  const TemporaryFolder folder;
+  const Layout commas{"", "", "displacement [mm],force [N]\n", ",", '.', "", "df", "", "\n"};
+  const Layout blanks{"", "", "Extension (mm)   Load (N)\n", "   ", '.', "", "df", "", "\n"};
+  for (const Layout& layout : {commas, blanks})
+    for (const std::string words : {"Page 2 of 2\n", "Event: pause,\n", "Page 2\nof 12.03.2024\n"}) {
+      const std::string whole = file_of(layout, readings({}));
+      std::size_t at = 0;
+      for (int line = 1; line < 120; ++line) at = whole.find('\n', at) + 1;
+      const auto with = [&](const std::string& between) { return whole.substr(0, at) + between + whole.substr(at); };
+      if (layout.separator != "," && words != "Page 2 of 2\n") continue;
+      INFO(words << layout.head);
+      const Answer answer = answer_of(folder, with(words), kSizes);
+      CHECK(answer.numbers.front().value == answer_of(folder, whole, kSizes).numbers.front().value);
+      CHECK(has(joined(answer.tests.front().data.notes), "between the rows passed over, the first in line 120"));
+      CHECK(has(message_of([&] { answer_of(folder, with(layout.head), kSizes); }), "several blocks"));
+    }
+  // What may be their names, and rows that begin again, are a question.
+  const std::string rows = file_of(commas, readings({}));
+  const auto refused = [&](const std::string& behind) {
+    return message_of([&] { answer_of(folder, rows + behind, kSizes); });
+  };
+  const std::string other = rows.substr(commas.head.size());
+  CHECK(has(refused("Event,pause\n" + other),
+            "data.csv:213: 210 rows from here on have as many columns as block 1, but "
+            "the names 'Event' … in line 212: block: 1 takes the 210 rows"));
+  CHECK(has(refused("Specimen 2\n" + other), "but no names"));
+  CHECK(answer_of(folder, rows + "Event,pause\n" + other, kSizes + ", block: 1").numbers.front().value ==
+        Approx(kConstant).epsilon(0.01));
+  CHECK(refused("Specimen,Largest load\n1,0.4\n2,0.5\n") == "");  // a table of results
+}
+
 TEST_CASE("statistics below the readings are left out with a note", "[identify][machines]") {
   const TemporaryFolder folder;
   Layout footed{"", "", "displacement [mm],force [N]\n", ",", '.', "", "df", "Max,0.42\nMean,0.2\n", "\n"};
