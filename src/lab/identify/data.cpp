@@ -16,7 +16,8 @@
 namespace elastin::lab {
 namespace {
 
-constexpr double kMostStretch = 15;  // of any material; beyond it a column is in per cent or no stretch
+constexpr double kMostStretch = 15;   // of any material; beyond it a column is in per cent or no stretch
+constexpr double kManyStrains = 1.5;  // beyond which a strain without a unit may be in per cent
 constexpr Eigen::Index kManyRows = 500, kManyEquilibria = 50;  // that show the shape of any curve: more are averaged
 constexpr double kNoticedZero = 0.01;  // of the range, beyond which a zero point elsewhere is named
 
@@ -51,6 +52,7 @@ class DataFile {
       test_.fail(data.file + " has " + counted(data.x.size(), "point") +
                  (test_.from || test_.to ? " between `from` and `to`" : "") + "; a curve needs two or more");
     note_recognised(data);
+    warn_of_per_cent(data);
     if (behind_ > 0) data.notes.push_back(counted(behind_, "row") + " behind the end of these columns left out");
     if (columns_.along.source == Column::Source::position) {
       data.notes.push_back(fmt::format("positions count from the first, {}", readable(data.x[0], unit)));
@@ -188,6 +190,19 @@ class DataFile {
                         " [%]'; rows behind a slip are left out by `to`");
     if (quantity.name == "time" && value < 0)
       fail_at(line, "a time of " + number(value) + " s is before the test; `from` leaves such rows out");
+  }
+
+  /// Names a strain without a unit that is as large as rubber's, or one in per cent.
+  void warn_of_per_cent(MeasuredData& data) const {
+    const Column& along = columns_.along;
+    const std::string& name = along.quantity->name;
+    const double largest = data.x.cwiseAbs().maxCoeff();
+    if (!along.unit.empty() || !(name.ends_with("strain") || name == "shear") || largest <= kManyStrains) return;
+    data.warnings.push_back(
+        fmt::format("column '{0}' has no unit, and its largest value, {1:.4g}, is taken as a strain of {2:.4g} %: if "
+                    "it is in per cent, "
+                    "write columns: {{\"{0}\": '{3} [%]'}}; '{3} [-]' there says that it is not",
+                    table_->head[along.number], largest, 100 * largest, name));
   }
 
   void note_recognised(MeasuredData& data) const {

@@ -407,6 +407,29 @@ TEST_CASE("rows that go on behind a line of words belong to their block", "[iden
   CHECK(refused("Specimen,Largest load\n1,0.4\n2,0.5\n") == "");  // a table of results
 }
 
+TEST_CASE("a large strain without a unit is named, with what to write if it is in per cent", "[identify][machines]") {
+  const TemporaryFolder folder;
+  for (const std::string kind : {"uniaxial", "shear"}) {
+    const std::string name = kind == "shear" ? "Shear strain" : "Tensile strain",
+                      quantity = kind == "shear" ? "shear" : "nominal_strain",
+                      stress = kind == "shear" ? "Shear stress (Pa)" : "Tensile stress (Pa)";
+    const auto warnings_of = [&](const std::string& head, const std::string& keys, double scale) {
+      std::string text = head + "," + stress + "\n";
+      for (int i = 1; i <= 20; ++i) text += fmt::format("{:.6g},{:.6g}\n", scale * i / 20, 600. * i);
+      return joined(answer_of(folder, text, keys, kind).warnings);
+    };
+    const std::string words =
+        "column '" + name + "' has no unit, and its largest value, 10, is taken as a strain of 1000 %";
+    INFO(warnings_of(name, "", 10));
+    CHECK(has(warnings_of(name, "", 10), words));
+    CHECK(has(warnings_of(name, "", 10), "columns: {\"" + name + "\": '" + quantity + " [%]'}"));
+    CHECK(!has(warnings_of(name, ", columns: {" + name + ": '" + quantity + " [%]'}", 10), "has no unit"));
+    CHECK(!has(warnings_of(name, ", columns: {" + name + ": '" + quantity + " [-]'}", 10), "has no unit"));
+    CHECK(!has(warnings_of(name + " [-]", "", 10), "has no unit"));
+    CHECK(!has(warnings_of(name, "", 1.2), "has no unit"));
+  }
+}
+
 TEST_CASE("statistics below the readings are left out with a note", "[identify][machines]") {
   const TemporaryFolder folder;
   Layout footed{"", "", "displacement [mm],force [N]\n", ",", '.', "", "df", "Max,0.42\nMean,0.2\n", "\n"};
