@@ -129,6 +129,13 @@ Head split(const std::string& head) {
   return {head, ""};
 }
 
+/// "stress" of "stress_x", "stress y" or "stress 1".
+std::string without_direction(const std::string& name) {
+  const bool has_one = name.size() > 2 && std::string_view("xyXY12").find(name.back()) != std::string_view::npos &&
+                       std::string_view("_ ").find(name[name.size() - 2]) != std::string_view::npos;
+  return has_one ? name.substr(0, name.size() - 2) : name;
+}
+
 /// Whether a frequency of this name is 2 π periods a time.
 bool is_angular(const std::string& name) { return is_among(simplified(split(name).name), kAngularFrequency); }
 
@@ -194,6 +201,12 @@ class TableColumns {
     const std::vector<Column> found = candidates(wanted, taken);
     // Of a specimen both may be loads or displacements; what stands first is prescribed.
     const bool of_specimen = test_.kind->of_scene();
+    if (found.size() == 2 && in_two_directions())
+      if (const auto other = across(table_, found[0]); other && other->number == found[1].number) {
+        const Column& first = found[0].name < found[1].name ? found[0] : found[1];
+        check_unit(first);
+        return first;
+      }
     if (found.size() == 1 || (found.size() > 1 && of_specimen)) {
       const Column& column = found.size() > 1 && role == "answers" ? found.back() : found.front();
       check_unit(column);
@@ -254,7 +267,8 @@ class TableColumns {
     for (const auto& [head, meaning] : test_.columns)
       if (find_column(table_, head) == number) text = meaning, stated = true;
     Head head = split(text);
-    const auto meaning = meaning_of(head.name);
+    auto meaning = meaning_of(head.name);
+    if (!meaning && in_two_directions()) meaning = meaning_of(without_direction(head.name));
     if (!meaning) {
       if (stated) test_.fail("columns: '" + text + "' is no quantity with its unit, such as 'force [N]'");
       return;
@@ -308,6 +322,8 @@ class TableColumns {
     fail("column '" + column.name + "': '" + column.unit + "' is no unit of " + column.quantity->name +
          "; write for example '" + own + "'");
   }
+
+  bool in_two_directions() const { return test_.kind->homogeneous == HomogeneousTest::equibiaxial; }
 
   bool in_shear() const {
     const auto& kind = *test_.kind;
@@ -370,6 +386,23 @@ std::optional<NamedColumn> find_column(const MachineTable& table, const DataTest
     if (text == table.head[i]) check_unit_below(table, i, own, *factor, machine_unit(below, unit), head.name);
     return NamedColumn{i, *factor};
   }
+  return std::nullopt;
+}
+
+std::optional<Column> across(const MachineTable& table, Column column) {
+  const std::string& own = table.head[column.number];
+  for (const std::string pair : {"xy", "XY", "12"})
+    for (std::size_t at = 0; (at = own.find_first_of(pair, at)) != std::string::npos; ++at) {
+      std::string other = own;
+      other[at] = pair[own[at] == pair[0]];
+      const auto found = std::find(table.head.begin(), table.head.end(), other);
+      if (found == table.head.end()) continue;
+      const std::string below = unit_below(table, column.number);
+      column.number = static_cast<std::size_t>(found - table.head.begin()), column.name = other;
+      if (const std::string unit = unit_below(table, column.number); unit != below)
+        column.unit = unit, column.factor = machine_unit(unit, column.quantity->unit);
+      return column;
+    }
   return std::nullopt;
 }
 

@@ -30,6 +30,10 @@ struct ChosenColumns {
 /// not stated, a column that is missing, misspelt or there twice.
 ChosenColumns choose_columns(const MachineTable& table, const DataTest& test);
 
+/// The column of the other direction of a test in two: its name has a y where this one has an x, or a 2 for a 1, or the
+/// reverse; none if there is no such column.
+std::optional<Column> across(const MachineTable& table, Column column);
+
 /// Whether the table has columns for both, whatever their units.
 bool suits(const MachineTable& table, const DataTest& test);
 

@@ -39,12 +39,13 @@ class DataFile {
     const Dimension& unit = data.along->unit;
     const double from = test_.from ? test_.from(unit) : -INFINITY, to = test_.to ? test_.to(unit) : INFINITY;
     std::vector<double> x, y;
+    std::vector<std::size_t> taken;
     for (const std::size_t row : rows_) {
       const double at = value(row, columns_.along);
       if (at < from || at > to) continue;
       check_value(row, *data.along, at);
       x.push_back(at), y.push_back(value(row, columns_.up));
-      data.lines.push_back(table_->line(row));
+      data.lines.push_back(table_->line(row)), taken.push_back(row);
     }
     data.x = Eigen::Map<const VectorX>(x.data(), static_cast<Eigen::Index>(x.size()));
     data.y = Eigen::Map<const VectorX>(y.data(), static_cast<Eigen::Index>(y.size()));
@@ -53,6 +54,8 @@ class DataFile {
                  (test_.from || test_.to ? " between `from` and `to`" : "") + "; a curve needs two or more");
     note_recognised(data);
     warn_of_per_cent(data);
+    if (test_.kind->homogeneous == HomogeneousTest::equibiaxial)
+      for (const Column* column : {&columns_.along, &columns_.up}) compare_across(*column, taken, data);
     if (behind_ > 0) data.notes.push_back(counted(behind_, "row") + " behind the end of these columns left out");
     if (columns_.along.source == Column::Source::position) {
       data.notes.push_back(fmt::format("positions count from the first, {}", readable(data.x[0], unit)));
@@ -175,6 +178,39 @@ class DataFile {
     if (!std::isfinite(number))
       fail_at(table_->line(row), name + ": '" + given + "' is no measured value; leave the row out");
     return number * *column.factor;
+  }
+
+  /// Compares a column with that of the other direction, which should be alike.
+  void compare_across(const Column& column, const std::vector<std::size_t>& rows, MeasuredData& data) const {
+    constexpr double alike = 0.02, noisy = 6;  // of the largest value; standard deviations
+    const std::optional<Column> other = across(*table_, column);
+    if (!other || !other->factor) return;
+    std::vector<double> along, differences;
+    std::vector<std::size_t> compared;
+    double largest = 0;
+    for (const std::size_t row : rows) {
+      if (is_empty(row, *other)) continue;
+      const double own = value(row, column);
+      along.push_back(value(row, columns_.along)), differences.push_back(value(row, *other) - own),
+          compared.push_back(row);
+      largest = std::max(largest, std::abs(own - (column.quantity->name == "stretch" ? 1 : 0)));
+    }
+    if (differences.empty() || !(largest > 0)) return;
+    const auto count = static_cast<Eigen::Index>(differences.size());
+    VectorX from = Eigen::Map<const VectorX>(differences.data(), count);
+    if (column.source == Column::Source::position) from.array() -= from[0];
+    Eigen::Index farthest = 0;
+    const double most = from.cwiseAbs().maxCoeff(&farthest);
+    const std::string percent = fmt::format("{:.3g} %", 100 * most / largest);
+    if (most <= std::max(alike * largest, noisy * noise_of(Eigen::Map<const VectorX>(along.data(), count), from)))
+      return data.notes.push_back(
+          fmt::format("'{}' counts, and '{}' is within {} of it", table_->head[column.number], other->name, percent));
+    data.warnings.push_back(
+        fmt::format("'{}' differs from '{}', by up to {} of its largest value, in line {}: kind: equibiaxial takes "
+                    "both directions as "
+                    "alike, and '{}' alone counts",
+                    other->name, table_->head[column.number], percent,
+                    table_->line(compared[static_cast<std::size_t>(farthest)]), table_->head[column.number]));
   }
 
   void check_value(std::size_t row, const DataQuantity& quantity, double value) const {

@@ -430,6 +430,41 @@ TEST_CASE("a large strain without a unit is named, with what to write if it is i
   }
 }
 
+TEST_CASE("both directions of an equibiaxial test are compared", "[identify][machines]") {
+  const TemporaryFolder folder;
+  const auto answer = [&](const std::string& head, double of_strain, double of_stress, bool turned = false) {
+    std::string text = head + "\n";
+    Scatter scatter;
+    for (int i = 1; i <= 60; ++i) {
+      const double stretch = 1 + 0.005 * i, stress = 2e-3 * kConstant * (stretch - std::pow(stretch, -5));
+      const auto shown = [&](double factor, double rest, double value, double noise) {
+        return fmt::format("{:.6g}", rest + factor * (value - rest) + noise * scatter());
+      };
+      const std::string x = shown(1, 1, stretch, 0), y = shown(of_strain, 1, stretch, 0),
+                        p = shown(1, 0, stress, 0.05), q = shown(of_stress, 0, stress, 0.05);
+      text += (turned ? y + "," + x + "," + q + "," + p : x + "," + y + "," + p + "," + q) + "\n";
+    }
+    return answer_of(folder, text, "", "equibiaxial");
+  };
+  const std::string head = "stretch_x,stretch_y,nominal_stress_x [kPa],nominal_stress_y [kPa]";
+  for (const auto& [heads, turned] : {std::pair{head, false},
+                                      {"stretch_y,stretch_x,nominal_stress_y [kPa],nominal_stress_x [kPa]", true},
+                                      {"λ1 [-],λ2 [-],PK1 stress 1 (kPa),PK1 stress 2 (kPa)", false}}) {
+    const Answer same = answer(heads, 1, 1, turned);
+    INFO(heads << joined(same.tests.front().data.notes) << joined(same.warnings));
+    CHECK(same.numbers.front().value == Approx(kConstant).epsilon(2e-3));
+    CHECK(!has(joined(same.warnings), "differs from"));
+    CHECK(has(joined(same.tests.front().data.notes), "is within 0 % of it"));
+  }
+  CHECK(has(joined(answer(head, 1, 1).tests.front().data.notes),
+            "'nominal_stress_x [kPa]' counts, and 'nominal_stress_y [kPa]' is within"));
+  CHECK(has(joined(answer(head, 1, 2).warnings),
+            "'nominal_stress_y [kPa]' differs from 'nominal_stress_x [kPa]', by up to 100 % of its largest value, in line "
+            "61"));
+  CHECK(has(joined(answer(head, 0.5, 1).warnings), "'stretch_y' differs from 'stretch_x', by up to 50 %"));
+  CHECK(has(joined(answer(head, 1.05, 1).warnings), "'stretch_y' differs from 'stretch_x', by up to 5 %"));
+}
+
 TEST_CASE("statistics below the readings are left out with a note", "[identify][machines]") {
   const TemporaryFolder folder;
   Layout footed{"", "", "displacement [mm],force [N]\n", ",", '.', "", "df", "Max,0.42\nMean,0.2\n", "\n"};
