@@ -114,7 +114,8 @@ struct Head {
   std::string name, unit;
 };
 
-/// "force" and "N" of "force [N]", "force (N)", "force, N", "force / N", "force in N", "force_N" or "force N".
+/// "force" and "N" of "force [N]", "force (N)", "force, N", "force / N", "force in N", "force_N" or "force N"; "force"
+/// of "force_x", which has no unit.
 Head split(const std::string& head) {
   for (const auto& [open, close] : {std::pair{" [", "]"}, {" (", ")"}, {"[", "]"}, {"(", ")"}})
     if (const std::size_t at = head.rfind(open); at != std::string::npos && at > 0 && head.ends_with(close)) {
@@ -124,8 +125,10 @@ Head split(const std::string& head) {
     }
   if (meaning_of(head)) return {head, ""};
   for (const char* mark : {", ", " / ", " in ", "/", "_", " "})
-    if (const std::size_t at = head.rfind(mark); at != std::string::npos && meaning_of(head.substr(0, at)))
-      return {head.substr(0, at), head.substr(at + std::string_view(mark).size())};
+    if (const std::size_t at = head.rfind(mark); at != std::string::npos && meaning_of(head.substr(0, at))) {
+      const std::string behind = head.substr(at + std::string_view(mark).size());
+      return {head.substr(0, at), is_among(behind, "x|y|z|X|Y|Z") ? "" : behind};
+    }
   return {head, ""};
 }
 
@@ -134,6 +137,18 @@ std::string without_direction(const std::string& name) {
   const bool has_one = name.size() > 2 && std::string_view("xyXY12").find(name.back()) != std::string_view::npos &&
                        std::string_view("_ ").find(name[name.size() - 2]) != std::string_view::npos;
   return has_one ? name.substr(0, name.size() - 2) : name;
+}
+
+/// The name with a y where this one has an x, or a 2 for a 1, or the reverse.
+std::optional<std::size_t> find_across(const std::vector<std::string>& heads, std::size_t number) {
+  for (const std::string pair : {"xy", "XY", "12"})
+    for (std::size_t at = 0; (at = heads[number].find_first_of(pair, at)) != std::string::npos; ++at) {
+      std::string other = heads[number];
+      other[at] = pair[other[at] == pair[0]];
+      const auto found = std::find(heads.begin(), heads.end(), other);
+      if (found != heads.end()) return static_cast<std::size_t>(found - heads.begin());
+    }
+  return std::nullopt;
 }
 
 /// Whether a frequency of this name is 2 π periods a time.
@@ -227,8 +242,12 @@ class TableColumns {
              "? State it: columns: {\"" + head + "\": 'nominal_" + quantity +
              unit_behind(head, find_quantity("nominal_" + quantity)->unit) + "'}");
     const std::string all = fmt::format("{}", fmt::join(allowed, ", "));
-    if (known_.size() > 1)
-      fail("no column says what " + role + " in a test of kind " + test_.kind->name + "; '" + known_.front().name +
+    const auto spare = std::find_if(known_.begin(), known_.end(), [&](const Column& column) {
+      const std::vector<std::string>& others = role == "answers" ? test_.kind->along : test_.kind->up;
+      return std::find(others.begin(), others.end(), column.quantity->name) == others.end();
+    });
+    if (known_.size() > 1 && spare != known_.end())
+      fail("no column says what " + role + " in a test of kind " + test_.kind->name + "; '" + spare->name +
            "' does not; one of: " + all);
     std::vector<std::string> unknown;
     for (std::size_t number = 0; number < table_.head.size(); ++number)
@@ -238,7 +257,10 @@ class TableColumns {
       if (const std::string near = nearest_name(split(head).name, wanted); !near.empty())
         fail("column '" + head + "' is not known; did you mean '" + near + "'?");
     const std::vector<std::string>& heads = unknown.empty() ? table_.head : unknown;
-    const std::string& head = role == "answers" ? heads.back() : heads.front();
+    std::size_t number = role == "answers" ? heads.size() - 1 : 0;
+    if (const auto other = find_across(heads, number); other && in_two_directions() && heads[*other] < heads[number])
+      number = *other;
+    const std::string& head = heads[number];
     fail("no column says what " + role + " in a test of kind " + test_.kind->name + "; one of: " + all +
          "; or state what a name means, columns: {\"" + head + "\": " + likely(head, wanted) + "}");
   }
@@ -333,7 +355,7 @@ class TableColumns {
 
   static std::string hint(const std::string& head, const Column& column) {
     return "columns: {\"" + head + "\": '" + column.quantity->name +
-           (column.unit.empty() ? "" : " [" + column.unit + "]") + "'}";
+           (column.unit.empty() || !column.factor ? "" : " [" + column.unit + "]") + "'}";
   }
 
   /// " [unit]" of a column, if it is one of such a quantity.
@@ -390,20 +412,13 @@ std::optional<NamedColumn> find_column(const MachineTable& table, const DataTest
 }
 
 std::optional<Column> across(const MachineTable& table, Column column) {
-  const std::string& own = table.head[column.number];
-  for (const std::string pair : {"xy", "XY", "12"})
-    for (std::size_t at = 0; (at = own.find_first_of(pair, at)) != std::string::npos; ++at) {
-      std::string other = own;
-      other[at] = pair[own[at] == pair[0]];
-      const auto found = std::find(table.head.begin(), table.head.end(), other);
-      if (found == table.head.end()) continue;
-      const std::string below = unit_below(table, column.number);
-      column.number = static_cast<std::size_t>(found - table.head.begin()), column.name = other;
-      if (const std::string unit = unit_below(table, column.number); unit != below)
-        column.unit = unit, column.factor = machine_unit(unit, column.quantity->unit);
-      return column;
-    }
-  return std::nullopt;
+  const std::string below = unit_below(table, column.number);
+  const auto other = find_across(table.head, column.number);
+  if (!other) return std::nullopt;
+  column.number = *other, column.name = table.head[*other];
+  if (const std::string unit = unit_below(table, column.number); unit != below)
+    column.unit = unit, column.factor = machine_unit(unit, column.quantity->unit);
+  return column;
 }
 
 bool suits(const MachineTable& table, const DataTest& test) {

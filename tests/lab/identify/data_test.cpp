@@ -64,6 +64,12 @@ const std::vector<Broken> kBroken{
      "it is 1 at rest; is the column nominal_strain?"},
     {"per cent headed as stretch", "stretch,nominal_stress [kPa]\n101,0.1\n110,1\n", 2,
      "in per cent? then head it 'stretch [%]'"},
+    {"two directions of a test in one", "stretch_x,stretch_y,nominal_stress [kPa]\n1.1,1,1\n1.2,1,2\n", 1,
+     "two columns say what is prescribed, stretch_x and stretch_y; state the one that counts, by its number: columns: "
+     "{\"1\": 'stretch'}"},
+    {"a stress without its name in a test in two directions",
+     "stretch_x,stretch_y,P_x [kPa],P_y [kPa]\n1.1,1,1,1\n1.2,1,2,2\n", 1,
+     "columns: {\"P_x [kPa]\": 'nominal_stress [kPa]' or 'true_stress [kPa]'}", "equibiaxial"},
     {"unsorted", "stretch,nominal_stress [kPa]\n1.1,0.5\n1.3,1.4\n1.2,1\n", 4, "stretch goes back"},
     {"not a number", "stretch,nominal_stress [kPa]\n1.1,0.5\n1.2,nan\n1.3,1\n", 3, "'nan' is no measured value"},
     {"a word", "stretch,nominal_stress [kPa]\n1.1,0.5\n1.2,n/a\n1.3,1\n", 3, "'n/a' is no number"},
