@@ -289,6 +289,7 @@ class TableColumns {
     for (const auto& [head, meaning] : test_.columns)
       if (find_column(table_, head) == number) text = meaning, stated = true;
     Head head = split(text);
+    if (std::find(table_.clocks.begin(), table_.clocks.end(), number) != table_.clocks.end()) head.unit = "s";
     auto meaning = meaning_of(head.name);
     if (!meaning && in_two_directions()) meaning = meaning_of(without_direction(head.name));
     if (!meaning) {

@@ -160,9 +160,32 @@ std::optional<std::string> plain_number(const std::string& text, char decimal) {
   return at == text.size() ? std::optional(plain) : std::nullopt;
 }
 
+/// The seconds of "10:22:10.050", hours, minutes and seconds, also behind a date; none if it is no such time.
+std::optional<std::string> clock_seconds(const std::string& text, char decimal) {
+  const std::size_t begin = text.find_first_not_of("0123456789-./");
+  const bool dated = begin != std::string::npos && begin > 0 && (text[begin] == ' ' || text[begin] == 'T');
+  const std::string time = dated ? text.substr(begin + 1) : text;
+  const std::size_t minute = time.find(':') + 1, second = time.find(':', minute) + 1;
+  if (minute == 0 || second == 0) return std::nullopt;
+  const std::string hours = time.substr(0, minute - 1), minutes = time.substr(minute, second - 1 - minute);
+  const auto seconds = plain_number(time.substr(second), decimal);
+  for (const std::string& whole : {hours, minutes})
+    if (whole.empty() || whole.size() > 4 || !std::all_of(whole.begin(), whole.end(), is_digit)) return std::nullopt;
+  if (!seconds || !is_digit(time[second])) return std::nullopt;
+  const double rest = std::strtod(seconds->c_str(), nullptr);
+  if (rest > 60) return std::nullopt;
+  return fmt::format("{:.12g}", 3600 * std::stoi(hours) + 60 * std::stoi(minutes) + rest);
+}
+
+/// What a cell holds, a number or a time, as a plain number.
+std::optional<std::string> number_in(const std::string& text, char decimal) {
+  const auto plain = plain_number(text, decimal);
+  return plain ? plain : clock_seconds(text, decimal);
+}
+
 bool is_number(const std::string& text) {
   return !text.empty() && (is_digit(text.back()) || text.back() == '.') &&
-         (plain_number(text, '.') || plain_number(text, ','));
+         (number_in(text, '.') || number_in(text, ','));
 }
 
 /// What stands where nothing was measured.
@@ -213,8 +236,7 @@ char decimal_mark(const std::vector<Line>& lines, char separator, const std::str
     if (line.numbers < 2) continue;
     for (const Cell& cell : line.cells) {
       if (cell.text.find_first_of(".,") == std::string::npos || !is_number(cell.text)) continue;
-      const bool with_point = plain_number(cell.text, '.').has_value(),
-                 with_comma = plain_number(cell.text, ',').has_value();
+      const bool with_point = number_in(cell.text, '.').has_value(), with_comma = number_in(cell.text, ',').has_value();
       if (with_point && with_comma) {
         const bool has_comma = cell.text.find(',') != std::string::npos;
         if (!open && (has_comma || separator == ';')) open = &line, marks = has_comma ? "commas" : "points";
@@ -365,7 +387,7 @@ class Blocks {
     int onward = 0;
     for (std::size_t i = 0; i < width; ++i) {
       const auto number = [&](const Line& line) {
-        const auto plain = i < line.cells.size() ? plain_number(line.cells[i].text, file_.decimal) : std::nullopt;
+        const auto plain = i < line.cells.size() ? number_in(line.cells[i].text, file_.decimal) : std::nullopt;
         return plain ? std::strtod(plain->c_str(), nullptr) : NAN;
       };
       const double at = number(lines_[next]), again = std::abs(at - number(lines_[begin])),
@@ -375,13 +397,21 @@ class Blocks {
     return onward >= 0;
   }
 
+  static void add_clock(MachineTable& table, std::size_t column) {
+    if (std::find(table.clocks.begin(), table.clocks.end(), column) == table.clocks.end())
+      table.clocks.push_back(column);
+  }
+
   void add_row(MachineTable& table, Line& line) {
     cut_to(line, table.head.size());
     auto& texts = table.rows.emplace_back();
     auto& places = table.places.emplace_back();
     for (Cell& cell : line.cells) {
-      const auto plain = is_number(cell.text) ? plain_number(cell.text, file_.decimal) : std::nullopt;
-      file_.thousands |= plain && cell.text.find_first_of(file_.decimal == ',' ? ". '" : ", '") != std::string::npos;
+      const auto plain = is_number(cell.text) ? number_in(cell.text, file_.decimal) : std::nullopt;
+      if (plain && cell.text.find(':') != std::string::npos)
+        add_clock(table, texts.size());
+      else
+        file_.thousands |= plain && cell.text.find_first_of(file_.decimal == ',' ? ". '" : ", '") != std::string::npos;
       texts.push_back(plain.value_or(cell.text));
       places.push_back({line.number, cell.column});
     }
@@ -406,6 +436,7 @@ std::string MachineFile::recognised(const MachineTable& used) const {
   if (thousands) found.emplace_back("marks between thousands");
   if (used.preceded) found.push_back(fmt::format("names of columns in line {}", used.head_places.front().line));
   if (!used.units.empty()) found.emplace_back("units in the line below the names");
+  if (!used.clocks.empty()) found.emplace_back("times as hours:minutes:seconds");
   if (!used.passed.empty())
     found.push_back(fmt::format("{} of words between the rows passed over, the first in line {}",
                                 counted(std::ssize(used.passed), "line"), used.passed.front()));

@@ -11,11 +11,12 @@ namespace elastin::lab {
 /// One block of a file: names of columns and the rows below them. Numbers are written with a decimal point; texts have
 /// no blanks around them. Rows may be of other lengths than the head.
 struct MachineTable : Csv {
-  std::vector<std::string> units;  ///< of the row below the names, one a column; empty: there is no such row
-  int units_line = 0;              ///< where that row stands
-  std::vector<int> passed;         ///< lines of words between its rows, as that of a new page
-  bool preceded = false;           ///< whether lines that are neither blank nor remarks stand above it
-  bool named = true;               ///< false: there are no names, and the columns are called by their numbers
+  std::vector<std::string> units;   ///< of the row below the names, one a column; empty: there is no such row
+  int units_line = 0;               ///< where that row stands
+  std::vector<std::size_t> clocks;  ///< columns of times as hours:minutes:seconds; in seconds here
+  std::vector<int> passed;          ///< lines of words between its rows, as that of a new page
+  bool preceded = false;            ///< whether lines that are neither blank nor remarks stand above it
+  bool named = true;                ///< false: there are no names, and the columns are called by their numbers
 };
 
 /// What a testing machine wrote and what was recognised in it.
