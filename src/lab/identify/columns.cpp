@@ -242,6 +242,9 @@ class TableColumns {
              "? State it: columns: {\"" + head + "\": 'nominal_" + quantity +
              unit_behind(head, find_quantity("nominal_" + quantity)->unit) + "'}");
     const std::string all = fmt::format("{}", fmt::join(allowed, ", "));
+    if (test_.kind->in_time && !test_.kind->layer && !sheared_.empty())
+      fail("column '" + sheared_.front() + "' is of a test in shear, and this one has held: " + name_of(test_.held) +
+           "; write held: shear");
     const auto spare = std::find_if(known_.begin(), known_.end(), [&](const Column& column) {
       const std::vector<std::string>& others = role == "answers" ? test_.kind->along : test_.kind->up;
       return std::find(others.begin(), others.end(), column.quantity->name) == others.end();
@@ -296,7 +299,7 @@ class TableColumns {
       if (stated) test_.fail("columns: '" + text + "' is no quantity with its unit, such as 'force [N]'");
       return;
     }
-    if (meaning->shear && !in_shear()) return;
+    if (meaning->shear && !in_shear()) return sheared_.push_back(table_.head[number]);
     const DataQuantity* quantity = find_quantity(meaning->quantity);
     if (!quantity) return unsaid_.emplace_back(table_.head[number], meaning->quantity), void();
     Column column{quantity, stated ? text : table_.head[number],      head.unit,         {},
@@ -369,6 +372,7 @@ class TableColumns {
   const MachineTable& table_;
   const DataTest& test_;
   std::vector<Column> known_;
+  std::vector<std::string> sheared_;                         ///< of tests in shear alone, which this one is not
   std::vector<std::pair<std::string, std::string>> unsaid_;  ///< strains and stresses, nominal or true
 };
 
