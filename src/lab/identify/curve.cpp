@@ -12,6 +12,10 @@ namespace elastin::lab {
 namespace {
 
 constexpr double kTurn = 0.05;       // of the range of x
+constexpr double kStill = 0.005;     // of the range of x
+constexpr Eigen::Index kHeld = 5;    // rows that make a hold
+constexpr double kSlow = 0.1;        // of the motion between rows next to a hold
+constexpr double kChanged = 0.01;    // of the largest reading
 constexpr double kSudden = 0.2;      // of the reading, lost within three rows
 constexpr double kGradual = 0.5;     // of the largest reading
 constexpr double kBeginning = 0.3;   // of the largest reading, below which the zero point is sought
@@ -50,6 +54,36 @@ std::vector<Branch> branches_of(const VectorX& x) {
   }
   branches.push_back({begin, x.size(), branches.size() % 2 == 0});
   return branches;
+}
+
+std::vector<Hold> find_holds(const VectorX& x, const VectorX& y, double rest, double noise) {
+  std::vector<Hold> holds;
+  const Eigen::Index count = x.size();
+  if (count < kHeld) return holds;
+  const double range = x.maxCoeff() - x.minCoeff(), largest = y.cwiseAbs().maxCoeff();
+  const auto motion = [&](Eigen::Index from, Eigen::Index to) {
+    return to > from ? std::abs(x[to] - x[from]) / static_cast<double>(to - from) : 0;
+  };
+  for (Eigen::Index begin = 0; range > 0 && begin < count;) {
+    double low = x[begin], high = x[begin];
+    Eigen::Index end = begin;
+    for (; end < count; ++end) {
+      low = std::min(low, x[end]), high = std::max(high, x[end]);
+      if (high - low > kStill * range) break;
+    }
+    const double around = std::max(motion(std::max<Eigen::Index>(0, begin - kHeld), begin),
+                                   motion(end - 1, std::min(count - 1, end - 1 + kHeld)));
+    if (end - begin < kHeld || motion(begin, end - 1) > kSlow * around) {
+      ++begin;
+      continue;
+    }
+    const double first = y.segment(begin, 3).cwiseAbs().mean(), last = y.segment(end - 3, 3).cwiseAbs().mean();
+    const bool at_rest = begin == 0 && std::abs(x[0] - rest) < kTurn * range;
+    if (!at_rest && std::abs(last - first) > std::max(kChanged * largest, 6 * noise))
+      holds.push_back({begin + (begin > 0), end, (last - first) / largest});
+    begin = end;
+  }
+  return holds;
 }
 
 std::optional<Tear> find_tear(const VectorX& x, const VectorX& y, double noise) {

@@ -14,6 +14,17 @@ struct Branch {
 /// In the order of the rows; less than a twentieth of the whole range is no turn.
 std::vector<Branch> branches_of(const VectorX& x);
 
+/// Rows [begin, end) in which what is prescribed stands still while the reading changes, as it does where a material
+/// relaxes; without the row that the way there ends with.
+struct Hold {
+  Eigen::Index begin, end;
+  double changed;  ///< of the largest reading, below 0 where its size falls
+};
+/// In the order of the rows: five or more within 0.5 % of the range, that move a tenth as fast as rows next to them at
+/// most. Those at rest that a test begins with are none.
+/// @param rest the value of x at rest
+std::vector<Hold> find_holds(const VectorX& x, const VectorX& y, double rest, double noise);
+
 /// Where a specimen tears: the first of the readings whose median of three has lost a fifth within three rows, or the
 /// first behind the largest one where less than half of that is left; and the share that is lost. None: it does not
 /// tear, or there are too few rows to say so. Of a branch that begins near rest.

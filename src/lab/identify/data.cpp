@@ -346,6 +346,30 @@ void turn_signs(const DataTest& test, const DataFile& file, MeasuredData& data) 
   if (!turned.empty()) data.notes.push_back("compression is positive in the file: " + turned + " turned to negative");
 }
 
+/// Rows in which a material relaxes, or recovers, at a strain that is kept are of no branch.
+void leave_out_holds(MeasuredData& data) {
+  const std::vector<Hold> holds = find_holds(data.x, data.y, rest_of(data), noise_of(data.x, data.y));
+  Eigen::Index held = 0, kept = 0;
+  std::string lines;
+  for (const Hold& hold : holds) {
+    held += hold.end - hold.begin;
+    lines += fmt::format("{}lines {} to {}, {} by {:.0f} %", lines.empty() ? "" : "; ", data.lines[hold.begin],
+                         data.lines[hold.end - 1], hold.changed < 0 ? "down" : "up", 100 * std::abs(hold.changed));
+  }
+  if (held == 0 || data.x.size() - held < 2) return;
+  auto hold = holds.begin();
+  for (Eigen::Index row = 0; row < data.x.size(); ++row) {
+    if (hold != holds.end() && row >= hold->end) ++hold;
+    if (hold != holds.end() && row >= hold->begin) continue;
+    data.x[kept] = data.x[row], data.y[kept] = data.y[row], data.lines[kept] = data.lines[row];
+    ++kept;
+  }
+  auto& said = 2 * held > data.x.size() ? data.warnings : data.notes;
+  said.push_back(fmt::format("{} left out, where the {} is held while the {} changes: {}", counted(held, "row"),
+                             data.along->name, data.up->name, lines));
+  keep_rows(data, 0, kept);
+}
+
 /// One branch of a curve that goes to and fro.
 void choose_branch(const DataTest& test, MeasuredData& data) {
   const std::vector<Branch> all = branches_of(data.x);
@@ -615,6 +639,7 @@ MeasuredData load_data(const DataTest& test) {
   }
   if (!test.kind->layer) count_from_first(test, data);  // before signs are turned, which are by what is pulled
   turn_signs(test, file, data);
+  leave_out_holds(data);
   choose_branch(test, data);
   check_points(data);
   data.noise = noise_of(data.x, data.y);

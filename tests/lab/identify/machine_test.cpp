@@ -466,6 +466,57 @@ TEST_CASE("both directions of an equibiaxial test are compared", "[identify][mac
   CHECK(has(joined(answer(head, 1.05, 1).warnings), "'stretch_y' differs from 'stretch_x', by up to 5 %"));
 }
 
+TEST_CASE("rows in which the strain is held belong to no branch", "[identify][machines]") {
+  const TemporaryFolder folder;
+  // Of a material with 20 kPa that loses 30 % while it is held, and goes back with 14 kPa.
+  const auto text = [](double jitter, int held, bool back, double scale) {
+    Scatter scatter;
+    std::string rows = "nominal_strain,nominal_stress [Pa]\n";
+    const auto add = [&](double e, double c) {
+      rows += fmt::format("{:.7f},{:.5f}\n", scale * (e + jitter * scatter()),
+                          scale * 2 * c * (1 + e - std::pow(1 + e, -2)));
+    };
+    for (int i = 0; i <= 40; ++i) add(0.005 * i, 20e3);
+    for (int i = 1; i <= held; ++i) add(0.2, 20e3 - 6e3 * i / held);
+    for (int i = 39; back && i >= 0; --i) add(0.005 * i, 14e3);
+    return rows;
+  };
+  const std::string material = "law: mooney_rivlin, c1: 1 kPa, c2: 0 Pa";
+  const auto answer = [&](const std::string& data, const std::string& keys) {
+    folder.write("data.csv", data);
+    return identify(folder.write("a.yaml", "material: {" + material +
+                                               "}\nidentify: {fixed: [c2], tests: [{kind: uniaxial, file: data.csv" +
+                                               keys + "}]}\n"),
+                    built_in_catalog(), {})
+        .front();
+  };
+  for (const double jitter : {0., 2e-5})
+    for (const int held : {7, 30}) {
+      INFO(jitter << ", " << held);
+      const std::string whole = text(jitter, held, true, 1);
+      const Answer up = answer(whole, ", branch: loading"), down = answer(whole, ", branch: unloading"),
+                   alone = answer(text(jitter, held, false, 1), "");
+      CHECK(up.numbers.front().value == Approx(20e3).epsilon(2e-3));
+      CHECK(down.numbers.front().value == Approx(14e3).epsilon(2e-3));
+      CHECK(alone.numbers.front().value == Approx(20e3).epsilon(2e-3));
+      const std::string notes = joined(down.tests.front().data.notes);
+      INFO(notes);
+      CHECK(has(notes, "left out, where the nominal_strain is held while the nominal_stress changes: lines 4"));
+      CHECK(has(notes, fmt::format(" to {}, down by", 42 + held)));
+    }
+  // What stands still at rest, or goes at an even or a growing pace, is no hold; nor is one without relaxation.
+  const VectorX even = VectorX::LinSpaced(3000, 0, 1);
+  CHECK(find_holds(even, even, 0, 0).empty());
+  CHECK(find_holds(even.array().pow(4).matrix(), even, 0, 0).empty());
+  CHECK(find_holds(even.array().sqrt().matrix(), even, 0, 0).empty());
+  VectorX still(400), drift = VectorX::LinSpaced(400, 0, 1);
+  still << VectorX::Zero(200), VectorX::LinSpaced(200, 0, 1);
+  CHECK(find_holds(still, drift, 0, 0).empty());
+  still << VectorX::LinSpaced(200, 0, 1), VectorX::Ones(200);
+  CHECK(find_holds(still, still, 0, 0).empty());
+  CHECK(find_holds(still, drift, 0, 0).size() == 1);
+}
+
 TEST_CASE("statistics below the readings are left out with a note", "[identify][machines]") {
   const TemporaryFolder folder;
   Layout footed{"", "", "displacement [mm],force [N]\n", ",", '.', "", "df", "Max,0.42\nMean,0.2\n", "\n"};
