@@ -480,11 +480,22 @@ std::optional<double> machine_unit(const std::string& unit, const Dimension& dim
                                     Word{"inch", "mm", 25.4},
                                     Word{"in/in", "m/m"},
                                     Word{"kgf", "N", 9.80665},
-                                    Word{"gf", "mN", 9.80665}};
+                                    Word{"kp", "N", 9.80665},
+                                    Word{"gf", "mN", 9.80665},
+                                    Word{"ozf", "N", 0.27801385095378},
+                                    Word{"lbs", "N", 4.4482216152605},
+                                    Word{"Lbf", "N", 4.4482216152605},
+                                    Word{"LBF", "N", 4.4482216152605},
+                                    Word{"dyn", "uN", 10},
+                                    Word{"daN", "N", 10}};
   std::string name = unit;
   double factor = 1;
+  const std::size_t slash = std::min(unit.find('/'), unit.size());
   for (const Word& word : words)
-    if (unit == word.name) name = word.means, factor = word.factor;
+    if (unit == word.name)
+      name = word.means, factor = word.factor;
+    else if (unit.substr(0, slash) == word.name)  // "kgf/cm²"
+      name = word.means + unit.substr(slash), factor = word.factor;
   try {
     const Quantity one = parse_quantity("1 " + name, dimension);
     return one.has_unit ? std::optional(factor * one.value) : std::nullopt;

@@ -203,6 +203,25 @@ TEST_CASE("columns in any unit and spelling of their heads are the same data", "
   }
 }
 
+TEST_CASE("units that machines have in addition to SI are read", "[identify]") {
+  const std::vector<std::pair<std::string, double>> forces{{"daN", 10},
+                                                           {"dyn", 1e-5},
+                                                           {"kp", 9.80665},
+                                                           {"kgf", 9.80665},
+                                                           {"gf", 9.80665e-3},
+                                                           {"lbf", 4.4482216152605},
+                                                           {"lbs", 4.4482216152605},
+                                                           {"ozf", 0.27801385095378}};
+  for (const auto& [unit, newtons] : forces) {
+    INFO(unit);
+    CHECK(machine_unit(unit, dimension::force).value_or(0) == Approx(newtons));
+  }
+  CHECK(machine_unit("kgf/cm2", dimension::pressure).value_or(0) == Approx(98066.5));
+  CHECK(machine_unit("gf/mm²", dimension::pressure).value_or(0) == Approx(9806.65));
+  CHECK(machine_unit("in/in", dimension::none).value_or(0) == 1);
+  CHECK(!machine_unit("dyn", dimension::pressure));
+}
+
 TEST_CASE("shear strain and shear stress are the columns of a test in shear", "[identify]") {
   const TemporaryFolder folder;
   folder.write("data.csv", "Shear strain (%),Shear stress (kPa)\n10,0.4\n25,1\n");
