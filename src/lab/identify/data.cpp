@@ -54,6 +54,7 @@ class DataFile {
                  (test_.from || test_.to ? " between `from` and `to`" : "") + "; a curve needs two or more");
     note_recognised(data);
     warn_of_per_cent(data);
+    warn_of_prefixes(data);
     if (test_.kind->homogeneous == HomogeneousTest::equibiaxial)
       for (const Column* column : {&columns_.along, &columns_.up}) compare_across(*column, taken, data);
     if (behind_ > 0) data.notes.push_back(counted(behind_, "row") + " behind the end of these columns left out");
@@ -226,6 +227,22 @@ class DataFile {
                         " [%]'; rows behind a slip are left out by `to`");
     if (quantity.name == "time" && value < 0)
       fail_at(line, "a time of " + number(value) + " s is before the test; `from` leaves such rows out");
+  }
+
+  /// Names a unit whose prefix has the wrong capital more often than not.
+  void warn_of_prefixes(MeasuredData& data) const {
+    struct Prefixed {
+      const char *unit, *is, *other, *meant;
+    };
+    for (const auto& [unit, is, other, meant] :
+         {Prefixed{"mPa", "millipascals", "megapascals", "MPa"}, {"MN", "meganewtons", "millinewtons", "mN"}})
+      for (const Column* column : {&columns_.along, &columns_.up})
+        if (column->unit == unit && column->source != Column::Source::scene)
+          data.warnings.push_back(
+              fmt::format("column '{0}' is taken in {1}, {2}: if {3} are meant, write columns: {{\"{0}\": '{4} "
+                          "[{5}]'}}; '{4} [{2}]' "
+                          "there says that they are not",
+                          table_->head[column->number], is, unit, other, column->quantity->name, meant));
   }
 
   /// Names a strain without a unit that is as large as rubber's, or one in per cent.
@@ -610,6 +627,23 @@ void check_signs(const MeasuredData& data) {
                          "compression takes either sign of each");
 }
 
+/// Nothing is pressed to less than no length.
+/// @param given as the file has it, but for its sign
+void check_length_left(const DataTest& test, const VectorX& given, const MeasuredData& data) {
+  Eigen::Index row = 0;
+  if (data.x.minCoeff(&row) > -1) return;
+  const bool moved = data.along->name == "displacement";
+  throw InputError(
+      SourceLocation{data.file, data.lines[row]},
+      fmt::format("{} {} is a strain of {:.4g} %{}, and it must be above -100 %: {}", data.along->name,
+                  readable(given[row], data.along->unit), 100 * data.x[row],
+                  moved ? " of the length, " + readable(test.length + data.zero, dimension::length) : "",
+                  moved
+                      ? "if it counts from elsewhere, as the position of a crosshead does, zero: first counts from the "
+                        "first row"
+                      : "if the column is in per cent, its name or `columns` must say '" + data.along->name + " [%]'"));
+}
+
 /// A first point without strain and stress is no information, and relative residuals cannot be over it.
 void leave_out_rest(MeasuredData& data) {
   if (data.x.size() > 2 && data.x[0] == 0 && data.y[0] == 0) keep_rows(data, 1, data.x.size());
@@ -664,12 +698,14 @@ MeasuredData as_strain_and_stress(const DataTest& test, MeasuredData data) {
     if (!(value > 0)) test.fail(std::string("key '") + key + "' is missing: the data have a " + what);
     return value;
   };
+  const VectorX given = data.x;
   if (along == "stretch") data.x.array() -= 1;
   if (along == "true_strain") data.x = data.x.array().unaryExpr([](double e) { return std::expm1(e); }).matrix();
   if (along == "displacement") {
     const double length = need(test.length > 0 ? test.length + data.zero : 0, "length", "displacement");
     data.x /= length, data.zero_half /= length;
   }
+  if (!test.kind->in_time && test.kind->homogeneous != HomogeneousTest::shear) check_length_left(test, given, data);
   if (up == "force") data.y /= need(test.cross_section, "cross_section", "force"), data.noise /= test.cross_section;
   if (up == "true_stress") data.y = data.y.cwiseQuotient((1 + data.x.array()).matrix());
   if (!test.kind->in_time) {

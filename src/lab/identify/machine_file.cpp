@@ -488,6 +488,7 @@ std::optional<double> machine_unit(const std::string& unit, const Dimension& dim
                                     Word{"LBF", "N", 4.4482216152605},
                                     Word{"dyn", "uN", 10},
                                     Word{"daN", "N", 10}};
+  if (unit == "Mm") return std::nullopt;  // no machine moves by megametres
   std::string name = unit;
   double factor = 1;
   const std::size_t slash = std::min(unit.find('/'), unit.size());

@@ -74,6 +74,16 @@ const std::vector<Broken> kBroken{
      "Time [s];Shear Stress [Pa];Shear Strain [%]\n1;4;10\n2;3;10\n", 1,
      "column 'Shear Stress [Pa]' is of a test in shear, and this one has held: uniaxial; write held: shear",
      "relaxation", ", strain: 0.1", ", relaxation: {terms: [[0.1, 1 s]]}"},
+    {"megametres", "displacement (Mm),force [N]\n1,1\n2,2\n", 1,
+     "'Mm' is no unit of displacement; write for example 'displacement [mm]'"},
+    {"a position that counts down", "Displacement [mm],Force [N]\n25,0\n24,1\n23,2\n22,3\n", 2,
+     "displacement -25.000 mm is a strain of -100 % of the length, 25.000 mm, and it must be above -100 %: if it "
+     "counts "
+     "from elsewhere, as the position of a crosshead does, zero: first counts from the first row",
+     "compression", ", length: 25 mm, cross_section: 12 mm2"},
+    {"a compression in per cent", "Compressive strain,nominal_stress [Pa]\n1,1\n5,2\n9,3\n", 4,
+     "nominal_strain -9.0000 is a strain of -900 %, and it must be above -100 %: if the column is in per cent",
+     "compression"},
     {"unsorted", "stretch,nominal_stress [kPa]\n1.1,0.5\n1.3,1.4\n1.2,1\n", 4, "stretch goes back"},
     {"not a number", "stretch,nominal_stress [kPa]\n1.1,0.5\n1.2,nan\n1.3,1\n", 3, "'nan' is no measured value"},
     {"a word", "stretch,nominal_stress [kPa]\n1.1,0.5\n1.2,n/a\n1.3,1\n", 3, "'n/a' is no number"},

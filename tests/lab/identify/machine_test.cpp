@@ -517,6 +517,21 @@ TEST_CASE("rows in which the strain is held belong to no branch", "[identify][ma
   CHECK(find_holds(still, drift, 0, 0).size() == 1);
 }
 
+TEST_CASE("a prefix that is wrong more often than not is named", "[identify][machines]") {
+  const TemporaryFolder folder;
+  const auto warnings_of = [&](const std::string& head, const std::string& keys) {
+    return joined(answer_of(folder, head + "\n0.1,1\n0.2,1.8\n0.3,2.5\n", keys).warnings);
+  };
+  const std::string words =
+      "is taken in millipascals, mPa: if megapascals are meant, write columns: {\"nominal_stress "
+      "[mPa]\": 'nominal_stress [MPa]'}";
+  CHECK(has(warnings_of("nominal_strain,nominal_stress [mPa]", ""), words));
+  CHECK(!has(warnings_of("nominal_strain,nominal_stress [mPa]", ", columns: {2: 'nominal_stress [mPa]'}"),
+             "is taken in"));
+  CHECK(!has(warnings_of("nominal_strain,nominal_stress [MPa]", ""), "is taken in"));
+  CHECK(has(warnings_of("displacement [mm],force [MN]", kSizes), "is taken in meganewtons, MN: if millinewtons"));
+}
+
 TEST_CASE("statistics below the readings are left out with a note", "[identify][machines]") {
   const TemporaryFolder folder;
   Layout footed{"", "", "displacement [mm],force [N]\n", ",", '.', "", "df", "Max,0.42\nMean,0.2\n", "\n"};
