@@ -30,7 +30,8 @@ constexpr std::array kMachineNames{
         "displacement",
         "disp|extension|elongation|stroke|crosshead|crosshead displacement|crosshead extension|axial disp|axial "
         "displacement|tensile extension|tensile displacement|xdisplacement|x displacement|actuator displacement|"
-        "distance|standardweg|weg|traversenweg|verschiebung|verlängerung|déplacement|allongement|位移|伸长|变形|行程"},
+        "distance|extensometer|extensometer displacement|extensometer extension|corrected displacement|corrected "
+        "extension|standardweg|weg|traversenweg|verschiebung|verlängerung|déplacement|allongement|位移|伸长|变形|行程"},
     MachineNames{"displacement",
                  "depth|indentation|indentation depth|tip position|vertical tip position|tip sample separation"},
     MachineNames{"displacement", "compressive extension|compressive displacement|stauchweg", true},
@@ -268,6 +269,8 @@ class TableColumns {
          "; or state what a name means, columns: {\"" + head + "\": " + likely(head, wanted) + "}");
   }
 
+  const std::vector<Column>& known() const { return known_; }
+
  private:
   /// Those of these quantities that have the unit of a column, with that unit; else all of them: 'a' or 'b'.
   std::string likely(const std::string& head, const std::vector<std::string>& wanted) const {
@@ -434,6 +437,19 @@ bool suits(const MachineTable& table, const DataTest& test) {
 bool has_meaning(const MachineTable& table) {
   return std::any_of(table.head.begin(), table.head.end(),
                      [](const std::string& head) { return meaning_of(split(head).name).has_value(); });
+}
+
+std::vector<std::string> passed_over(const MachineTable& table, const DataTest& test, const ChosenColumns& chosen) {
+  const TableColumns columns(table, test);
+  std::vector<std::string> names;
+  for (const Column* column : {&chosen.along, &chosen.up})
+    for (const Column& other : columns.known()) {
+      const bool same = other.quantity == column->quantity && column->source != Source::scene;
+      const bool own = other.number == chosen.along.number || other.number == chosen.up.number ||
+                       find_across(table.head, column->number) == other.number;
+      if (same && !own) names.push_back(other.name);
+    }
+  return names;
 }
 
 ChosenColumns choose_columns(const MachineTable& table, const DataTest& test) {

@@ -34,6 +34,9 @@ ChosenColumns choose_columns(const MachineTable& table, const DataTest& test);
 /// reverse; none if there is no such column.
 std::optional<Column> across(const MachineTable& table, Column column);
 
+/// Names of the other columns with the quantity of one that was chosen by its name.
+std::vector<std::string> passed_over(const MachineTable& table, const DataTest& test, const ChosenColumns& chosen);
+
 /// Whether the table has columns for both, whatever their units.
 bool suits(const MachineTable& table, const DataTest& test);
 

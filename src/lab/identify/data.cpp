@@ -65,6 +65,13 @@ class DataFile {
     return data;
   }
 
+  /// The name of a column that counts pulling; "": neither does.
+  std::string pulling_name() const {
+    for (const Column* column : {&columns_.along, &columns_.up})
+      for (const char* word : {"Tensile", "tensile", "TENSILE"})
+        if (column->source != Column::Source::scene && column->name.starts_with(word)) return column->name;
+    return "";
+  }
   bool pressing_by_name() const { return columns_.along.pressing || columns_.up.pressing; }
   /// The line above the names of the columns that speaks of compression; 0: none.
   int line_of_compression() const {
@@ -266,6 +273,8 @@ class DataFile {
                             column->name.ends_with(']') || column->name.ends_with(')') ? "" : " [" + column->unit + "]",
                             column->quantity->name);
     if (!note.empty()) data.notes.push_back(note);
+    if (const auto others = passed_over(*table_, test_, columns_); !others.empty())
+      data.notes.push_back(fmt::format("passed over: '{}'", fmt::join(others, "', '")));
   }
 
   const DataTest& test_;
@@ -360,6 +369,11 @@ void turn_signs(const DataTest& test, const DataFile& file, MeasuredData& data) 
   if (positive || (test.pressing && !test.kind->pressed)) data.x = -data.x, turned = data.along->name;
   if (data.y.sum() > 0 || (test.pressing && !test.kind->pressed))
     data.y = -data.y, turned += (turned.empty() ? "" : " and ") + data.up->name;
+  if (const std::string name = file.pulling_name(); !turned.empty() && !test.pressing && !name.empty())
+    throw InputError(SourceLocation{data.file, data.lines.front()},
+                     "column '" + name +
+                         "' counts what pulls, and is positive: write kind: uniaxial, or signs: pressing if "
+                         "the values press");
   if (!turned.empty()) data.notes.push_back("compression is positive in the file: " + turned + " turned to negative");
 }
 

@@ -532,6 +532,18 @@ TEST_CASE("a prefix that is wrong more often than not is named", "[identify][mac
   CHECK(has(warnings_of("displacement [mm],force [MN]", kSizes), "is taken in meganewtons, MN: if millinewtons"));
 }
 
+TEST_CASE("a second column of the same quantity is named", "[identify][machines]") {
+  const TemporaryFolder folder;
+  const auto notes_of = [&](const std::string& keys) {
+    return joined(answer_of(folder, "displacement [mm],corrected extension [mm],force [N]\n1,1,1\n2,2,1.8\n3,3,2.5\n",
+                            kSizes + keys)
+                      .tests.front()
+                      .data.notes);
+  };
+  CHECK(has(notes_of(""), "passed over: 'corrected extension [mm]'"));
+  CHECK(!has(notes_of(", columns: {2: 'displacement [mm]'}"), "passed over"));
+}
+
 TEST_CASE("statistics below the readings are left out with a note", "[identify][machines]") {
   const TemporaryFolder folder;
   Layout footed{"", "", "displacement [mm],force [N]\n", ",", '.', "", "df", "Max,0.42\nMean,0.2\n", "\n"};
