@@ -130,7 +130,7 @@ std::string message_of(const std::function<void()>& action) {
   return "";
 }
 
-std::string joined(const std::vector<std::string>& texts) { return fmt::format("{}", fmt::join(texts, "; ")); }
+std::string in_one(const std::vector<std::string>& texts) { return fmt::format("{}", fmt::join(texts, "; ")); }
 bool has(const std::string& text, const std::string& words) { return text.find(words) != std::string::npos; }
 
 const Layout kBluehill{"Instron Bluehill",
@@ -238,7 +238,7 @@ TEST_CASE("ten machines' exports are read as they are and give their material", 
     const std::string text = file_of(machine.layout, readings(machine.test));
     const Answer answer =
         answer_of(folder, machine.layout.machine == "a sheet as Unicode text" ? utf16(text) : text, machine.keys);
-    const std::string notes = joined(answer.tests.front().data.notes), warnings = joined(answer.warnings);
+    const std::string notes = in_one(answer.tests.front().data.notes), warnings = in_one(answer.warnings);
     INFO(notes << "\n" << warnings);
     CHECK(answer.outcome == FitOutcome::converged);
     CHECK(answer.numbers.front().value == Approx(kConstant).epsilon(machine.allowed));
@@ -267,7 +267,7 @@ TEST_CASE("columns of displacement and force count where the scene makes strain 
     const Answer answer = answer_of(folder, text, keys);
     INFO(keys);
     CHECK(answer.numbers.front().value == Approx(kConstant).epsilon(0.025));  // of 5 % of strain and noise of 4 % of it
-    CHECK(has(joined(answer.tests.front().data.notes), note));
+    CHECK(has(in_one(answer.tests.front().data.notes), note));
   }
 }
 
@@ -300,20 +300,20 @@ TEST_CASE("a displacement that is the position of a crosshead is named, and coun
     return answer_of(folder, file_of(layout, readings(test)), kSizes + keys);
   };
   const Answer unsaid = answer({}, "");
-  INFO(joined(unsaid.warnings));
-  CHECK(has(joined(unsaid.warnings),
+  INFO(in_one(unsaid.warnings));
+  CHECK(has(in_one(unsaid.warnings),
             "the displacement begins at 105.30 mm, a strain of 421 %, where the force is "
             "nothing ("));
-  CHECK(has(joined(unsaid.warnings), "zero: first counts from the first row"));
-  CHECK(!has(joined(unsaid.warnings), "measure a force"));  // that was measured
+  CHECK(has(in_one(unsaid.warnings), "zero: first counts from the first row"));
+  CHECK(!has(in_one(unsaid.warnings), "measure a force"));  // that was measured
   for (const char* keys : {", zero: first", ", zero: found"}) {
     const Answer found = answer({}, keys);
-    INFO(keys << ": " << joined(found.warnings));
+    INFO(keys << ": " << in_one(found.warnings));
     CHECK(found.numbers.front().value == Approx(kConstant).epsilon(0.02));
-    CHECK(has(joined(found.tests.front().data.notes), "displacement counts from the first row, 105.30 mm"));
-    CHECK(!has(joined(found.warnings), "the displacement begins at"));
+    CHECK(has(in_one(found.tests.front().data.notes), "displacement counts from the first row, 105.30 mm"));
+    CHECK(!has(in_one(found.warnings), "the displacement begins at"));
   }
-  CHECK(!has(joined(answer({}, ", zero: as_given").warnings), "the displacement begins at"));
+  CHECK(!has(in_one(answer({}, ", zero: as_given").warnings), "the displacement begins at"));
   // Moved down, a crosshead presses.
   Layout pressing = layout;
   pressing.displacement_factor = -1;
@@ -325,8 +325,8 @@ TEST_CASE("where a curve counts from behind its slack, the length there is said"
   const TemporaryFolder folder;
   const std::string text = file_of(kBluehill, readings(kSlack)), sizes = ", cross_section: 12 mm2, length: 24.2 mm";
   const std::string length = "where the length is 25.0";  // and 0.8 mm of slack
-  CHECK(has(joined(answer_of(folder, text, sizes).warnings), length));
-  CHECK(has(joined(answer_of(folder, text, sizes + ", zero: found").tests.front().data.notes), length));
+  CHECK(has(in_one(answer_of(folder, text, sizes).warnings), length));
+  CHECK(has(in_one(answer_of(folder, text, sizes + ", zero: found").tests.front().data.notes), length));
 }
 
 TEST_CASE("rows behind a tear that count give no material", "[identify][machines]") {
@@ -337,7 +337,7 @@ TEST_CASE("rows behind a tear that count give no material", "[identify][machines
   const Answer answer = answer_of(folder, file_of(plain, readings(torn)), kSizes + ", torn: keep");
   CHECK(answer.outcome == FitOutcome::misfit);
   CHECK(!answer.succeeded());
-  CHECK(has(joined(answer.warnings), "as `torn: keep` says"));
+  CHECK(has(in_one(answer.warnings), "as `torn: keep` says"));
 }
 
 TEST_CASE("compression is read whatever signs the machine gives it", "[identify][machines]") {
@@ -358,7 +358,7 @@ TEST_CASE("compression is read whatever signs the machine gives it", "[identify]
       }
     }
   const Layout compressive{"", "", "Compressive extension (mm);Compressive load (N)\n", ";", '.', "", "df", "", "\n"};
-  CHECK(has(joined(answer_of(folder, file_of(compressive, readings({.still = 0})), kSizes).tests.front().data.notes),
+  CHECK(has(in_one(answer_of(folder, file_of(compressive, readings({.still = 0})), kSizes).tests.front().data.notes),
             "displacement and force turned to negative"));
 }
 
@@ -389,7 +389,7 @@ TEST_CASE("rows that go on behind a line of words belong to their block", "[iden
       INFO(words << layout.head);
       const Answer answer = answer_of(folder, with(words), kSizes);
       CHECK(answer.numbers.front().value == answer_of(folder, whole, kSizes).numbers.front().value);
-      CHECK(has(joined(answer.tests.front().data.notes), "between the rows passed over, the first in line 120"));
+      CHECK(has(in_one(answer.tests.front().data.notes), "between the rows passed over, the first in line 120"));
       CHECK(has(message_of([&] { answer_of(folder, with(layout.head), kSizes); }), "several blocks"));
     }
   // What may be their names, and rows that begin again, are a question.
@@ -416,7 +416,7 @@ TEST_CASE("a large strain without a unit is named, with what to write if it is i
     const auto warnings_of = [&](const std::string& head, const std::string& keys, double scale) {
       std::string text = head + "," + stress + "\n";
       for (int i = 1; i <= 20; ++i) text += fmt::format("{:.6g},{:.6g}\n", scale * i / 20, 600. * i);
-      return joined(answer_of(folder, text, keys, kind).warnings);
+      return in_one(answer_of(folder, text, keys, kind).warnings);
     };
     const std::string words =
         "column '" + name + "' has no unit, and its largest value, 10, is taken as a strain of 1000 %";
@@ -451,19 +451,19 @@ TEST_CASE("both directions of an equibiaxial test are compared", "[identify][mac
                                       {"stretch_y,stretch_x,nominal_stress_y [kPa],nominal_stress_x [kPa]", true},
                                       {"λ1 [-],λ2 [-],PK1 stress 1 (kPa),PK1 stress 2 (kPa)", false}}) {
     const Answer same = answer(heads, 1, 1, turned);
-    INFO(heads << joined(same.tests.front().data.notes) << joined(same.warnings));
+    INFO(heads << in_one(same.tests.front().data.notes) << in_one(same.warnings));
     CHECK(same.numbers.front().value == Approx(kConstant).epsilon(2e-3));
-    CHECK(!has(joined(same.warnings), "differs from"));
-    CHECK(has(joined(same.tests.front().data.notes), "is within 0 % of it"));
+    CHECK(!has(in_one(same.warnings), "differs from"));
+    CHECK(has(in_one(same.tests.front().data.notes), "is within 0 % of it"));
   }
-  CHECK(has(joined(answer(head, 1, 1).tests.front().data.notes),
+  CHECK(has(in_one(answer(head, 1, 1).tests.front().data.notes),
             "'nominal_stress_x [kPa]' counts, and 'nominal_stress_y [kPa]' is within"));
-  const std::string stresses = joined(answer(head, 1, 2).warnings);
+  const std::string stresses = in_one(answer(head, 1, 2).warnings);
   INFO(stresses);
   CHECK(has(stresses, "'nominal_stress_y [kPa]' differs from 'nominal_stress_x [kPa]', by up to "));
   CHECK(has(stresses, " of its largest value, in line 6"));  // 61 but for the scatter
-  CHECK(has(joined(answer(head, 0.5, 1).warnings), "'stretch_y' differs from 'stretch_x', by up to 50 %"));
-  CHECK(has(joined(answer(head, 1.05, 1).warnings), "'stretch_y' differs from 'stretch_x', by up to 5 %"));
+  CHECK(has(in_one(answer(head, 0.5, 1).warnings), "'stretch_y' differs from 'stretch_x', by up to 50 %"));
+  CHECK(has(in_one(answer(head, 1.05, 1).warnings), "'stretch_y' differs from 'stretch_x', by up to 5 %"));
 }
 
 TEST_CASE("rows in which the strain is held belong to no branch", "[identify][machines]") {
@@ -499,7 +499,7 @@ TEST_CASE("rows in which the strain is held belong to no branch", "[identify][ma
       CHECK(up.numbers.front().value == Approx(20e3).epsilon(2e-3));
       CHECK(down.numbers.front().value == Approx(14e3).epsilon(2e-3));
       CHECK(alone.numbers.front().value == Approx(20e3).epsilon(2e-3));
-      const std::string notes = joined(down.tests.front().data.notes);
+      const std::string notes = in_one(down.tests.front().data.notes);
       INFO(notes);
       CHECK(has(notes, "left out, where the nominal_strain is held while the nominal_stress changes: lines 4"));
       CHECK(has(notes, fmt::format(" to {}, down by", 42 + held)));
@@ -520,7 +520,7 @@ TEST_CASE("rows in which the strain is held belong to no branch", "[identify][ma
 TEST_CASE("a prefix that is wrong more often than not is named", "[identify][machines]") {
   const TemporaryFolder folder;
   const auto warnings_of = [&](const std::string& head, const std::string& keys) {
-    return joined(answer_of(folder, head + "\n0.1,1\n0.2,1.8\n0.3,2.5\n", keys).warnings);
+    return in_one(answer_of(folder, head + "\n0.1,1\n0.2,1.8\n0.3,2.5\n", keys).warnings);
   };
   const std::string words =
       "is taken in millipascals, mPa: if megapascals are meant, write columns: {\"nominal_stress "
@@ -535,7 +535,7 @@ TEST_CASE("a prefix that is wrong more often than not is named", "[identify][mac
 TEST_CASE("a second column of the same quantity is named", "[identify][machines]") {
   const TemporaryFolder folder;
   const auto notes_of = [&](const std::string& keys) {
-    return joined(answer_of(folder, "displacement [mm],corrected extension [mm],force [N]\n1,1,1\n2,2,1.8\n3,3,2.5\n",
+    return in_one(answer_of(folder, "displacement [mm],corrected extension [mm],force [N]\n1,1,1\n2,2,1.8\n3,3,2.5\n",
                             kSizes + keys)
                       .tests.front()
                       .data.notes);
@@ -549,7 +549,7 @@ TEST_CASE("statistics below the readings are left out with a note", "[identify][
   Layout footed{"", "", "displacement [mm],force [N]\n", ",", '.', "", "df", "Max,0.42\nMean,0.2\n", "\n"};
   const Answer answer = answer_of(folder, file_of(footed, readings({})), kSizes);
   CHECK(answer.numbers.front().value == Approx(kConstant).epsilon(0.01));
-  CHECK(has(joined(answer.tests.front().data.notes), "2 rows behind the end of these columns left out"));
+  CHECK(has(in_one(answer.tests.front().data.notes), "2 rows behind the end of these columns left out"));
   // Between readings a word is a fault.
   footed.end += "7.6,0.5\n";
   CHECK(has(message_of([&] { answer_of(folder, file_of(footed, readings({})), kSizes); }), "'Max' is no number"));
@@ -561,7 +561,7 @@ TEST_CASE("a file that counts pulling as negative says how it is read, and what 
   negative.displacement_factor = negative.force_factor = -1;
   const std::string text = file_of(negative, readings({.still = 0}));
   const auto notes_with = [&](const std::string& keys) {
-    return joined(answer_of(folder, text, kSizes + keys).tests.front().data.notes);
+    return in_one(answer_of(folder, text, kSizes + keys).tests.front().data.notes);
   };
   CHECK(has(notes_with(""), "displacement and force are negative, and count as compression; signs: pressing turns"));
   CHECK(!has(notes_with(", signs: pulling"), "count as compression"));
@@ -759,7 +759,7 @@ TEST_CASE("a record of relaxation is read from where the load begins, and by its
   for (const Case& one : cases) {
     INFO(one.what);
     const Answer answer = found(one.text, one.keys);
-    const std::string warnings = joined(answer.warnings);
+    const std::string warnings = in_one(answer.warnings);
     INFO(warnings);
     CHECK(has(warnings, one.warning));
     if (one.warning.empty()) CHECK(answer.warnings.size() == 0);
@@ -795,7 +795,7 @@ TEST_CASE("times as hours, minutes and seconds are seconds", "[identify][machine
         found("T;nominal_stress [Pa]", "", '.', ", columns: {T: 'time [s]'}")}) {
     CHECK(answer.numbers[0].value == Approx(kConstant).epsilon(1e-4));
     CHECK(answer.numbers[2].value == Approx(20).epsilon(1e-4));
-    CHECK(has(joined(answer.tests.front().data.notes), "times as hours:minutes:seconds"));
+    CHECK(has(in_one(answer.tests.front().data.notes), "times as hours:minutes:seconds"));
   }
 }
 
