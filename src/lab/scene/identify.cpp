@@ -132,7 +132,8 @@ const Keys<DataTest>& data_test_keys() {
                         "what a column means, by its name or its number: `{Load: 'force [N]'}`"),
       key::choice("decimal", &S::decimal, {{"point", '.'}, {"comma", ','}}, "mark of decimals in the file")
           .otherwise("as recognised"),
-      key::whole("block", &S::block, 1, "which of several blocks of the file, each with names of its own, counts")
+      key::whole("block", &S::block, 1,
+                 "which of several blocks of the file, each with names of its own or of rows that begin again, counts")
           .otherwise("the only one with the columns"),
       later_key("from", &S::from, "the column's", "none",
                 "least of what is prescribed that counts, as the file has it; no other row is looked at")
@@ -148,7 +149,7 @@ const Keys<DataTest>& data_test_keys() {
               "`pulling`; of `compression`, of `indentation` and of a strain below 0 that is kept either, by each "
               "column's own sign"),
       key::choice("branch", &S::branch, {{"loading", BranchChoice::loading}, {"unloading", BranchChoice::unloading}},
-                  "which rows of a curve that goes to and fro count")
+                  "which rows of a curve that goes to and fro count; those in which the strain is held, in neither")
           .when(curved)
           .otherwise("all, of a curve that does not"),
       key::whole("cycle", &S::cycle, -1000, 1000, "which of several such branches: 1 is the first, -1 the last")
