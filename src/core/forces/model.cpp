@@ -155,8 +155,10 @@ void Model::measure_rest_force() const {
 }
 
 void Model::begin_step(const State& from, double time) const {
-  if (rest_in_time)
-    if (const double part = rest_in_time(std::isfinite(time) ? time : from.time); part != rest_part_) set_rest(part);
+  // rest_force stays: what it would be here hangs on the steps before, which a run that is resumed has not taken.
+  if (rest_in_time) rest_part_ = rest_in_time(std::isfinite(time) ? time : from.time);
+  if (rest_in_time && body_->unstressed)
+    for (const auto& law : elasticity_) law->set_rest(rest_part_);
   for (const auto& [law, name] : law_histories_) law->begin_step(name, from, time);
 }
 

@@ -778,6 +778,27 @@ TEST_CASE("a run that stops and goes on has bitwise the same results as one that
   }
 }
 
+TEST_CASE("a run that grows, relaxes and touches goes on with bitwise the same results", "[time][restart][rest]") {
+  const std::string text =
+      "body: {lattice: {kind: cubic, molecules: [3, 3, 5], spacing: 5 mm, order: 1}}\n"
+      "material: {youngs_modulus: 20 kPa, poissons_ratio: 0.3, density: 1000 kg/m3, "
+      "relaxation: {terms: [[0.3, 0.05 s], [0.2, 0.5 s]]}}\nstiffness: 'prony:neo_hookean'\n"
+      "rest: {growth: 1.2, along: z, factor: {ramp: {duration: 0.3 s}}}\n"
+      "contact: {friction: 0.2, obstacles: [{name: wall, plane: {point: [0, 0, 22 mm], normal: -z}, motion: "
+      "{by: [0, 0, -4 mm], in_time: {ramp: {duration: 0.2 s}}}}]}\n"
+      "experiment: {kind: motion, fixture: {kind: loads, read: [{name: t, molecules: {side: z}}]}}\n"
+      "supports: [{molecules: {side: -z}}]\n"
+      "time: {duration: 0.36 s, stepper: backward_euler, step: 5 ms, frames: 36, checkpoint: 25}\n";
+  std::string restart;
+  RunOptions options;
+  options.checkpoint = [&](const std::string& saved) { restart = saved; };
+  const Run whole = run_of(text, options);
+  REQUIRE(whole.outcome == Outcome::converged);
+  RunOptions later;
+  later.restart = restart;
+  CHECK(numbers_of(run_of(text, later)) == numbers_of(whole));
+}
+
 TEST_CASE("a run at rest that is stopped ends between two load steps", "[statics]") {
   int asked = 0;
   RunOptions options;
