@@ -3,6 +3,7 @@
 
 #include "core/model/faces.h"
 #include "elastin/core/base/error.h"
+#include "elastin/core/base/text.h"
 #include "elastin/core/model/share.h"
 #include "lab/scene/parts.h"
 
@@ -82,6 +83,16 @@ LoadValues read_values(Reader reader, const LoadKind& load, const Body& body, co
   return values;
 }
 
+/// Of a gas that the pressure outside presses in from the start: its own may be meant as that over the one outside.
+std::string warning_of(const LoadValues& values) {
+  if (!values.has("start_pressure") || !values.has("ambient")) return "";
+  const double start = values.numbers.at("start_pressure"), ambient = values.numbers.at("ambient");
+  if (!(start < ambient)) return "";
+  return "start_pressure is absolute, and " + number(start, 6) + " Pa is below `ambient`, " + number(ambient, 6) +
+         " Pa: the surface is pressed in from the start; for a pressure of " + number(start, 6) +
+         " Pa over that outside, write " + number(ambient + start, 9) + " Pa";
+}
+
 /// Adds loads as functions of time.
 void vary_loads(Model& model, const std::function<void(Model&)>& add, const TimeFunction& function) {
   Model apart(model.body());
@@ -142,10 +153,11 @@ SceneLoad read_load(Reader reader, const elastin::Table<LoadKind>& loads, const 
   const bool acts_at_rest = kind->acts_at_rest(values);
   const auto add = [kind, values, material](Model& model) { kind->add(model, values, &material); };
   if (!in_time && kind->name == kFace) return {{add}, acts_at_rest};
-  if (!in_time) return {{add, std::pair(kind->name, values)}, acts_at_rest};
+  const std::string warning = warning_of(values);
+  if (!in_time) return {{add, std::pair(kind->name, values)}, acts_at_rest, false, warning};
   const TimeFunction function = read_time_function(*in_time);
   if (!acts_at_rest) in_time->fail("damping and drag do not change in time");
-  return {{[add, function](Model& model) { vary_loads(model, add, function); }}, true, true};
+  return {{[add, function](Model& model) { vary_loads(model, add, function); }}, true, true, warning};
 }
 
 std::vector<KeySection> load_keys(const Catalog& catalog) {

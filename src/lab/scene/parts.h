@@ -185,6 +185,7 @@ struct SceneLoad {
   SpecimenLoad load;
   bool acts_at_rest = true;      ///< false: drag and damping, which a static experiment does not feel
   bool changes_in_time = false;  ///< an experiment at rest must not have it
+  std::string warning = {};      ///< of values that are hardly meant
 };
 /// What scenes name under `loads`: the catalog's, and those that stand on the ends of an experiment.
 elastin::Table<LoadKind> scene_loads(const Catalog& catalog);

@@ -495,6 +495,7 @@ std::unique_ptr<Scene> read_scene(const SceneSource& source, const Catalog& cata
       if (!load.acts_at_rest && !timed)
         scene->warnings.push_back(item.path() +
                                   ": acts on moving bodies only; it changes nothing in a static experiment");
+      if (!load.warning.empty()) scene->warnings.push_back(item.path() + ": " + load.warning);
       scene->specimen.loads.push_back(std::move(load.load));
     }
   if (scene->time) scene->time->follows = reader.time_functions();

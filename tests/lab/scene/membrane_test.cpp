@@ -86,6 +86,24 @@ TEST_CASE("what is wrong with a surface or its pressure is reported at its key",
   for (const auto& [text, wanted] : slips) CHECK_THAT(refusal(text), Contains(wanted));
 }
 
+TEST_CASE("a gas below the pressure outside is said to press the surface in", "[scene]") {
+  const auto warned = [](const std::string& gas) {
+    const auto scene =
+        load_scene(SceneSource::of_text("a.yaml",
+                                        "body: {sphere: {radius: 10 cm, divisions: 2}}\nmaterial: {youngs_modulus: 1 "
+                                        "MPa, poissons_ratio: 0.5, thickness: 1 mm}\nstiffness: "
+                                        "neo_hookean_membrane\nloads: [{gas: {" +
+                                            gas + "}}]\nexperiment: {kind: loads}\n"),
+                   built_in_catalog());
+    return scene->warnings.empty() ? std::string() : scene->warnings.front();
+  };
+  CHECK_THAT(
+      warned("start_pressure: 1.675 kPa"),
+      Contains("start_pressure is absolute, and 1675 Pa is below `ambient`, 101325 Pa") && Contains("write 103000 Pa"));
+  CHECK(warned("start_pressure: 103 kPa").empty());
+  CHECK(warned("start_pressure: 1 kPa, ambient: 0 Pa").empty());
+}
+
 TEST_CASE("a scene turned about is inflated alike, and its own pressure adds to the experiment's", "[scene]") {
   const std::string octant = "sphere_octant: {radius: 1 m, mesh: type_1, divisions: 5}";
   const std::string inflation = "{kind: inflation, pressure: 10 kPa, symmetry: [x, y, z]}";
