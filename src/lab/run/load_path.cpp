@@ -742,13 +742,19 @@ std::string free_motions_text(const Model& model, const StaticExperiment& experi
                          " free";
 }
 
-/// What may be the reason that there is no equilibrium, for the end of the cause; or "".
+/// The last equilibrium of a load curve, and the load there.
+struct Reached {
+  State state;
+  double factor = 0;
+};
+
+/// What may be the reason that there is no equilibrium beyond the last one, for the end of the cause; or "".
 std::string unheld_text(Model& model, const StaticExperiment& experiment, StaticRig& rig, const StaticOptions& options,
-                        const Run& run) {
+                        const Reached& reached, const Run& run) {
   if (run.zero_energy_modes > 0 && !options.linear && options.static_method == StaticMethod::newton)
     return "; `solver.method: implicit` finds where a mechanism comes to rest";
-  set_load(model, rig, 0);
-  const std::string free = free_motions_text(model, experiment, state_at_rest(model.body()));
+  set_load(model, rig, reached.factor);
+  const std::string free = free_motions_text(model, experiment, reached.state);
   return free.empty() ? "" : "; " + free + ": hold more of " + (model.body().parts.empty() ? "it" : "them");
 }
 
@@ -769,7 +775,8 @@ void count_stress_against_modes(Model& model, const State& start, const RunOptio
 }
 
 void follow_load_curve(Model& model, const StaticExperiment& experiment, StaticRig& rig, const Material& material,
-                       const RunOptions& options, Run& run, const std::function<void(State&)>& begin) {
+                       const RunOptions& options, Run& run, const std::function<void(State&)>& begin,
+                       Reached& reached) {
   State at_start = state_at_rest(model.body());
   if (begin) begin(at_start);
   Start start;
@@ -818,6 +825,7 @@ void follow_load_curve(Model& model, const StaticExperiment& experiment, StaticR
       if (run.contact && run.contact->pairs == 0 && solved.residual > kBalanced) loaded = false;  // nothing is touched
     }
     run.bisected_load_steps = path.halvings();
+    if (solved.outcome != Outcome::converged) reached = {path.state(), path.factor()};
     if (path.may_have_passed())
       warn_once(
           "something may have passed through what it touches within a load step, which was halved as far as can be: "
@@ -875,6 +883,7 @@ void follow_load_curve(Model& model, const StaticExperiment& experiment, StaticR
       for (const std::string& doubt : options.derivatives->take_doubts()) warn_once(doubt, run);
     }
     keep(load_factor, step);
+    reached = {path.state(), load_factor};
   }
   run.end = path.state().positions;
   if (const Vibrations* found = rig.vibrations()) keep_modes(*found, run);
@@ -917,9 +926,10 @@ void follow_load_curve(Model& model, const StaticExperiment& experiment, StaticR
 
 void solve_load_curve(Model& model, const StaticExperiment& experiment, StaticRig& rig, const Material& material,
                       const RunOptions& options, Run& run, const std::function<void(State&)>& begin) {
-  follow_load_curve(model, experiment, rig, material, options, run, begin);
+  Reached reached{state_at_rest(model.body())};
+  follow_load_curve(model, experiment, rig, material, options, run, begin, reached);
   if (run.outcome == Outcome::limit_reached || run.outcome == Outcome::diverged || run.outcome == Outcome::mechanism)
-    run.cause += unheld_text(model, experiment, rig, options.statics, run);
+    run.cause += unheld_text(model, experiment, rig, options.statics, reached, run);
 }
 
 }  // namespace elastin::lab

@@ -42,6 +42,7 @@ class LoadPath {
   StaticResult advance(double factor, LoadPart* steepest = nullptr);
 
   const State& state() const { return state_; }
+  double factor() const { return factor_; }   ///< of the load, there
   int halvings() const { return halvings_; }  ///< parts of the load that had to be halved, so far
   /// Whether what touches may have passed through something in a part of the load that was not halved any more.
   bool may_have_passed() const { return may_have_passed_; }

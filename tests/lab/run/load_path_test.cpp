@@ -2,6 +2,9 @@
 
 #include "lab/run/load_path.h"
 
+#include <algorithm>
+#include <cmath>
+
 #include <catch2/catch.hpp>
 
 #include "lab/run/specimen.h"
@@ -600,6 +603,27 @@ TEST_CASE("a sheet of springs that is pulled by a force has its flat equilibrium
     for (const std::string& warning : flat.warnings) CHECK_THAT(warning, !Contains("buckling"));
     CHECK(flat.measures.get("effective_modulus") == Approx(small.measures.get("effective_modulus")).epsilon(1e-3));
   }
+}
+
+TEST_CASE("what is crushed between plates is not said to be free", "[statics][load_path]") {
+  // The plates hold the block along z once they touch it; and go on until it has no room.
+  const auto scene = load_scene(
+      SceneSource::of_text("a.yaml",
+                           "body: {tetrahedra: {kind: body_centred, cubes: [2, 2, 2], size: [4 mm, 4 mm, 4 mm]}}\n"
+                           "material: {youngs_modulus: 10 kPa, poissons_ratio: 0.3}\nstiffness: neo_hookean\n"
+                           "supports: [{molecules: {nearest: [2 mm, 2 mm, 2 mm]}, fix: [x, y]}, "
+                           "{molecules: {nearest: [2 mm, 2 mm, 4 mm]}, fix: [x, y]}, "
+                           "{molecules: {nearest: [0, 2 mm, 2 mm]}, fix: [y]}]\n"
+                           "solver: {newton_limit: 12}\n"
+                           "contact: {obstacles: [{name: top, plane: {point: [0, 0, 4.1 mm], normal: -z}, motion: "
+                           "{by: [0, 0, -3.5 mm]}}, {name: low, plane: {point: [0, 0, -0.1 mm], normal: z}}]}\n"
+                           "experiment: {kind: loads, load_steps: 4}\n"),
+      built_in_catalog());
+  const Run run = run_strategy(scene->specimen, *scene->experiment, scene->stiffness, {.statics = scene->statics});
+  INFO(run.cause);
+  REQUIRE(run.outcome != Outcome::converged);
+  REQUIRE(!run.curve.empty());
+  CHECK_THAT(run.cause, !Contains("free"));
 }
 
 TEST_CASE("a curve whose modulus jumps at rest names the ways past that where no equilibrium is found",
