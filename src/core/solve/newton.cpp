@@ -51,10 +51,12 @@ LinearSolver& solver_of(const LinearMethod& method, bool chosen, bool symmetric,
   return *cached.solver;
 }
 
-/// Leaves of a load what does no work on the motions that nothing resists.
-void take_out_rigid(const Tangent& tangent, const std::vector<Support>& supports, Positions& ignored, Positions& load) {
-  Positions forces;
+/// A load that has a part in all directions, but for the motions that nothing resists, on which it does no work.
+Positions scattered_load(const Tangent& tangent, const std::vector<Support>& supports, Positions& ignored) {
+  Positions load = scattered_directions(tangent.model().body().size()), forces;
+  keep_free(supports, load);
   RigidMotions(tangent, supports, ignored, forces).remove_from(tangent.positions(), load);
+  return load;
 }
 
 /// A way out of an equilibrium that is no minimum, which no force leads out of: a direction of negative stiffness, met
@@ -65,9 +67,7 @@ void take_out_rigid(const Tangent& tangent, const std::vector<Support>& supports
 Positions way_down(const Tangent& tangent, const std::vector<Support>& supports, const StaticOptions& options,
                    int& iterations, Positions& ignored, CachedSolver& cached) {
   constexpr double tolerance = 1e-5;
-  Positions load = scattered_directions(tangent.model().body().size());
-  keep_free(supports, load);
-  take_out_rigid(tangent, supports, ignored, load);
+  const Positions load = scattered_load(tangent, supports, ignored);
   const LinearMethod method = choose_linear_solver(tangent, options.method, tolerance).method;
   cached.forget();
   if (!options.method->make) cached.solver.reset();
@@ -151,6 +151,31 @@ bool lies_flat(const Problem& problem, const State& state) {
   for (int i = 0; i < rest.cols(); ++i)
     if (!(std::abs(normal->dot(tangent.diagonal(i) * *normal)) <= 1e-9 * tangent.diagonal(i).norm())) return false;
   return true;
+}
+
+/// What holds a flat sheet where it is and in its plane, too: across that plane its forces are rounding, and where
+/// slack it has no stiffness that would keep their motion small. Nothing where the forces lead out of the plane, or
+/// have no such part at all, as in a plane of two axes.
+std::optional<std::vector<Support>> supports_in_plane(const Problem& problem, const Trial& now) {
+  constexpr double rounding = 1e-9;
+  const Positions& positions = now.state.positions;
+  const auto normal = plane_normal(positions);
+  if (!normal) return {};
+  const Eigen::RowVectorXd off = normal->transpose() * (positions.colwise() - positions.rowwise().mean()),
+                           across = normal->transpose() * now.forces.unbalanced;
+  if (off.isZero(0) && across.isZero(0)) return {};
+  if (!(across.norm() <= rounding * (now.forces.scale + now.forces.norm))) return {};
+  const Matrix3 within = Matrix3::Identity() - *normal * normal->transpose();
+  std::vector<Support> supports = problem.model.supports;
+  std::vector<char> held(static_cast<std::size_t>(positions.cols()), 0);
+  for (Support& support : supports) {
+    if (!((support.free * within - within * support.free).norm() <= rounding)) return {};
+    support.free *= within;
+    held[support.molecule] = 1;
+  }
+  for (int molecule = 0; molecule < positions.cols(); ++molecule)
+    if (!held[molecule]) supports.push_back({molecule, within});
+  return supports;
 }
 
 }  // namespace
@@ -321,6 +346,9 @@ StaticResult balance_once(Model& model, State& state, const StaticOptions& optio
   // What grows or shrinks is at a saddle as soon as its rest says so, before it has moved.
   bool stable_start = problem.with_energy && options.probe && model.body().unstressed, adrift = false;
   const int growing_limit = problem.with_energy || kinematics ? 0 : kGrowingSteps;
+  const auto& loads = model.loads();
+  const bool flat_sheet = !kinematics && lies_flat(problem, now.state) &&
+                          std::none_of(loads.begin(), loads.end(), [](const auto& load) { return load->changes(); });
   int growing = growing_limit;
   std::optional<Trial> calm;         // where the first of these steps began
   int saddles = 0, last_saddle = 0;  // how many were left, and after how many iterations
@@ -381,11 +409,13 @@ StaticResult balance_once(Model& model, State& state, const StaticOptions& optio
     if (!model.has_energy()) forcing = std::max(forcing, 0.03);
     last = now.forces.norm;
     Positions& motion = workspace.motion;
+    const auto in_plane = flat_sheet ? supports_in_plane(problem, now) : std::nullopt;
+    if (in_plane) keep_free(*in_plane, now.forces.unbalanced);
     const LinearResult linear =
         linearised ? linearised->solve(now.forces.unbalanced, forcing, motion, used)
-                   : solve_linear(tangent, model.supports, now.forces.unbalanced, forcing, options,
-                                  !stable_start || result.newton_iterations >= last_saddle + kDownhillSteps, motion,
-                                  used, workspace.solver);
+                   : solve_linear(tangent, in_plane ? *in_plane : model.supports, now.forces.unbalanced, forcing,
+                                  options, !stable_start || result.newton_iterations >= last_saddle + kDownhillSteps,
+                                  motion, used, workspace.solver);
     const bool negative = linear.status == LinearStatus::negative_mode || linear.negative_modes > 0;
     if (result.newton_iterations == 0) stable_start = stable_start || (problem.with_energy && !negative);
     result.linear_iterations += linear.iterations;

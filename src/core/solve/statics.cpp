@@ -57,6 +57,19 @@ StaticResponse stretched(Model& model, const Positions& at, const Positions& dis
   return response;
 }
 
+/// Takes out of the answer to supports that move within the plane of a flat body what leads out of it: rounding.
+void stay_in_plane(const Model& model, const Positions& at, const Positions& displacement, Positions& motion) {
+  constexpr double rounding = 1e-9;
+  const Vector3 normal = model.body().share ? Vector3(Vector3::Zero()) : plane_normal(model.body());
+  const auto& loads = model.loads();
+  if (normal.isZero(0) || std::any_of(loads.begin(), loads.end(), [](const auto& load) { return load->changes(); }))
+    return;
+  const Positions about = at.colwise() - at.rowwise().mean();
+  for (const Positions* vectors : {&about, &displacement})
+    if (!((normal.transpose() * *vectors).norm() <= rounding * vectors->norm())) return;
+  motion -= normal * (normal.transpose() * motion).eval();
+}
+
 /// The body stretched with the mean motion that moved supports impose is a far better start than a torn first layer:
 /// one linear solve about the present state, with the supports' displacement as its only load. Returns that state, if
 /// there is such a displacement.
@@ -66,7 +79,8 @@ std::optional<State> follow_supports(Model& model, State& state, const StaticOpt
   apply_supports(model, moved);
   const Positions displacement = moved - state.positions;
   if (!any_over(model.body(), displacement.cwiseAbs().maxCoeff() != 0)) return {};
-  const StaticResponse response = stretched(model, state.positions, displacement, options);
+  StaticResponse response = stretched(model, state.positions, displacement, options);
+  stay_in_plane(model, state.positions, displacement, response.motion);
   result.linear_iterations += response.result.linear_iterations;
   if (last) last->note(response.motion, model.supports);
   const Positions positions = state.positions + response.motion;

@@ -605,6 +605,27 @@ TEST_CASE("a sheet of springs that is pulled by a force has its flat equilibrium
   }
 }
 
+TEST_CASE("a slack sheet that is sheared stays in its plane, however that is turned", "[statics][load_path]") {
+  const auto energy = [](const std::string& turn) {
+    const auto scene = load_scene(
+        SceneSource::of_text("a.yaml",
+                             "body: {sheet: {size: [10 cm, 5 cm], pattern: crossed, squares: [6, 3]}}\n"
+                             "material: {youngs_modulus: 1 MPa, poissons_ratio: 0.3, thickness: 0.1 mm}\n"
+                             "stiffness: neo_hookean_membrane+wrinkling\nsupports: [{molecules: {side: -y}}]\n"
+                             "experiment: {kind: loads, load_steps: 4, moved: [{molecules: {side: y}, displacement: "
+                             "[1 cm, 0, 0]}]}\n" +
+                                 turn),
+        built_in_catalog());
+    const Run run = run_strategy(scene->specimen, *scene->experiment, scene->stiffness, {.statics = scene->statics});
+    INFO(turn << run.cause);
+    CHECK(run.outcome == Outcome::converged);
+    return run.measures.get("energy");
+  };
+  const double straight = energy("");
+  for (const std::string turn : {"{axis: x, angle: 30 deg}", "{axis: [1, 1, 0], angle: 50 deg}"})
+    CHECK(energy("rotate: " + turn + "\n") == Approx(straight).epsilon(1e-6));
+}
+
 TEST_CASE("what is crushed between plates is not said to be free", "[statics][load_path]") {
   // The plates hold the block along z once they touch it; and go on until it has no room.
   const auto scene = load_scene(
