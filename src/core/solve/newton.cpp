@@ -13,6 +13,7 @@
 #include "core/linear/multigrid.h"
 #include "core/linear/rigid_motions.h"
 #include "core/parallel/parallel.h"
+#include "core/solve/divergence.h"
 #include "core/solve/last_solve.h"
 #include "core/solve/steppers.h"
 #include "elastin/core/base/stop.h"
@@ -349,6 +350,7 @@ StaticResult balance_once(Model& model, State& state, const StaticOptions& optio
   const auto& loads = model.loads();
   const bool flat_sheet = !kinematics && lies_flat(problem, now.state) &&
                           std::none_of(loads.begin(), loads.end(), [](const auto& load) { return load->changes(); });
+  const bool lacks_energy = options.probe && !problem.with_energy && !kinematics && !shared && !model.body().share;
   int growing = growing_limit;
   std::optional<Trial> calm;         // where the first of these steps began
   int saddles = 0, last_saddle = 0;  // how many were left, and after how many iterations
@@ -378,6 +380,19 @@ StaticResult balance_once(Model& model, State& state, const StaticOptions& optio
       const bool judge_again = result.unstable && !kinematics && problem.with_energy;
       // An answer has met the stiffness already; a start that needs none has not.
       const bool looks = probe && (result.newton_iterations == 0 || may_buckle(problem, now.state.positions));
+      if (lacks_energy && saddles < kSaddles &&
+          (result.newton_iterations == 0 || may_buckle(problem, now.state.positions))) {
+        const Divergence away = find_divergence(problem, now, scattered_load(tangent, model.supports, workspace.motion),
+                                                result.linear_iterations, workspace.trials);
+        result.unstable = away.direction.size() > 0;
+        if (!result.unstable || lies_flat(problem, now.state) ||
+            !follow_divergence(problem, away, options, floor, now, workspace.trials, result))
+          break;
+        ++saddles;
+        result.left_saddle = true;
+        result.unstable = false;
+        continue;
+      }
       if (!judge_again && !looks) break;
       const Positions down = linearised ? linearised->way_down(result.linear_iterations)
                                         : way_down(tangent, model.supports, options, result.linear_iterations,
@@ -394,7 +409,7 @@ StaticResult balance_once(Model& model, State& state, const StaticOptions& optio
       continue;
     }
     if (!shared && is_interrupted(options, result)) break;
-    if (result.newton_iterations == options.newton_limit) {
+    if (result.newton_iterations >= options.newton_limit) {
       result.outcome = adrift ? Outcome::mechanism : Outcome::limit_reached;
       if (!kinematics || !kinematics->cut_short || adrift)
         result.cause = adrift ? kAdrift

@@ -605,6 +605,63 @@ TEST_CASE("a sheet of springs that is pulled by a force has its flat equilibrium
   }
 }
 
+TEST_CASE("a body buckles as it does, whatever makes its stiffness unsymmetric", "[statics][load_path]") {
+  const auto run = [](const std::string& body, const std::string& rest) {
+    const auto scene = load_scene(SceneSource::of_text("a.yaml", body + rest), built_in_catalog());
+    return run_strategy(scene->specimen, *scene->experiment, scene->stiffness, {.statics = scene->statics});
+  };
+  const auto column = [&](const std::string& more) {
+    return run(
+        "body: {lattice: {kind: cubic, molecules: [13, 2, 2], spacing: 5 mm}}\n"
+        "material: {youngs_modulus: 1 MPa, poissons_ratio: 0.3}\nstiffness: neo_hookean\n"
+        "supports: [{molecules: {side: -x}}, {molecules: {side: x}, fix: [y, z]}]\n"
+        "experiment: {kind: loads, read: [{name: mid, molecules: {nearest: [30 mm, 2 mm, 2 mm]}}]}\n",
+        more);
+  };
+  const auto sideways = [](const Run& of) {
+    INFO(of.cause);
+    REQUIRE(of.outcome == Outcome::converged);
+    CHECK_FALSE(of.unstable);
+    return std::hypot(of.measures.get("mid_y"), of.measures.get("mid_z"));
+  };
+  const std::string push = "{traction: {traction: [-35 kPa, 0, 0], 'on': {side: x}}}",
+                    pressure = "{pressure: {pressure: 1e-3 Pa, 'on': {side: x}}}",
+                    wall =
+                        "contact: {friction: 0.3, obstacles: [{name: far, plane: {point: [0, 0, -50 mm], normal: "
+                        "z}}]}\n";
+  const double dead = sideways(column("loads: [" + push + "]\n"));
+  CHECK(dead > 2e-3);
+  for (const std::string& more : {"loads: [" + push + ", " + pressure + "]\n", "loads: [" + push + "]\n" + wall}) {
+    CAPTURE(more);
+    const Run found = column(more);
+    CHECK(sideways(found) == Approx(dead).epsilon(0.02));
+    CHECK(std::any_of(found.warnings.begin(), found.warnings.end(),
+                      [](const std::string& warning) { return warning.find("buckling") != std::string::npos; }));
+  }
+  // Below its load it stays straight, and says nothing.
+  const Run below = column("loads: [{traction: {traction: [-5 kPa, 0, 0], 'on': {side: x}}}, " + pressure + "]\n");
+  CHECK(sideways(below) < 1e-9);
+  CHECK(below.warnings.empty());
+
+  const auto sheet = [&](const std::string& law) {
+    return run(
+        "body: {sheet: {size: [10 cm, 5 cm], pattern: one_way, squares: [12, 6]}}\n"
+        "material: {youngs_modulus: 1 MPa, poissons_ratio: 0.3, thickness: 1 mm, bending: plate}\n"
+        "supports: [{molecules: {side: -x}}]\nexperiment: {kind: loads, load_steps: 2, moved: [{molecules: "
+        "{side: x}, displacement: [-5 mm, 0, 0]}]}\n",
+        "stiffness: " + law + "\n");
+  };
+  const double energy = sheet("neo_hookean_membrane").measures.get("energy");
+  for (const char* law : {"hencky_membrane", "two_parameter"}) {
+    CAPTURE(law);
+    const Run found = sheet(law);
+    INFO(found.cause);
+    REQUIRE(found.outcome == Outcome::converged);
+    CHECK(found.measures.get("largest_displacement") > 0.01);
+    CHECK(std::isfinite(energy));
+  }
+}
+
 TEST_CASE("a slack sheet that is sheared stays in its plane, however that is turned", "[statics][load_path]") {
   const auto energy = [](const std::string& turn) {
     const auto scene = load_scene(
