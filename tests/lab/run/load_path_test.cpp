@@ -605,32 +605,31 @@ TEST_CASE("a sheet of springs that is pulled by a force has its flat equilibrium
   }
 }
 
-TEST_CASE("a body buckles as it does, whatever makes its stiffness unsymmetric", "[statics][load_path]") {
+TEST_CASE("a body buckles as it does, whatever makes its stiffness unsymmetric", "[statics][load_path][slow]") {
   const auto run = [](const std::string& body, const std::string& rest) {
     const auto scene = load_scene(SceneSource::of_text("a.yaml", body + rest), built_in_catalog());
     return run_strategy(scene->specimen, *scene->experiment, scene->stiffness, {.statics = scene->statics});
   };
   const auto column = [&](const std::string& more) {
     return run(
-        "body: {lattice: {kind: cubic, molecules: [13, 2, 2], spacing: 5 mm}}\n"
+        "body: {lattice: {kind: cubic, molecules: [21, 3, 3], spacing: 5 mm, order: 1}}\n"
         "material: {youngs_modulus: 1 MPa, poissons_ratio: 0.3}\nstiffness: neo_hookean\n"
         "supports: [{molecules: {side: -x}}, {molecules: {side: x}, fix: [y, z]}]\n"
-        "experiment: {kind: loads, read: [{name: mid, molecules: {nearest: [30 mm, 2 mm, 2 mm]}}]}\n",
+        "experiment: {kind: loads, load_steps: 4, read: [{name: mid, molecules: {nearest: [50 mm, 5 mm, 5 mm]}}]}\n",
         more);
   };
   const auto sideways = [](const Run& of) {
     INFO(of.cause);
     REQUIRE(of.outcome == Outcome::converged);
-    CHECK_FALSE(of.unstable);
     return std::hypot(of.measures.get("mid_y"), of.measures.get("mid_z"));
   };
-  const std::string push = "{traction: {traction: [-35 kPa, 0, 0], 'on': {side: x}}}",
+  const std::string push = "{traction: {traction: [-25 kPa, 0, 0], 'on': {side: x}}}",
                     pressure = "{pressure: {pressure: 1e-3 Pa, 'on': {side: x}}}",
                     wall =
                         "contact: {friction: 0.3, obstacles: [{name: far, plane: {point: [0, 0, -50 mm], normal: "
                         "z}}]}\n";
   const double dead = sideways(column("loads: [" + push + "]\n"));
-  CHECK(dead > 2e-3);
+  CHECK(dead > 10e-3);
   for (const std::string& more : {"loads: [" + push + ", " + pressure + "]\n", "loads: [" + push + "]\n" + wall}) {
     CAPTURE(more);
     const Run found = column(more);
@@ -692,9 +691,9 @@ TEST_CASE("what is crushed between plates is not said to be free", "[statics][lo
                            "supports: [{molecules: {nearest: [2 mm, 2 mm, 2 mm]}, fix: [x, y]}, "
                            "{molecules: {nearest: [2 mm, 2 mm, 4 mm]}, fix: [x, y]}, "
                            "{molecules: {nearest: [0, 2 mm, 2 mm]}, fix: [y]}]\n"
-                           "solver: {newton_limit: 12}\n"
+                           "solver: {newton_limit: 4}\n"
                            "contact: {obstacles: [{name: top, plane: {point: [0, 0, 4.1 mm], normal: -z}, motion: "
-                           "{by: [0, 0, -3.5 mm]}}, {name: low, plane: {point: [0, 0, -0.1 mm], normal: z}}]}\n"
+                           "{by: [0, 0, -3.9 mm]}}, {name: low, plane: {point: [0, 0, -0.1 mm], normal: z}}]}\n"
                            "experiment: {kind: loads, load_steps: 4}\n"),
       built_in_catalog());
   const Run run = run_strategy(scene->specimen, *scene->experiment, scene->stiffness, {.statics = scene->statics});
