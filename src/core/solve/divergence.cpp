@@ -175,7 +175,7 @@ bool go_on(const Problem& problem, const Positions& motion, Trial& at, TrialWork
 
 }  // namespace
 
-Divergence find_divergence(const Problem& problem, const Trial& now, Positions load, int& iterations,
+Divergence find_divergence(const Problem& problem, const Trial& now, const Positions& load, int& iterations,
                            TrialWorkspace& workspace) {
   const Model& model = problem.model;
   const Tangent tangent(model, now.state);

@@ -19,7 +19,7 @@ struct Divergence {
 /// Arnoldi's iteration with (K + σ M)⁻¹. [Saad 2011] A direction counts only where the forces a little further on lead
 /// away on both sides: what sticks holds one of them. None where an answer cannot be found.
 /// @param load scattered over the free directions, without motions that nothing resists
-Divergence find_divergence(const Problem& problem, const Trial& now, Positions load, int& iterations,
+Divergence find_divergence(const Problem& problem, const Trial& now, const Positions& load, int& iterations,
                            TrialWorkspace& workspace);
 
 /// Follows a divergence from `now` to another equilibrium, by steps with the stiffness K + σ M, σ falling with the

@@ -402,7 +402,8 @@ std::string jump_within(Model& model, StaticRig& rig, StaticOptions options, Loa
   const auto distance = [](const State& a, const State& b) {
     return (b.positions - a.positions).colwise().norm().maxCoeff();
   };
-  auto& [low, high, from, to, slope] = part;
+  double low = part.before, high = part.after;
+  State from = std::move(part.from), to = std::move(part.to);
   const double whole = distance(from, to);
   double least = 1;
   set_load(model, rig, high);
