@@ -1,5 +1,6 @@
 """Sweeps: one scene, many values of its keys, here or on workers."""
 
+import concurrent.futures
 import itertools
 import os
 
@@ -66,6 +67,9 @@ def _by_workers(client, rows, progress):
     except BaseException:
         for future in futures:
             future.cancel()
+        # A pool of processes that is closed before it knows of them may wait for them for ever (CPython 3.11).
+        if all(isinstance(future, concurrent.futures.Future) for future in futures):
+            concurrent.futures.wait(futures)
         raise
     return results
 
